@@ -1,0 +1,56 @@
+# Every target does its own set-up: Python 3.11 or newer and make are all that is needed.
+# Stamps in .venv make a repeated run quick; they are remade when pyproject.toml changes.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-compile
+WORKERS ?= 2
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test check docs bench clean
+
+help:
+	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
+	@echo "make test   all checks and all tests"
+	@echo "make check  ruff, mypy, import contracts, documentation with warnings as errors"
+	@echo "make docs   documentation in docs/_build/html"
+	@echo "make bench  timings, as ratios"
+	@echo "make clean  remove everything that was made here, the environment too"
+
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+	  { echo "viscorod needs Python 3.11 or newer; name one with: make PYTHON=python3.12 $(MAKECMDGOALS)"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.stamp-run: pyproject.toml | $(BIN)/python
+	$(PIP) --editable .
+	@touch $@
+
+$(VENV)/.stamp-test: pyproject.toml | $(BIN)/python
+	$(PIP) --editable '.[test]'
+	@touch $@ $(VENV)/.stamp-run
+
+demo: $(VENV)/.stamp-run
+	$(BIN)/viscorod run examples/cantilever_swing.toml -o out/cantilever_swing
+
+check: $(VENV)/.stamp-test
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
+
+test: check
+	$(BIN)/python -m pytest -n $(WORKERS)
+
+docs: $(VENV)/.stamp-test
+	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
+	@echo "docs/_build/html/index.html"
+
+bench: $(VENV)/.stamp-test
+	$(BIN)/python bench/newton_iteration.py
+	$(BIN)/python bench/startup.py
+
+clean:
+	rm -rf $(VENV) out docs/_build build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	find src tests bench docs -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,51 @@
+"""Sphinx configuration."""
+
+from importlib.metadata import version as installed_version
+
+from pydantic import BaseModel
+
+project = "viscorod"
+author = "viscorod developers"
+copyright = "viscorod developers"
+version = release = installed_version("viscorod")
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
+source_suffix = {".md": "markdown"}
+exclude_patterns = ["_build"]
+default_role = "code"
+myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
+myst_heading_anchors = 3
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # docstrings say what a value means and in which unit
+napoleon_google_docstring = True
+napoleon_numpy_docstring = False
+napoleon_use_ivar = True
+
+html_theme = "furo"
+html_title = "viscorod"
+
+
+def described_arguments(app, what, name, obj, options, signature, returns):
+    """Show the arguments of a described object as they are given: by position first, without the tag."""
+    if what != "class" or not issubclass(obj, BaseModel):
+        return None
+    positional, keyword = [], []
+    for field, info in obj.model_fields.items():
+        if field == getattr(obj, "tag", None):
+            continue
+        # NaN marks one of two alternatives.
+        default = "..." if info.default != info.default else repr(info.default)
+        text = field if info.is_required() else f"{field}={default}"
+        (keyword if info.kw_only else positional).append(text)
+    return f"({', '.join([*positional, *(['*', *keyword] if keyword else [])])})", returns
+
+
+def skip_plumbing(app, what, name, obj, skip, options):
+    """Leave out what only pydantic needs."""
+    return True if name in ("model_config", "tag") else None
+
+
+def setup(app):
+    app.connect("autodoc-process-signature", described_arguments)
+    app.connect("autodoc-skip-member", skip_plumbing)

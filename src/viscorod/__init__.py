@@ -1,0 +1,120 @@
+"""Geometrically exact rods with Kelvin-Voigt damping.
+
+Public names are imported when they are first used, so that ``import viscorod`` takes no time.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+from viscorod.errors import InputError, SolveError
+
+if TYPE_CHECKING:
+    from viscorod.analysis import Model
+    from viscorod.cases import load_case
+    from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
+    from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
+    from viscorod.model.material import KelvinVoigt, Material
+    from viscorod.model.profile import Piecewise, Taper
+    from viscorod.model.rod import Rod
+    from viscorod.model.section import Section
+    from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
+    from viscorod.model.stiffness_section import StiffnessSection
+    from viscorod.model.support import Clamp, Guide, Pin, Roller, Support
+    from viscorod.model.time_function import Constant, Ramp, Sine, SpinUp, Until
+    from viscorod.model.time_table import Function, Table
+    from viscorod.model.velocity import InitialVelocity
+    from viscorod.results.decrement import Decrement
+    from viscorod.results.energy import Energy
+    from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.storage import load
+
+    __version__: str
+
+# Where each name lives; the imports above tell type checkers the same.
+_HOMES = {
+    "analysis": ("Model",),
+    "cases": ("load_case",),
+    "model.centreline": ("Arc", "Curve", "Helix", "Points", "Straight"),
+    "model.load": ("DistributedForce", "DistributedMoment", "Force", "Gravity", "Moment", "MovingForce"),
+    "model.material": ("KelvinVoigt", "Material"),
+    "model.profile": ("Piecewise", "Taper"),
+    "model.rod": ("Rod",),
+    "model.section": ("Section",),
+    "model.shapes": ("Annulus", "Circle", "Ellipse", "Rectangle", "SquareTube"),
+    "model.stiffness_section": ("StiffnessSection",),
+    "model.support": ("Clamp", "Guide", "Pin", "Roller", "Support"),
+    "model.time_function": ("Constant", "Ramp", "Sine", "SpinUp", "Until"),
+    "model.time_table": ("Function", "Table"),
+    "model.velocity": ("InitialVelocity",),
+    "results.decrement": ("Decrement",),
+    "results.energy": ("Energy",),
+    "results.run": ("Equilibrium", "Run"),
+    "results.storage": ("load",),
+}
+_MODULES = {name: f"viscorod.{module}" for module, names in _HOMES.items() for name in names}
+
+__all__ = [
+    "Annulus",
+    "Arc",
+    "Circle",
+    "Clamp",
+    "Constant",
+    "Curve",
+    "Decrement",
+    "DistributedForce",
+    "DistributedMoment",
+    "Ellipse",
+    "Energy",
+    "Equilibrium",
+    "Force",
+    "Function",
+    "Gravity",
+    "Guide",
+    "Helix",
+    "InitialVelocity",
+    "InputError",
+    "KelvinVoigt",
+    "Material",
+    "Model",
+    "Moment",
+    "MovingForce",
+    "Piecewise",
+    "Pin",
+    "Points",
+    "Ramp",
+    "Rectangle",
+    "Rod",
+    "Roller",
+    "Run",
+    "Section",
+    "Sine",
+    "SolveError",
+    "SpinUp",
+    "SquareTube",
+    "StiffnessSection",
+    "Straight",
+    "Support",
+    "Table",
+    "Taper",
+    "Until",
+    "load",
+    "load_case",
+]
+
+
+def __getattr__(name: str) -> object:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("viscorod")
+    if name in _MODULES:
+        value = getattr(importlib.import_module(_MODULES[name]), name)
+        globals()[name] = value
+        return value
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__, "__version__"})

@@ -1,0 +1,123 @@
+"""Cases: a model with the settings of one analysis, from a TOML file."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+from viscorod.cases.schema import CaseReader
+from viscorod.errors import InputError, Problem
+from viscorod.model.described import nearest
+from viscorod.model.description import ModelDescription
+from viscorod.model.settings import EquilibriumSettings, SimulateSettings
+
+__all__ = ["Case", "case_from_dict", "load_case", "parse_case"]
+
+M = TypeVar("M", bound=ModelDescription)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a case file describes.
+
+    Attributes:
+        title: of the case, by default the file's name.
+        description: the model.
+        settings: of the analysis that is asked for.
+        source: the file, if there is one.
+    """
+
+    title: str
+    description: ModelDescription
+    settings: SimulateSettings | EquilibriumSettings
+    source: Path | None = None
+
+    @property
+    def kind(self) -> str:
+        """The analysis: "simulate" or "equilibrium"."""
+        return "simulate" if isinstance(self.settings, SimulateSettings) else "equilibrium"
+
+    def model(self, kind: type[M]) -> M:
+        """The model as an object of a class derived from `ModelDescription`."""
+        parts = self.description
+        return kind.of(parts.rods, parts.supports, parts.loads, parts.attachments, parts.velocities)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The content of a case file that describes the same."""
+        return {"title": self.title, **self.description.to_dict(), self.kind: self.settings.to_dict()}
+
+
+def load_case(path: str | Path) -> Case:
+    """Read a case file.
+
+    Args:
+        path: of a TOML file.
+
+    Raises:
+        InputError: the file cannot be read, is not TOML, or describes something that cannot be computed; the
+            message lists everything that is wrong, with key paths.
+    """
+    path = Path(path)
+    return parse_case(_content(path), path)
+
+
+def parse_case(text: str, source: Path | None = None) -> Case:
+    """Read the text of a case file; see `load_case`."""
+    heading = str(source) if source is not None else "case"
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(_syntax(error, text), heading=heading) from None
+    except (ValueError, RecursionError) as error:
+        found = "tables or lists nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise InputError(
+            Problem("file", found, "this cannot be read as TOML", "simplify it"), heading=heading
+        ) from None
+    return case_from_dict(data, source)
+
+
+def case_from_dict(data: Mapping[str, Any], source: Path | None = None) -> Case:
+    """Read the content of a case file given as nested dicts and lists; see `load_case`."""
+    reader = CaseReader(data)
+    reader.read()
+    if reader.problems or reader.settings is None:
+        raise InputError(reader.problems, heading=str(source) if source is not None else "case")
+    title = reader.title or (source.stem if source is not None else "untitled")
+    return Case(title, reader.model, reader.settings, source)
+
+
+def _content(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        instead = "give the path of a case file"
+        if path.parent.is_dir():
+            close = nearest(path.name, sorted(other.name for other in path.parent.glob("*.toml")))
+            instead = f"did you mean {path.parent / close}?" if close else instead
+        problem = Problem("file", str(path), "there is no such file", instead)
+    except IsADirectoryError:
+        problem = Problem("file", str(path), "this is a folder", "give the path of a case file in it")
+    except UnicodeDecodeError as error:
+        why = f"it is not text in UTF-8 (byte {error.start})"
+        problem = Problem("file", str(path), why, "give a TOML file")
+    except (OSError, ValueError) as error:
+        problem = Problem(
+            "file", str(path), f"it cannot be read ({error})", "check the path and its permissions"
+        )
+    raise InputError(problem)
+
+
+def _syntax(error: tomllib.TOMLDecodeError, text: str) -> Problem:
+    """A TOML syntax error with its line."""
+    position = re.search(r"line (\d+)", str(error))
+    lines = text.splitlines()
+    where, line = "end of the file", ""
+    if position and 0 < int(position[1]) <= len(lines):
+        where, line = f"line {position[1]}", lines[int(position[1]) - 1].strip()[:80]
+    why = re.sub(r"\s*\(at .*\)$", "", str(error))
+    advice = 'write KEY = VALUE, with text in "quotes", lists in [brackets] and tables as [name]'
+    return Problem(where, repr(line) if line else "", f"not TOML: {why[:1].lower()}{why[1:]}", advice)

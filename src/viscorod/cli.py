@@ -1,0 +1,188 @@
+"""The command line: run, check and copy cases.
+
+Heavy packages are imported inside the commands, so that ``--help`` and ``--version`` answer at once.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from viscorod.errors import InputError, SolveError
+
+if TYPE_CHECKING:
+    from viscorod.analysis import CheckReport
+    from viscorod.results.run import Equilibrium, Run
+
+app = typer.Typer(
+    name="viscorod",
+    help="Rods with viscous damping in large motion: hold, let go, watch, and see where every joule went.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+CaseFile = Annotated[
+    Path, typer.Argument(metavar="CASE.toml", help="Case file; `viscorod example` lists some.")
+]
+
+
+@app.callback(invoke_without_command=True)
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", help="Print the version and stop.", is_eager=True)
+    ] = False,
+) -> None:
+    if version:
+        from viscorod import __version__
+
+        typer.echo(f"viscorod {__version__}")
+        raise typer.Exit
+
+
+@app.command()
+def run(
+    case: CaseFile,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", metavar="DIR", help="Folder for results [default: out/CASE]", show_default=False
+        ),
+    ] = None,
+) -> None:
+    """Compute a case; write data and pictures, print a report."""
+    with _readable_errors():
+        from viscorod.analysis import check as check_model
+        from viscorod.analysis import run_case
+        from viscorod.cases import load_case
+        from viscorod.model.settings import SimulateSettings
+        from viscorod.progress import reporting
+
+        loaded = load_case(_existing(case))
+        folder = output or Path("out") / case.stem
+        for warning in check_model(loaded.model).warnings:
+            typer.echo(f"warning: {warning}", err=True)
+        settings = loaded.settings
+        static = not isinstance(settings, SimulateSettings)
+        total = settings.duration if isinstance(settings, SimulateSettings) else 1.0
+        try:
+            with reporting(total, static=static) as progress:
+                result = run_case(loaded, progress=progress)
+        except SolveError as error:
+            typer.echo(f"error: {error}", err=True)
+            if error.run is not None:
+                typer.echo(f"up to there: {', '.join(map(str, _write(error.run, folder)))}", err=True)
+            raise typer.Exit(1) from None
+        written = _write(result, folder)
+        typer.echo(result.report())
+        typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+
+
+@app.command()
+def check(case: CaseFile) -> None:
+    """Validate a case and print its model: sizes, sections, first modes, doubts about validity."""
+    with _readable_errors():
+        from viscorod.analysis import check as check_model
+        from viscorod.cases import load_case
+
+        loaded = load_case(_existing(case))
+        typer.echo(_check_text(check_model(loaded.model)))
+
+
+@app.command()
+def example(
+    name: Annotated[
+        str | None, typer.Argument(help="Case to copy; without it, all are listed.", show_default=False)
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder to copy into")
+    ] = Path(),
+) -> None:
+    """List the cases that come with viscorod, or copy one."""
+    with _readable_errors():
+        from viscorod.cases import library
+
+        if name is not None:
+            target = library.copy(name, output)
+            typer.echo(f"{target}: change it, then: viscorod run {target}")
+            return
+        cases = library.shipped()
+        width = max(map(len, cases), default=0)
+        for word, path in cases.items():
+            typer.echo(f"{word:<{width}}  {library.title(path)}")
+
+
+def main() -> None:
+    """Run the command line."""
+    app()
+
+
+@contextmanager
+def _readable_errors() -> Iterator[None]:
+    """Turn wrong input into one message and exit code 2."""
+    try:
+        yield
+    except InputError as error:
+        typer.echo(f"error: {error}", err=True)
+        raise typer.Exit(2) from None
+
+
+def _existing(case: Path) -> Path:
+    if not case.is_file():
+        raise InputError(f"{case} is no file; name a case file, or copy one with: viscorod example NAME")
+    return case
+
+
+def _write(result: Run | Equilibrium, folder: Path) -> list[Path]:
+    """Write data and pictures; returns the files."""
+    from viscorod.results.run import Run
+
+    if isinstance(result, Run):
+        pictures = [result.plot(folder / "motion.png"), result.plot_energy(folder / "energy.png")]
+    else:
+        pictures = [result.plot(folder / "shape.png")]
+    return [result.save(folder / "run.nc"), *pictures]
+
+
+def _check_text(report: CheckReport) -> str:
+    modes = [
+        {"mode": str(number), "frequency [Hz]": frequency, "damping ratio": ratio}
+        for number, (frequency, ratio) in enumerate(
+            zip(report.frequencies, report.damping_ratios, strict=True), 1
+        )
+    ]
+    blocks = [
+        _rows_text("Rods", report.rods),
+        _rows_text("Sections", report.sections),
+        _rows_text("First natural modes about the reference shape (a quick estimate)", modes),
+        f"{report.nodes} nodes, {report.unknowns} unknowns",
+        "\n".join(["Warnings", *(f"  - {text}" for text in report.warnings)])
+        if report.warnings
+        else "No warnings",
+    ]
+    return "\n\n".join(block for block in blocks if block)
+
+
+def _rows_text(title: str, rows: Sequence[Mapping[str, object]]) -> str:
+    """A table of rows; turned on its side where it would be wider than the terminal."""
+    from viscorod.results.text import table
+
+    if not rows:
+        return ""
+    keys = list(dict.fromkeys(key for row in rows for key in row))
+    cells = [[_cell(row.get(key, "")) for key in keys] for row in rows]
+    text = table(title, keys, cells)
+    if max(map(len, text.splitlines())) <= shutil.get_terminal_size((100, 24)).columns:
+        return text
+    turned = [list(column) for column in zip(keys, *cells, strict=True)]
+    return table(title, turned[0], turned[1:])
+
+
+def _cell(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,79 @@
+"""The two errors that viscorod raises on purpose.
+
+Both carry a message for the person who typed the input: what was found, why it is a problem, what to type
+instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+__all__ = ["InputError", "Problem", "SolveError"]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is wrong in what the user described.
+
+    `where` is the key's path in the words of the case file (``loads[0].value``), `found` the value there,
+    `why` the reason why it cannot be used, and `instead` what to type.
+    """
+
+    where: str
+    found: str
+    why: str
+    instead: str
+
+    def __str__(self) -> str:
+        head = f"{self.where}: " if self.where else ""
+        found = f"{self.found}: " if self.found else ""
+        tail = f"; {self.instead}" if self.instead else ""
+        return f"{head}{found}{self.why}{tail}"
+
+    def within(self, prefix: str) -> Problem:
+        """The same problem with `prefix` put before its path."""
+        return replace(self, where=join_path(prefix, self.where))
+
+
+class InputError(ValueError):
+    """The model, the case file or a setting cannot be used as it was given.
+
+    `problems` lists everything that was found in one go; the message holds one line for each of them.
+    """
+
+    def __init__(self, problems: str | Problem | Iterable[Problem], *, heading: str = "") -> None:
+        if isinstance(problems, str):
+            self.problems: tuple[Problem, ...] = (Problem("", "", problems, ""),)
+        elif isinstance(problems, Problem):
+            self.problems = (problems,)
+        else:
+            self.problems = tuple(problems)
+        self.heading = heading
+        super().__init__(_text(self.problems, heading))
+
+
+class SolveError(RuntimeError):
+    """A solution could not be found; the message tells where it stopped, at which load, and what to try.
+
+    `run` holds the results up to there (a `Run` or an `Equilibrium`), or None if there are none.
+    """
+
+    def __init__(self, message: str, run: Any = None) -> None:
+        super().__init__(message)
+        self.run = run
+
+
+def join_path(prefix: str, path: str) -> str:
+    """`prefix` and `path` as one key path: ``rods.beam`` + ``section`` -> ``rods.beam.section``."""
+    if not prefix or not path:
+        return prefix or path
+    return prefix + path if path.startswith("[") else f"{prefix}.{path}"
+
+
+def _text(problems: tuple[Problem, ...], heading: str) -> str:
+    if len(problems) == 1:
+        return f"{heading}: {problems[0]}" if heading else str(problems[0])
+    lines = "".join(f"\n  - {problem}" for problem in problems)
+    return f"{heading + ': ' if heading else ''}{len(problems)} problems{lines}"

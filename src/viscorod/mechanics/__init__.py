@@ -1,0 +1,1 @@
+"""What nature does: kernels from arrays to arrays, in SI units, without user objects."""

@@ -1,0 +1,123 @@
+"""Nodal inertia: momentum, kinetic energy and inertial forces of nodes with a constant 6x6 mass in their body frame."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.rotation import add_skew, rotate, rotate_back
+from viscorod.typing import Floats
+
+
+@kernel
+def momenta(mass: Floats, r: Floats, q: Floats, twist: Floats, out: Floats) -> float:
+    """Write the spatial momenta (linear, angular about the global origin) of all nodes; return the kinetic energy [J].
+
+    Args:
+        mass: body-frame inertia ``(n, 6, 6)``; r, q: poses; twist: body twists ``(n, 6)``.
+        out: ``(n, 6)`` [N s, N m s], global axes.
+    """
+    energy = 0.0
+    body = np.empty(6)
+    for k in range(r.shape[0]):
+        for i in range(6):
+            body[i] = 0.0
+            for j in range(6):
+                body[i] += mass[k, i, j] * twist[k, j]
+            energy += 0.5 * body[i] * twist[k, i]
+        rotate(q[k], body[0:3], out[k, 0:3])
+        rotate(q[k], body[3:6], out[k, 3:6])
+        out[k, 3] += r[k, 1] * out[k, 2] - r[k, 2] * out[k, 1]
+        out[k, 4] += r[k, 2] * out[k, 0] - r[k, 0] * out[k, 2]
+        out[k, 5] += r[k, 0] * out[k, 1] - r[k, 1] * out[k, 0]
+    return energy
+
+
+@kernel
+def body_wrench(r: Floats, q: Floats, wrench: Floats, out: Floats) -> None:
+    """Write the body components, at the node, of one spatial wrench (force, moment about the global origin)."""
+    m = np.empty(3)
+    m[0] = wrench[3] - (r[1] * wrench[2] - r[2] * wrench[1])
+    m[1] = wrench[4] - (r[2] * wrench[0] - r[0] * wrench[2])
+    m[2] = wrench[5] - (r[0] * wrench[1] - r[1] * wrench[0])
+    rotate_back(q, wrench[0:3], out[0:3])
+    rotate_back(q, m, out[3:6])
+
+
+@kernel
+def spatial_wrenches(r: Floats, q: Floats, body: Floats, out: Floats) -> None:
+    """Write spatial wrenches (global axes, moment about the global origin) of body wrenches ``(n, 6)`` into ``out``."""
+    for k in range(r.shape[0]):
+        rotate(q[k], body[k, 0:3], out[k, 0:3])
+        rotate(q[k], body[k, 3:6], out[k, 3:6])
+        out[k, 3] += r[k, 1] * out[k, 2] - r[k, 2] * out[k, 1]
+        out[k, 4] += r[k, 2] * out[k, 0] - r[k, 0] * out[k, 2]
+        out[k, 5] += r[k, 0] * out[k, 1] - r[k, 1] * out[k, 0]
+
+
+@kernel
+def add_momentum_rate(
+    mass: Floats,
+    r: Floats,
+    q: Floats,
+    twist: Floats,
+    factor: float,
+    history: Floats,
+    rate_map: Floats,
+    with_tangent: bool,
+    residual: Floats,
+    band: Floats,
+    diagonal: int,
+) -> None:
+    """Add the momentum rate ``factor * momentum + history`` (spatial) in body components, and its tangent.
+
+    Any time scheme that is linear in the spatial momenta has this form; because internal forces have no spatial
+    resultant, such a scheme conserves linear and angular momentum to round-off.
+
+    Args:
+        mass, r, q, twist: as in :func:`momenta`.
+        factor: [1/s]; history: ``(n, 6)`` spatial wrenches known from the past [N, N m].
+        rate_map: d(twist)/d(body increment) ``(n, 6, 6)``.
+        residual: ``(n, 6)``, added to; band: transposed band (see ``geometric.assemble``).
+    """
+    wrench = np.empty(6)
+    block = np.empty((6, 6))
+    for k in range(r.shape[0]):
+        body_wrench(r[k], q[k], history[k], wrench)
+        for i in range(6):
+            total = 0.0
+            for j in range(6):
+                total += mass[k, i, j] * twist[k, j]
+            residual[k, i] += factor * total + wrench[i]
+        if not with_tangent:
+            continue
+        block[:, :] = 0.0
+        for i in range(6):
+            for a in range(6):
+                m = factor * mass[k, i, a]
+                if m != 0.0:
+                    for j in range(6):
+                        block[i, j] += m * rate_map[k, a, j]
+        add_skew(wrench[0:3], 1.0, block[0:3, 3:6])
+        add_skew(wrench[0:3], 1.0, block[3:6, 0:3])
+        add_skew(wrench[3:6], 1.0, block[3:6, 3:6])
+        for j in range(6):
+            for i in range(6):
+                band[6 * k + j, diagonal + i - j] += block[i, j]
+
+
+@kernel
+def add_coriolis(mass: Floats, twist: Floats, out: Floats) -> None:
+    """Add ``L1(x1) M x1`` of every node to ``out`` (model.md section 2: the inertial force left at zero acceleration)."""
+    p = np.empty(6)
+    for k in range(twist.shape[0]):
+        for i in range(6):
+            p[i] = 0.0
+            for j in range(6):
+                p[i] += mass[k, i, j] * twist[k, j]
+        v = twist[k, 0:3]
+        w = twist[k, 3:6]
+        for i in range(3):
+            a, b = (i + 1) % 3, (i + 2) % 3
+            out[k, i] += w[a] * p[b] - w[b] * p[a]
+            out[k, 3 + i] += v[a] * p[b] - v[b] * p[a] + w[a] * p[3 + b] - w[b] * p[3 + a]

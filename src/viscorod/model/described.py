@@ -1,0 +1,240 @@
+"""The base of everything that a user describes: frozen, strict, positional, with readable errors.
+
+Pydantic checks the fields; this module turns what it reports into `InputError`s in the words of the user. The
+same classes serve the Python API (``Rectangle(0.01, 0.02)``) and the case files (``shape = "rectangle"``).
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+import reprlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, ClassVar, TypeVar, dataclass_transform
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from viscorod.errors import InputError, Problem
+
+__all__ = [
+    "Described",
+    "Marked",
+    "RefusedError",
+    "base_init",
+    "nearest",
+    "path_text",
+    "plain_value",
+    "problems_from",
+    "problems_of",
+    "show",
+]
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_SHORT = reprlib.Repr()
+_SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 60, 60, 30
+_SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = 8
+
+
+class RefusedError(InputError):
+    """Raised inside a validator: why a value is refused and what to give instead.
+
+    `found` replaces the text for the value, `at` extends the key path (for checks that compare several keys).
+    """
+
+    def __init__(
+        self, why: str, instead: str = "", *, found: str | None = None, at: Sequence[str | int] = ()
+    ) -> None:
+        super().__init__(Problem(path_text(at), found or "", why, instead))
+        self.why, self.instead, self.found, self.at = why, instead, found, tuple(at)
+
+
+class Marked:
+    """Stands in for a value that is known to be wrong (a misspelt or missing key, an unknown name).
+
+    Whatever the validators say of it, the problem reported is the one told here; `replaces` names the
+    missing key that a misspelt one explains; `silent` leaves the problem out because it has been told
+    elsewhere.
+    """
+
+    def __init__(
+        self, value: Any, why: str = "", instead: str = "", *, replaces: str = "", silent: bool = False
+    ) -> None:
+        self.value, self.why, self.instead = value, why, instead
+        self.replaces, self.silent = replaces, silent
+
+
+def base_init(function: F) -> F:
+    """Mark an ``__init__`` that pydantic need not call for nested tables: their errors keep their paths."""
+    function.__dict__["__pydantic_base_init__"] = True
+    return function
+
+
+@dataclass_transform(kw_only_default=False, field_specifiers=(Field,))
+class Described(BaseModel):
+    """Base class of the user's objects: immutable; unknown keys refused; errors are `InputError`.
+
+    Constructor arguments may be given by position, in the order of the fields, or by name.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+    #: The field that tells the kind of an object in a case file (``shape`` or ``kind``); always written out.
+    tag: ClassVar[str | None] = None
+
+    @base_init
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        cls = type(self)
+        named = _bind(cls, args, kwargs)
+        try:
+            super().__init__(**named)
+        except ValidationError as error:
+            raise InputError(p.within(cls.__name__) for p in problems_from(error)) from None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _mark_keys(cls, data: Any) -> Any:
+        if isinstance(data, cls):
+            return data
+        if not isinstance(data, Mapping):
+            raise RefusedError("a table of keys and values is needed here", f"give {_keys(cls)}")
+        marked = {str(key): value for key, value in data.items()}
+        for key in data:
+            if key not in cls.model_fields and not isinstance(data[key], Marked):
+                marked[str(key)] = _unknown(cls, str(key), data)
+        for name, field in cls.model_fields.items():
+            if field.is_required() and name not in data:
+                what = f" ({field.description})" if field.description else ""
+                marked[name] = Marked(None, "this key is required and missing", f"add {name}{what}")
+        return marked
+
+    def to_dict(self) -> dict[str, Any]:
+        """The object as plain data in the words of the case file; defaults left out."""
+        plain: dict[str, Any] = {}
+        for name, field in type(self).model_fields.items():
+            value = getattr(self, name)
+            if name == self.tag or (
+                name in self.model_fields_set and (field.is_required() or value != field.default)
+            ):
+                plain[name] = plain_value(value)
+        return plain
+
+
+def plain_value(value: Any) -> Any:
+    """`value` with tuples as lists, described objects as dicts and functions as a note."""
+    if isinstance(value, Described):
+        return value.to_dict()
+    if isinstance(value, Mapping):
+        return {str(key): plain_value(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain_value(item) for item in value]
+    if callable(value):
+        return f"<Python function {getattr(value, '__qualname__', type(value).__name__)}>"
+    return value
+
+
+def nearest(word: str, allowed: Iterable[str]) -> str | None:
+    """The allowed word that looks most like `word`, or None when none does."""
+    words = list(allowed)
+    close = difflib.get_close_matches(word.lower(), [w.lower() for w in words], n=1, cutoff=0.6)
+    return next((w for w in words if w.lower() == close[0]), None) if close else None
+
+
+def show(value: Any) -> str:
+    """`value` as short text for a message."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int) and value.bit_length() > 1000:
+        return "a whole number of more than 300 digits"
+    if isinstance(value, float | str | int):
+        return _SHORT.repr(value)
+    if isinstance(value, Described):
+        return f"a {type(value).__name__}"
+    if hasattr(value, "tolist"):  # NumPy scalars and arrays
+        return _SHORT.repr(value.tolist())
+    return _SHORT.repr(value)
+
+
+def problems_from(error: ValidationError) -> list[Problem]:
+    """Pydantic's errors in the user's words; the missing key that a misspelt one explains is left out."""
+    details = error.errors(include_url=False)
+    explained = {
+        (*item["loc"][:-1], item["input"].replaces)
+        for item in details
+        if item["type"] == "extra_forbidden" and isinstance(item["input"], Marked)
+    }
+    found = []
+    for item in details:
+        value = item["input"]
+        if isinstance(value, Marked) and item["type"] != "extra_forbidden" and item["loc"] in explained:
+            continue
+        found.append(
+            _problem(item["type"], item["loc"], value, item["msg"], item.get("ctx", {}).get("error"))
+        )
+    return list(dict.fromkeys(found))
+
+
+def problems_of(error: ValidationError | InputError, value: Any) -> list[Problem]:
+    """The problems that a parser raised when it was given `value`, in the user's words."""
+    if isinstance(error, ValidationError):
+        return problems_from(error)
+    if isinstance(value, Marked):
+        return [] if value.silent else [_problem("", (), value, "", None)]
+    if isinstance(error, RefusedError):
+        return [_problem("", (), value, "", error)]
+    return list(error.problems)
+
+
+def path_text(loc: Iterable[str | int]) -> str:
+    """A key path as text: ``("loads", 0, "value")`` -> ``loads[0].value``."""
+    text = ""
+    for part in loc:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            word = part if re.fullmatch(r"[\w-]{1,60}", part) else _SHORT.repr(part)
+            text += f".{word}" if text else word
+    return text
+
+
+def _problem(kind: str, loc: tuple[str | int, ...], value: Any, message: str, cause: Any) -> Problem:
+    if isinstance(value, Marked):
+        found = "" if value.value is None else show(value.value)
+        return Problem(path_text(loc), found, value.why, value.instead)
+    if isinstance(cause, RefusedError):
+        found = show(value) if cause.found is None else cause.found
+        return Problem(path_text((*loc, *cause.at)), found, cause.why, cause.instead)
+    return Problem(path_text(loc), show(value), f"not allowed ({kind.replace('_', ' ')})", message)
+
+
+def _unknown(cls: type[Described], key: str, data: Mapping[Any, Any]) -> Marked:
+    free = [name for name in cls.model_fields if name not in data]
+    close = nearest(key, free) or nearest(key, cls.model_fields)
+    advice = (
+        f"did you mean {close}? The keys here are {_keys(cls)}"
+        if close
+        else f"the keys here are {_keys(cls)}"
+    )
+    return Marked(data.get(key), "no such key", advice, replaces=close or "")
+
+
+def _keys(cls: type[Described]) -> str:
+    return ", ".join(cls.model_fields)
+
+
+def _bind(cls: type[Described], args: tuple[Any, ...], kwargs: dict[str, Any]) -> dict[str, Any]:
+    """Positional arguments by the names of the fields, in their order."""
+    if not args:
+        return kwargs
+    names = [name for name, field in cls.model_fields.items() if not field.kw_only]
+    if len(args) > len(names):
+        raise InputError(
+            Problem(cls.__name__, f"{len(args)} positional arguments", f"at most {len(names)} are understood",
+                    f"give them in the order {', '.join(names) or '(none)'} or by name")
+        )  # fmt: skip
+    named = dict(zip(names, args, strict=False))
+    twice = sorted(named.keys() & kwargs.keys())
+    if twice:
+        found, why = show(kwargs[twice[0]]), "given twice, by position and by name"
+        raise InputError(Problem(f"{cls.__name__}.{twice[0]}", found, why, "give it once"))
+    return named | kwargs

@@ -1,0 +1,297 @@
+"""Rods: a centre line, sections along it, a material and how finely it is to be divided."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any, Self, TypeAlias
+
+import numpy as np
+from pydantic import Field, PlainValidator, model_validator
+
+from viscorod.errors import InputError
+from viscorod.model.centreline import Arc, Centreline, Curve, Helix, Points, Straight, Twist
+from viscorod.model.described import Described, RefusedError, show
+from viscorod.model.material import Material
+from viscorod.model.profile import AnySection, Piecewise, SectionProfile, Taper, section_profile
+from viscorod.model.section import MaterialSection, Matrices
+from viscorod.model.stiffness_section import StiffnessSection
+from viscorod.model.values import OptionalDirection, choose, number, whole_number
+from viscorod.typing import Floats
+
+__all__ = ["CENTRELINES", "Rod"]
+
+CENTRELINES: dict[str, type[Described]] = {
+    "straight": Straight,
+    "arc": Arc,
+    "helix": Helix,
+    "points": Points,
+    "curve": Curve,
+}
+"""The centre lines by their word in a case file; a new one is one class and one line here."""
+
+Point: TypeAlias = Sequence[float]
+MOST_ELEMENTS = 100_000
+HIGHEST_ORDER = 12
+
+
+def _material(value: Any) -> Material | None:
+    return value if value is None or isinstance(value, Material) else Material.model_validate(value)
+
+
+def _twist(value: Any) -> Twist:
+    return value if callable(value) else number(value)
+
+
+def _whole_or_auto(high: int) -> Callable[[Any], int | None]:
+    check = whole_number(1, high)
+
+    def parse(value: Any) -> int | None:
+        if value is None or value == "auto":
+            return None
+        try:
+            return check(value)
+        except RefusedError as error:
+            raise RefusedError(error.why, f"{error.instead}, or 'auto'") from None
+
+    return parse
+
+
+class Rod(Described):
+    """A rod in its reference shape, where it is free of stress.
+
+    Args:
+        centreline: the curve of the section's centres.
+        section: a section, `Piecewise`, `Taper`, or a function of the arc length (in Python only).
+        material: for sections given by their shape; none for `StiffnessSection`.
+        elements: number of elements, 1 to 100 000; None lets the program choose.
+        order: of the elements' polynomials, 1 to 12; None lets the program choose.
+        d1: direction of the section's first axis at the start, global axes (see `Centreline.frames`).
+        twist: angle of the section about d3 relative to the rotation-minimising frame: the total, growing
+            evenly from start to end, or a function of the arc length (in Python only); rad.
+    """
+
+    centreline: Annotated[Centreline, PlainValidator(choose("shape", CENTRELINES))]
+    section: Annotated[SectionProfile, PlainValidator(section_profile)] = Field(description="of the rod")
+    material: Annotated[Material | None, PlainValidator(_material)] = None
+    elements: Annotated[int | None, PlainValidator(_whole_or_auto(MOST_ELEMENTS))] = None
+    order: Annotated[int | None, PlainValidator(_whole_or_auto(HIGHEST_ORDER))] = None
+    d1: OptionalDirection = None
+    twist: Annotated[Twist, PlainValidator(_twist)] = 0.0
+
+    @classmethod
+    def straight(
+        cls,
+        start: Point,
+        end: Point,
+        *,
+        section: SectionProfile,
+        material: Material | None = None,
+        elements: int | None = None,
+        order: int | None = None,
+        d1: Point | None = None,
+        twist: Twist = 0.0,
+    ) -> Self:
+        """A straight rod; see `Straight`."""
+        return cls._along(Straight, {"start": start, "end": end}, locals())
+
+    @classmethod
+    def arc(
+        cls,
+        start: Point,
+        tangent: Point,
+        normal: Point,
+        radius: float,
+        angle: float,
+        *,
+        section: SectionProfile,
+        material: Material | None = None,
+        elements: int | None = None,
+        order: int | None = None,
+        d1: Point | None = None,
+        twist: Twist = 0.0,
+    ) -> Self:
+        """A rod along a circular arc; see `Arc`."""
+        given = {"start": start, "tangent": tangent, "normal": normal, "radius": radius, "angle": angle}
+        return cls._along(Arc, given, locals())
+
+    @classmethod
+    def helix(
+        cls,
+        radius: float,
+        pitch: float,
+        turns: float,
+        centre: Point = (0.0, 0.0, 0.0),
+        axis: Point = (0.0, 0.0, 1.0),
+        phase: float = 0.0,
+        handedness: str = "right",
+        *,
+        section: SectionProfile,
+        material: Material | None = None,
+        elements: int | None = None,
+        order: int | None = None,
+        d1: Point | None = None,
+        twist: Twist = 0.0,
+    ) -> Self:
+        """A rod along a helix; see `Helix`."""
+        given = {"radius": radius, "pitch": pitch, "turns": turns, "centre": centre, "axis": axis}
+        return cls._along(Helix, {**given, "phase": phase, "handedness": handedness}, locals())
+
+    @classmethod
+    def through(
+        cls,
+        points: Sequence[Point],
+        *,
+        section: SectionProfile,
+        material: Material | None = None,
+        elements: int | None = None,
+        order: int | None = None,
+        d1: Point | None = None,
+        twist: Twist = 0.0,
+    ) -> Self:
+        """A rod along a smooth curve through points; see `Points`."""
+        return cls._along(Points, {"points": points}, locals())
+
+    @classmethod
+    def curve(
+        cls,
+        function: Callable[[float], Sequence[float] | Floats],
+        *,
+        section: SectionProfile,
+        material: Material | None = None,
+        elements: int | None = None,
+        order: int | None = None,
+        d1: Point | None = None,
+        twist: Twist = 0.0,
+    ) -> Self:
+        """A rod along a curve given by a function; see `Curve`."""
+        return cls._along(Curve, {"function": function}, locals())
+
+    @classmethod
+    def _along(cls, kind: type[Centreline], curve: dict[str, Any], given: dict[str, Any]) -> Self:
+        return cls(kind(**curve), **{name: given[name] for name in cls.model_fields if name != "centreline"})
+
+    @property
+    def length(self) -> float:
+        """Arc length, m."""
+        return self.centreline.length
+
+    @property
+    def section_breaks(self) -> tuple[float, ...]:
+        """Interior stations where the section jumps, m."""
+        if not isinstance(self.section, Piecewise):
+            return ()
+        return tuple(piece.until for piece in self.section.parts[:-1])
+
+    def section_at(self, s: float) -> AnySection:
+        """The section at the arc length `s`; where it jumps, the one that starts there."""
+        if isinstance(self.section, Piecewise):
+            return self.section.at(s)
+        if isinstance(self.section, Taper):
+            return self.section.at(min(max(s / self.length, 0.0), 1.0))
+        if isinstance(self.section, MaterialSection | StiffnessSection):
+            return self.section
+        section = self.section(s)
+        if not isinstance(section, MaterialSection | StiffnessSection):
+            raise RefusedError(
+                f"the function of the section returned no section at s = {s:.6g}",
+                "return one",
+                found=show(section),
+            )
+        return section
+
+    def matrices_at(self, s: float) -> Matrices:
+        """Stiffness C, damping D and inertia M per length (6, 6) of the section at the arc length `s`."""
+        section = self.section_at(s)
+        return section.matrices(self.material if isinstance(section, MaterialSection) else None)
+
+    def frames(self, s: Floats | Sequence[float]) -> tuple[Floats, Floats]:
+        """Positions (n, 3) and frames (n, 3, 3; columns d1, d2, d3) of the reference shape, global axes."""
+        return self.centreline.frames(s, self.d1, self.twist)
+
+    def _sections(self) -> list[tuple[float, AnySection]]:
+        """Sections that stand for all of them, with a station of each."""
+        if isinstance(self.section, Piecewise):
+            return [(piece.until - 1e-9 * self.length, piece.section) for piece in self.section.parts]
+        if isinstance(self.section, MaterialSection | StiffnessSection):
+            return [(0.0, self.section)]
+        return [(s, self.section_at(s)) for s in np.linspace(0.0, self.length, 5).tolist()]
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        self._finite()
+        if isinstance(self.section, Piecewise):
+            self._pieces_cover_length(self.section)
+        sections = self._sections()
+        if self.material is not None and all(
+            isinstance(section, StiffnessSection) for _, section in sections
+        ):
+            raise RefusedError(
+                "a section given by its stiffness takes no material",
+                "leave material out",
+                found="",
+                at=("material",),
+            )
+        if self.material is None and any(isinstance(section, MaterialSection) for _, section in sections):
+            raise RefusedError(
+                "a section given by its shape needs a material for its stiffness and mass",
+                "add material",
+                found="",
+                at=("material",),
+            )
+        for s, section in sections:
+            self._usable(s, section)
+        return self
+
+    def _finite(self) -> None:
+        with np.errstate(all="ignore"):
+            shape = np.concatenate([array.ravel() for array in self.frames([0.0, self.length])])
+        if not (0.0 < self.length < math.inf and np.isfinite(shape).all()):
+            raise RefusedError(
+                f"the rod has the length {self.length:g} m and no usable shape in double precision",
+                "give lengths of a usual size in m",
+                found="",
+            )
+
+    def _pieces_cover_length(self, section: Piecewise) -> None:
+        last = section.parts[-1].until
+        if abs(last - self.length) > 1e-9 * self.length:
+            raise RefusedError(
+                f"the last piece must end at the end of the rod, {self.length:.12g} m",
+                f"give until = {self.length:.12g} in the last piece",
+                found=show(last),
+                at=("section", "pieces", len(section.parts) - 1, "until"),
+            )
+
+    def _usable(self, s: float, section: AnySection) -> None:
+        """Refuse sections whose stiffness or mass is not a positive number in double precision."""
+        try:
+            stiffness, damping, inertia = section.matrices(
+                self.material if isinstance(section, MaterialSection) else None
+            )
+        except (OverflowError, ZeroDivisionError):
+            stiffness = damping = inertia = np.full((6, 6), math.nan)
+        except InputError as error:
+            raise RefusedError(str(error)) from None
+        diagonal = np.concatenate([np.diag(stiffness), np.diag(inertia)])
+        if not np.isfinite(damping).all() or not (np.isfinite(diagonal) & (diagonal > 0.0)).all():
+            entry = int(np.argmin(np.where(np.isfinite(diagonal), diagonal, -math.inf)))
+            raise RefusedError(
+                f"its stiffness or mass per length is not a positive number at s = {s:.6g} m",
+                "give dimensions and moduli in SI units; for a very flat ellipse also shear_factor_1 and _2",
+                found=f"{diagonal[entry]:.6g} from a {type(section).__name__}",
+                at=("section",),
+            )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The rod as a table of the case file: the keys of the centre line beside the others."""
+        plain = super().to_dict()
+        curve: dict[str, Any] = plain.pop("centreline")
+        section = plain.pop("section")
+        if isinstance(self.section, Piecewise):
+            plain["sections"] = section["pieces"]
+        elif isinstance(self.section, Taper):
+            plain["taper"] = section
+        else:
+            plain["section"] = section
+        return curve | plain

@@ -1,0 +1,111 @@
+"""Cross sections of one isotropic material: what they have in common, and the section given by its numbers.
+
+The section lies in the plane of d1 and d2, its principal axes; widths are along d1, heights along d2.
+``I1 = <xi2^2>`` resists bend_1 (about d1), ``I2 = <xi1^2>`` resists bend_2 (about d2).
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal, TypeAlias
+
+import numpy as np
+from pydantic import Field
+
+from viscorod.errors import InputError, Problem
+from viscorod.model.described import Described
+from viscorod.model.material import Material
+from viscorod.model.values import Positive
+from viscorod.typing import Floats
+
+__all__ = ["MaterialSection", "Matrices", "Section"]
+
+Matrices: TypeAlias = tuple[Floats, Floats, Floats]
+
+
+class MaterialSection(Described):
+    """A section that gets stiffness, damping and inertia from a `Material`."""
+
+    tag: ClassVar[str | None] = "shape"
+
+    def moments(self) -> tuple[float, float, float]:
+        """Area A (m^2) and second moments I1 = <xi2^2>, I2 = <xi1^2> (m^4)."""
+        raise NotImplementedError
+
+    def torsion(self) -> float:
+        """Saint-Venant's torsion constant J, m^4."""
+        raise NotImplementedError
+
+    def shear_factors(self, poissons_ratio: float) -> tuple[float, float]:
+        """The factors k1, k2 of the shear stiffnesses k1 G A and k2 G A."""
+        raise NotImplementedError
+
+    @property
+    def half_width(self) -> float | None:
+        """Largest distance of a point of the section from the centre line, m; None where it is not known."""
+        return None
+
+    def outline(self) -> Floats | None:
+        """Closed outline (n, 2) in the axes d1, d2, m, for pictures; None where it is not known."""
+        return None
+
+    def remarks(self) -> tuple[str, ...]:
+        """What the user should know about the formulas used for this section."""
+        return ()
+
+    def matrices(self, material: Material | None) -> Matrices:
+        """Stiffness C, damping D and inertia M per length, (6, 6) each.
+
+        C = E C_E + G C_G and D = eta_E C_E + eta C_G with C_E = diag(0, 0, A, I1, I2, 0) and
+        C_G = diag(k1 A, k2 A, 0, 0, 0, J), and M = density diag(A, A, A, I1, I2, I1 + I2)
+        (Linn, Lang and Tuganov 2013, equations 3-5). The order is (shear_1, shear_2, stretch, bend_1, bend_2,
+        twist) in C (N, N m^2) and D (N s, N m^2 s), and (v1, v2, v3, w1, w2, w3) in M (kg/m, kg m).
+
+        Raises:
+            InputError: there is no material.
+        """
+        if material is None:
+            raise InputError(
+                Problem("material", "", "this section needs one for its stiffness and mass", "add material")
+            )
+        area, inertia_1, inertia_2 = self.moments()
+        k1, k2 = self.shear_factors(material.poissons_ratio)
+        extensional = np.array([0.0, 0.0, area, inertia_1, inertia_2, 0.0])
+        shearing = np.array([k1 * area, k2 * area, 0.0, 0.0, 0.0, self.torsion()])
+        mass = np.array([area, area, area, inertia_1, inertia_2, inertia_1 + inertia_2])
+        stiffness = material.youngs_modulus * extensional + material.shear_modulus * shearing
+        damping = material.extensional_viscosity * extensional + material.shear_viscosity * shearing
+        return np.diag(stiffness), np.diag(damping), np.diag(material.density * mass)
+
+
+class Section(MaterialSection):
+    """A section given by its numbers.
+
+    Args:
+        area: m^2.
+        second_moment_1: I1 = <xi2^2>, m^4, resists bend_1 (about d1).
+        second_moment_2: I2 = <xi1^2>, m^4, resists bend_2 (about d2).
+        torsion_constant: J, m^4.
+        shear_factor_1: k1 of the shear stiffness k1 G A along d1.
+        shear_factor_2: k2 of the shear stiffness k2 G A along d2.
+    """
+
+    shape: Literal["given"] = Field(default="given", kw_only=True, repr=False)
+    area: Positive = Field(description="m^2")
+    second_moment_1: Positive = Field(description="m^4")
+    second_moment_2: Positive = Field(description="m^4")
+    torsion_constant: Positive = Field(description="m^4")
+    shear_factor_1: Positive = 1.0
+    shear_factor_2: Positive = 1.0
+
+    def moments(self) -> tuple[float, float, float]:
+        """The given area and second moments, m^2 and m^4."""
+        return self.area, self.second_moment_1, self.second_moment_2
+
+    def torsion(self) -> float:
+        """The given torsion constant, m^4."""
+        return self.torsion_constant
+
+    def shear_factors(self, poissons_ratio: float) -> tuple[float, float]:
+        """The given shear factors, whatever Poisson's ratio is."""
+        del poissons_ratio
+        return self.shear_factor_1, self.shear_factor_2

@@ -1,0 +1,173 @@
+"""Sections given by their stiffness, inertia and damping per length, with couplings and off-centre mass."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
+
+import numpy as np
+from pydantic import Field, PlainValidator
+
+from viscorod.errors import InputError, Problem
+from viscorod.model.described import Described, RefusedError, show
+from viscorod.model.material import Material
+from viscorod.model.section import Matrices
+from viscorod.model.values import numbers, sequence
+from viscorod.typing import Floats
+
+__all__ = ["STRAINS", "TWISTS", "Matrix", "StiffnessSection"]
+
+Matrix: TypeAlias = tuple[tuple[float, ...], ...]
+Given: TypeAlias = Sequence[float] | Sequence[Sequence[float]] | Floats
+
+STRAINS = ("shear_1", "shear_2", "stretch", "bend_1", "bend_2", "twist")
+"""The six strain components, in the order used everywhere."""
+TWISTS = ("v1", "v2", "v3", "w1", "w2", "w3")
+"""Velocity and angular velocity along d1, d2, d3."""
+
+ROUND_OFF = 1e-12
+"""Relative size below which an eigenvalue of a matrix scaled to a unit diagonal cannot be told from zero."""
+
+
+def symmetric(value: Any, words: tuple[str, ...]) -> Matrix:
+    """`value`, six numbers (a diagonal) or six rows of six, as a symmetric matrix."""
+    rows = sequence(value)
+    if len(rows) != 6:
+        raise RefusedError(
+            f"a 6x6 matrix or its diagonal is needed here, {len(rows)} items were given",
+            f"give six numbers or six rows of six, in the order {', '.join(words)}",
+        )
+    if not any(isinstance(row, list | tuple | np.ndarray) for row in rows):
+        return tuple(map(tuple, np.diag(numbers(rows, count=6)).tolist()))
+    full = []
+    for index, row in enumerate(rows):
+        try:
+            full.append(numbers(row, count=6))
+        except RefusedError as error:
+            found = show(row) if error.found is None else error.found
+            raise RefusedError(error.why, error.instead, found=found, at=(index, *error.at)) from None
+    matrix = np.array(full)
+    size = np.abs(matrix) + np.abs(matrix.T)
+    skew = np.abs(matrix - matrix.T) > 1e-9 * size
+    if skew.any():
+        i, j = (int(k) for k in np.argwhere(skew)[0])
+        raise RefusedError(
+            "the matrix must be symmetric",
+            f"give the same number twice for {words[i]} and {words[j]}, in row {i + 1}, column {j + 1} "
+            f"and in row {j + 1}, column {i + 1}",
+            found=f"{show(full[i][j])} against {show(full[j][i])}",
+        )
+    return tuple(map(tuple, (matrix / 2.0 + matrix.T / 2.0).tolist()))
+
+
+def refuse_indefinite(matrix: Matrix, words: tuple[str, ...], *, zero_allowed: bool, meaning: str) -> None:
+    """Refuse a matrix with a negative (or, unless allowed, zero) eigenvalue, and name its direction.
+
+    Decided on the matrix scaled to a unit diagonal, S A S with S = diag(A_ii^(-1/2)): a congruence keeps
+    the signs of the eigenvalues (Sylvester) and makes forces and moments, whatever their units, comparable.
+    """
+    array = np.array(matrix)
+    diagonal = np.diag(array)
+    used = np.flatnonzero(np.abs(array).sum(axis=1) > 0.0)
+    if not zero_allowed:
+        used = np.arange(6)
+    for index in used:
+        if diagonal[index] <= 0.0:
+            number = f"{diagonal[index]:.6g}"
+            raise RefusedError(
+                f"{meaning}; for {words[index]} alone it is {number}",
+                f"give a diagonal entry > 0 for {words[index]}"
+                + (" or a row and column of zeros" if zero_allowed else ""),
+                found=f"the diagonal entry {number} for {words[index]}",
+            )
+    if not used.size:
+        return
+    scale = np.sqrt(diagonal[used])
+    with np.errstate(over="ignore", invalid="ignore"):
+        scaled = array[np.ix_(used, used)] / scale[:, None] / scale[None, :]
+    if not np.isfinite(scaled).all():
+        raise RefusedError(
+            meaning, "give couplings no larger than the diagonal allows", found="entries out of range"
+        )
+    values, vectors = np.linalg.eigh(scaled)
+    if values[0] < (-ROUND_OFF if zero_allowed else ROUND_OFF):
+        text = _in_words(vectors[:, 0] / np.abs(vectors[:, 0]).max(), [words[i] for i in used])
+        raise RefusedError(
+            f"{meaning}; it is not for the combined motion {text}",
+            "make the couplings smaller or the diagonal larger",
+            found=f"an eigenvalue of {values[0]:.3g} (of the matrix scaled to a unit diagonal)",
+        )
+
+
+def _in_words(direction: Floats, words: Sequence[str]) -> str:
+    parts = [
+        f"{'-' if x < 0 else '+'} {abs(x):.2g} {word}"
+        for x, word in zip(direction, words, strict=True)
+        if abs(x) > 1e-3
+    ]
+    return " ".join(parts).removeprefix("+ ")
+
+
+def _stiffness(value: Any) -> Matrix:
+    matrix = symmetric(value, STRAINS)
+    refuse_indefinite(matrix, STRAINS, zero_allowed=False, meaning="every strain must cost energy")
+    return matrix
+
+
+def _inertia(value: Any) -> Matrix:
+    matrix = symmetric(value, TWISTS)
+    refuse_indefinite(matrix, TWISTS, zero_allowed=False, meaning="every motion must have kinetic energy")
+    return matrix
+
+
+def _damping(value: Any) -> Matrix | None:
+    if value is None:
+        return None
+    matrix = symmetric(value, STRAINS)
+    refuse_indefinite(matrix, STRAINS, zero_allowed=True, meaning="damping must never create energy")
+    return matrix
+
+
+class StiffnessSection(Described):
+    """A section given by symmetric 6x6 matrices per length, or by their six diagonal numbers.
+
+    Such a section takes no material. Strains are in the order (shear_1, shear_2, stretch, bend_1, bend_2,
+    twist), velocities in the order (v1, v2, v3, w1, w2, w3), all along d1, d2, d3.
+
+    Args:
+        stiffness: C, positive definite; N, N m, N m^2.
+        inertia: M, positive definite; kg/m, kg, kg m.
+        damping: D of S = C eps + D eps_t, positive semi-definite; the units of the stiffness times s.
+    """
+
+    tag: ClassVar[str | None] = "shape"
+    shape: Literal["stiffness"] = Field(default="stiffness", kw_only=True, repr=False)
+    stiffness: Annotated[Given, PlainValidator(_stiffness)] = Field(description="6 numbers or 6 rows of 6")
+    inertia: Annotated[Given, PlainValidator(_inertia)] = Field(description="6 numbers or 6 rows of 6")
+    damping: Annotated[Given | None, PlainValidator(_damping)] = None
+
+    @property
+    def half_width(self) -> float | None:
+        """Not known."""
+        return None
+
+    def outline(self) -> Floats | None:
+        """Not known."""
+        return None
+
+    def remarks(self) -> tuple[str, ...]:
+        """Nothing to remark."""
+        return ()
+
+    def matrices(self, material: Material | None = None) -> Matrices:
+        """Stiffness C, damping D and inertia M per length, (6, 6) each, in the orders of the class.
+
+        Raises:
+            InputError: there is a material.
+        """
+        if material is not None:
+            raise InputError(
+                Problem("material", "", "a section given by its stiffness takes none", "leave material out")
+            )
+        damping = np.zeros((6, 6)) if self.damping is None else np.array(self.damping)
+        return np.array(self.stiffness), damping, np.array(self.inertia)

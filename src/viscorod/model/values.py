@@ -1,0 +1,200 @@
+"""Checked numbers, vectors and words: the types of the fields of everything that a user describes.
+
+Integers and NumPy numbers count as numbers; booleans, strings, NaN and infinities do not.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import Annotated, Any, TypeAlias
+
+import numpy as np
+from pydantic import BeforeValidator, PlainValidator
+
+from viscorod.model.described import Described, RefusedError, nearest, show
+
+NOT_GIVEN = math.nan
+"""Default of a number that is worked out from others when it is not given (a user's NaN is refused)."""
+
+Triple: TypeAlias = tuple[float, float, float]
+
+
+def number(value: Any) -> float:
+    """`value` as a finite float."""
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
+        raise RefusedError("a number is needed here", "give a plain number such as 0.25")
+    try:
+        converted = float(value)
+    except OverflowError:
+        converted = math.inf
+    if not math.isfinite(converted):
+        raise RefusedError("the number must be finite", "give a plain number such as 0.25")
+    return converted
+
+
+def _bounded(allowed: str, holds: Callable[[float], bool]) -> Callable[[Any], float]:
+    def check(value: Any) -> float:
+        converted = number(value)
+        if not holds(converted):
+            raise RefusedError("outside what is allowed", f"give a number {allowed}")
+        return converted
+
+    return check
+
+
+def whole_number(low: int, high: int) -> Callable[[Any], int]:
+    """A check for whole numbers from `low` to `high`."""
+
+    def check(value: Any) -> int:
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
+            raise RefusedError("a whole number is needed here", f"give a whole number from {low} to {high}")
+        return int(value)
+
+    return check
+
+
+def numbers(value: Any, *, count: int | None = None, at_least: int = 1) -> tuple[float, ...]:
+    """`value` (list, tuple, array) as a tuple of finite floats."""
+    items = sequence(value)
+    if count is not None and len(items) != count:
+        raise RefusedError(
+            f"{count} numbers are needed here, {len(items)} were given", f"give a list of {count} numbers"
+        )
+    if len(items) < at_least:
+        raise RefusedError(f"at least {at_least} numbers are needed here", "give a longer list of numbers")
+    converted = []
+    for index, item in enumerate(items):
+        try:
+            converted.append(number(item))
+        except RefusedError as error:
+            raise RefusedError(error.why, error.instead, found=show(item), at=(index,)) from None
+    return tuple(converted)
+
+
+def sequence(value: Any) -> Sequence[Any]:
+    """`value` if it is a list, tuple or array, as a list or tuple."""
+    if isinstance(value, np.ndarray):
+        items: list[Any] = value.tolist() if value.ndim else []
+        return items
+    if not isinstance(value, list | tuple):
+        raise RefusedError("a list is needed here", "give a list in brackets, such as [0.0, 1.0, 2.0]")
+    return value
+
+
+def vector(value: Any) -> Triple:
+    """`value` as three finite floats."""
+    x, y, z = numbers(value, count=3)
+    return x, y, z
+
+
+def direction(value: Any) -> Triple:
+    """`value` as three floats scaled to unit length."""
+    x, y, z = vector(value)
+    size = math.hypot(x, y, z)
+    if size == 0.0 or not math.isfinite(size):
+        raise RefusedError(
+            "this vector has no direction", "give three numbers that are not all zero, such as [0, 0, 1]"
+        )
+    return x / size, y / size, z / size
+
+
+def word(value: Any) -> str:
+    """`value` as text."""
+    if not isinstance(value, str):
+        raise RefusedError("text is needed here", "give it in quotes")
+    return value
+
+
+def name_of_part(value: Any) -> str:
+    """A name of a rod, material or section: letters, digits, _ and -."""
+    if not re.fullmatch(r"[A-Za-z_][\w-]{0,59}", word(value), flags=re.ASCII):
+        raise RefusedError("not usable as a name", "use a letter, then letters, digits, _ or - (60 at most)")
+    return str(value)
+
+
+def one_of(*allowed: str) -> PlainValidator:
+    """A check for one of some fixed words."""
+
+    def check(value: Any) -> str:
+        if value not in allowed if isinstance(value, str) else True:
+            close = nearest(value, allowed) if isinstance(value, str) else None
+            hint = f"did you mean {close!r}? " if close else ""
+            raise RefusedError(
+                "not one of the words that are known here",
+                f"{hint}give one of {', '.join(map(repr, allowed))}",
+            )
+        return str(value)
+
+    return PlainValidator(check)
+
+
+def true_or_false(value: Any) -> bool:
+    """`value` if it is a boolean."""
+    if not isinstance(value, bool):
+        raise RefusedError("neither true nor false", "give true or false")
+    return value
+
+
+def function(value: Any) -> Callable[..., Any]:
+    """`value` if it can be called."""
+    if not callable(value):
+        raise RefusedError("a Python function is needed here", "this can be given in the Python API only")
+    result: Callable[..., Any] = value
+    return result
+
+
+def optional(check: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """`check`, with None let through."""
+    return lambda value: None if value is None else check(value)
+
+
+def choose(
+    tag: str, kinds: Mapping[str, type[Described]], default: str | None = None
+) -> Callable[[Any], Described]:
+    """A parser that lets objects of the given kinds through and reads a table by its key `tag`."""
+
+    def parse(value: Any) -> Described:
+        if isinstance(value, Described) and isinstance(value, tuple(kinds.values())):
+            return value
+        known = ", ".join(map(repr, kinds))
+        if not isinstance(value, Mapping):
+            raise RefusedError(
+                "a table of keys and values is needed here", f"give a table with {tag} = one of {known}"
+            )
+        kind = value.get(tag, default)
+        if kind is None:
+            raise RefusedError(
+                "this key is required and missing", f"add {tag} = one of {known}", found="", at=(tag,)
+            )
+        if not isinstance(kind, str) or kind not in kinds:
+            close = nearest(kind, kinds) if isinstance(kind, str) else None
+            hint = f"did you mean {close!r}? " if close else ""
+            raise RefusedError(f"no such {tag}", f"{hint}give one of {known}", found=show(kind), at=(tag,))
+        return kinds[kind].model_validate(value)
+
+    return parse
+
+
+Number = Annotated[float, BeforeValidator(number)]
+Positive = Annotated[float, BeforeValidator(_bounded("> 0", lambda x: x > 0.0))]
+NonNegative = Annotated[float, BeforeValidator(_bounded(">= 0", lambda x: x >= 0.0))]
+UnitInterval = Annotated[float, BeforeValidator(_bounded("from 0 to 1", lambda x: 0.0 <= x <= 1.0))]
+PoissonsRatio = Annotated[
+    float, BeforeValidator(_bounded("> -1 and <= 0.5 (0.5 is incompressible)", lambda x: -1.0 < x <= 0.5))
+]
+OptionalPositive = Annotated[
+    float | None, BeforeValidator(optional(_bounded("> 0, or leave the key out", lambda x: x > 0.0)))
+]
+OptionalNonNegative = Annotated[
+    float | None, BeforeValidator(optional(_bounded(">= 0, or leave the key out", lambda x: x >= 0.0)))
+]
+OptionalNumber = Annotated[float | None, BeforeValidator(optional(number))]
+Vector = Annotated[Triple, PlainValidator(vector)]
+Direction = Annotated[Triple, PlainValidator(direction)]
+OptionalVector = Annotated[Triple | None, PlainValidator(optional(vector))]
+OptionalDirection = Annotated[Triple | None, PlainValidator(optional(direction))]
+Flag = Annotated[bool, PlainValidator(true_or_false)]
+Name = Annotated[str, PlainValidator(name_of_part)]
+Text = Annotated[str, PlainValidator(word)]

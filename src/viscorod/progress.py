@@ -1,0 +1,69 @@
+"""How far a solution is: a bar on a terminal, a few plain lines elsewhere."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TypeAlias
+
+Progress: TypeAlias = Callable[[float, float], None]
+"""Called after every step with the time reached [s] (or the load factor) and the step's size."""
+
+_REFRESH = 0.05  # seconds between two updates of the bar
+_LINES = 5  # lines over a whole run where there is no terminal
+
+
+@contextmanager
+def reporting(total: float, *, static: bool) -> Iterator[Progress]:
+    """Show progress towards ``total``, a time [s] or, for a static solution, a load factor."""
+    if sys.stderr.isatty():
+        with _bar(total, static=static) as progress:
+            yield progress
+    else:
+        yield _lines(total, static=static)
+
+
+@contextmanager
+def _bar(total: float, *, static: bool) -> Iterator[Progress]:
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+    unit, name = ("", "load") if static else (" s", "t")
+    columns = (
+        TextColumn(name + " = {task.completed:.4g} of {task.total:g}" + unit),
+        BarColumn(bar_width=None),
+        TextColumn("step {task.fields[step]:.3g}" + unit),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("", total=total, step=0.0)
+        last = 0.0
+
+        def update(reached: float, step: float) -> None:
+            nonlocal last
+            now = time.monotonic()
+            if now - last > _REFRESH or reached >= total:
+                last = now
+                bar.update(task, completed=reached, step=step)
+
+        yield update
+
+
+def _lines(total: float, *, static: bool) -> Progress:
+    begin = time.monotonic()
+    unit, name = ("", "load") if static else (" s", "t")
+    shown = 0
+
+    def update(reached: float, step: float) -> None:
+        nonlocal shown
+        part = int(_LINES * reached / total * (1.0 + 1e-9))
+        if part > shown:
+            shown = part
+            left = (time.monotonic() - begin) * (total - reached) / reached
+            state = f"{name} = {reached:.4g} of {total:g}{unit}, step {step:.3g}{unit}"
+            print(f"{state}, {max(left, 0.0):.1f} s left", file=sys.stderr, flush=True)
+
+    return update

@@ -1,0 +1,1 @@
+"""What comes back: runs and equilibria, read from a data set alone."""

@@ -1,0 +1,85 @@
+"""From recorded arrays to the data set that results are built from."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.results.schema import AXES, DIMENSION
+from viscorod.solve.history import History, StationReader
+from viscorod.solve.problem import Problem
+from viscorod.solve.system import State, System
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+COMPONENTS = ("shear_1", "shear_2", "stretch", "bend_1", "bend_2", "twist")
+REACTIONS = ("fx", "fy", "fz", "mx", "my", "mz")
+
+
+def dataset(
+    kind: str, problem: Problem, system: System, history: History, attrs: dict[str, Any]
+) -> xr.Dataset:
+    """Arrange a history as the data set of a run ("simulate") or an equilibrium.
+
+    Args:
+        kind: "simulate" or "equilibrium".
+        problem, system: what was solved.
+        history: what was recorded.
+        attrs: attributes of the whole data set (see ``schema``).
+    """
+    import xarray as xr
+
+    along = DIMENSION[kind]
+    reader = StationReader(problem)
+    r0, q0, _, _ = reader.read(State(problem.positions, problem.quaternions, np.zeros((problem.size, 6))))
+    point_rod, point_s, point_weight = system.gauss_positions()
+    names = np.array(problem.rods)
+    states = (along, "station")
+    points = (along, "point")
+    variables: dict[str, Any] = {
+        "reference_position": (("station", "axis"), r0),
+        "reference_rotation": (("station", "quaternion"), q0),
+        "position": ((*states, "axis"), np.array(history.position)),
+        "rotation": ((*states, "quaternion"), _continuous(np.array(history.rotation))),
+        "strain": ((*points, "component"), np.array(history.strain)),
+        "section_force": ((*points, "component"), np.array(history.section_force)),
+        "iterations": (along, np.array(history.iterations, dtype=np.int64)),
+    }
+    energy = np.array(history.energy)
+    variables["elastic"] = (along, energy[:, 1])
+    if kind == "simulate":
+        variables |= {
+            "velocity": ((*states, "axis"), np.array(history.velocity)),
+            "angular_velocity": ((*states, "axis"), np.array(history.angular_velocity)),
+            "dissipation": (points, np.array(history.dissipation)),
+            "kinetic": (along, energy[:, 0]),
+            "viscous": (along, energy[:, 2]),
+            "external": (along, energy[:, 3]),
+            "numerical": (along, energy[:, 4]),
+            "step_size": (along, np.array(history.step_size)),
+        }
+    coordinates: dict[str, Any] = {
+        along: np.array(history.instant),
+        "axis": list(AXES),
+        "quaternion": list("wxyz"),
+        "component": list(COMPONENTS),
+        "station_rod": ("station", names[problem.stations.rod]),
+        "station_s": ("station", problem.stations.s),
+        "point_rod": ("point", names[point_rod]),
+        "point_s": ("point", point_s),
+        "point_weight": ("point", point_weight),
+    }
+    if problem.supports.names:
+        variables["reaction"] = ((along, "support", "motion"), np.array(history.reaction))
+        coordinates |= {"support": list(problem.supports.names), "motion": list(REACTIONS)}
+    return xr.Dataset(variables, coordinates, attrs={"kind": kind, **attrs})
+
+
+def _continuous(q: np.ndarray) -> np.ndarray:
+    """Flip quaternions so that each is nearest to the one before it in time: both signs mean one rotation."""
+    if len(q) > 1:
+        flips = np.sum(q[1:] * q[:-1], axis=-1) < 0.0
+        q[1:][np.cumsum(flips, axis=0) % 2 == 1] *= -1.0
+    return q

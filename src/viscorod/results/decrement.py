@@ -1,0 +1,200 @@
+"""The decay of a swing, cycle by cycle: maxima, periods, logarithmic decrements, damping ratios."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.typing import Floats, Integers
+
+_STANDSTILL = 1e-6  # initial speed below this part of the largest: released from rest, the start is a maximum
+_FLOOR = 1e-6  # maxima below this part of the largest amplitude are what the solver's tolerance left
+_SYMMETRIC = 0.02  # a mean position closer to zero than this part of the last amplitude is taken as zero
+_LAST = 2  # cycles that the drawn envelope follows
+_FITTED = 3  # cycles from which the limit of small amplitude is extrapolated
+
+
+@dataclass(frozen=True)
+class Decrement:
+    """Successive maxima of a decaying motion; n maxima bound n - 1 cycles.
+
+    Attributes:
+        place: the place, "beam.end".
+        axis: the global axis, "x", "y" or "z".
+        rest: displacement about which it swings [m].
+        time: times of the maxima [s], shape (n,).
+        value: displacements at the maxima [m], shape (n,).
+    """
+
+    place: str
+    axis: str
+    rest: float
+    time: Floats
+    value: Floats
+
+    @property
+    def amplitude(self) -> Floats:
+        """Distance of each maximum from rest [m], shape (n,); cycle k starts with maximum k."""
+        return self.value - self.rest
+
+    @property
+    def mean_amplitude(self) -> Floats:
+        """Geometric mean of the amplitudes that bound each cycle [m], shape (n - 1,)."""
+        mean: Floats = np.sqrt(self.amplitude[:-1] * self.amplitude[1:])
+        return mean
+
+    @property
+    def period(self) -> Floats:
+        """Time from maximum to maximum [s], shape (n - 1,)."""
+        return np.diff(self.time)
+
+    @property
+    def log_decrement(self) -> Floats:
+        """``delta = ln(amplitude at the start / at the end)`` of each cycle, shape (n - 1,)."""
+        return -np.diff(np.log(self.amplitude))
+
+    @property
+    def damping_ratio(self) -> Floats:
+        """``zeta`` from ``delta = 2 pi zeta / sqrt(1 - zeta^2)`` of each cycle, shape (n - 1,)."""
+        delta = self.log_decrement
+        ratio: Floats = delta / np.sqrt(4.0 * np.pi**2 + delta**2)
+        return ratio
+
+    @property
+    def envelope(self) -> tuple[float, float]:
+        """``(a, b)`` of the exponential ``a exp(-b t)`` [m, 1/s] fitted to the last two cycles."""
+        last = slice(-_LAST - 1, None)
+        slope, intercept = np.polyfit(self.time[last], np.log(self.amplitude[last]), 1)
+        return float(np.exp(intercept)), -float(slope)
+
+    @property
+    def small_amplitude_ratio(self) -> float:
+        """Limit of the damping ratio for small amplitude, extrapolated from the last three cycles.
+
+        A motion that is symmetric about rest departs from linear with the square of its amplitude, so the limit
+        is that of a straight line through ratio over mean amplitude squared. Where the amplitude hardly changes
+        (by less than a tenth over those cycles) the line is not determined, and the last cycle's ratio stands.
+        """
+        square = self.mean_amplitude[-_FITTED:] ** 2
+        ratio = self.damping_ratio[-_FITTED:]
+        if np.ptp(square) < 0.2 * np.max(square):
+            return float(ratio[-1])
+        return float(np.polyfit(square, ratio, 1)[1])
+
+    def __str__(self) -> str:
+        about = f" about {self.rest:.6g} m" if self.rest else ""
+        lines = [
+            f"Decay of {self.place} along {self.axis}{about}",
+            "  cycle  starts at [s]  amplitude [m]  period [s]  log decrement  damping ratio",
+        ]
+        rows = zip(
+            self.time, self.amplitude, self.period, self.log_decrement, self.damping_ratio, strict=False
+        )
+        for number, (time, amplitude, period, delta, ratio) in enumerate(rows, 1):
+            lines.append(
+                f"  {number:5d}{time:15.5f}{amplitude:15.6g}{period:12.5f}{delta:15.6f}{ratio:15.6f}"
+            )
+        lines.append(f"  {'end':>5s}{self.time[-1]:15.5f}{self.amplitude[-1]:15.6g}")
+        lines.append(
+            f"  limit of small amplitude (extrapolated): damping ratio {self.small_amplitude_ratio:.6f}"
+        )
+        return "\n".join(lines)
+
+
+def decrement(
+    time: Floats, value: Floats, rate: Floats, *, rest: float | None = 0.0, place: str = "", axis: str = ""
+) -> Decrement:
+    """Find the maxima of every swing past ``rest``.
+
+    Between stored times the motion is the cubic Hermite polynomial through values and rates, so a maximum
+    falls where it is and not on a sample. One maximum counts per swing to the positive side (the largest,
+    whatever ripple rides on it); a start from rest counts, a swing cut off by the end of the record does not.
+
+    Args:
+        time: times [s], increasing, shape (m,).
+        value: displacement [m], shape (m,).
+        rate: its rate [m/s], shape (m,).
+        rest: displacement about which it swings [m], or None to take it from the last extremes.
+        place: name for messages and tables.
+        axis: name for messages and tables.
+
+    Raises:
+        InputError: fewer than two maxima.
+    """
+    if rest is None:
+        rest = resting_value(time, value, rate)
+    times, values, intervals = _maxima(time, value, rate)
+    above = value > rest
+    swing = np.cumsum(np.concatenate([[0], (above[1:] & ~above[:-1]).astype(np.int64)]))
+    on_sample = np.where(above[intervals], intervals, np.minimum(intervals + 1, above.size - 1))
+    number = swing[on_sample]
+    complete = number < swing[-1] if above[-1] else np.ones(number.size, dtype=bool)
+    floor = _FLOOR * float(np.max(np.abs(value - rest), initial=0.0))
+    valid = complete & above[on_sample] & (values - rest > floor)
+
+    chosen = []
+    for k in np.unique(number[valid]):
+        mine = np.flatnonzero(valid & (number == k))
+        best = mine[np.argmax(values[mine])]
+        cut_off = k == swing[0] and above[0] and values[best] < value[0]
+        if not cut_off:
+            chosen.append(best)
+    if len(chosen) < 2:
+        count = ("no complete maximum", "one complete maximum")[len(chosen)]
+        raise InputError(
+            f"{place or 'the motion'} along {axis or 'this axis'} passes {count} about "
+            f"{rest:g} m between {time[0]:g} and {time[-1]:g} s; a decrement needs two: "
+            "simulate longer, or name another place, axis or rest"
+        )
+    return Decrement(place, axis, float(rest), times[chosen], values[chosen])
+
+
+def resting_value(time: Floats, value: Floats, rate: Floats) -> float:
+    """Estimate the displacement about which a motion swings [m] from its last three extremes.
+
+    Extremes of a linear decay are ``rest + a (-q)^k``, which three of them determine. Values close to zero
+    against the last amplitude become zero; with fewer than three extremes the answer is zero.
+    """
+    highs = _maxima(time, value, rate)
+    lows = _maxima(time, -value, -rate)
+    times = np.concatenate([highs[0], lows[0]])
+    order = np.argsort(times)[-3:]
+    if order.size < 3:
+        return 0.0
+    a, b, c = np.concatenate([highs[1], -lows[1]])[order]
+    curvature = (c - b) - (b - a)
+    if curvature == 0.0:
+        return 0.0
+    rest = float(c - (c - b) ** 2 / curvature)
+    return 0.0 if abs(rest) < _SYMMETRIC * abs(c - rest) else rest
+
+
+def _maxima(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Floats, Integers]:
+    """Return times and values of all local maxima of the Hermite interpolant, and the interval of each."""
+    h = np.diff(time)
+    f0, f1, d0, d1 = value[:-1], value[1:], h * rate[:-1], h * rate[1:]
+    inside = np.flatnonzero((d0 > 0.0) & (d1 <= 0.0))
+    h, f0, f1, d0, d1 = h[inside], f0[inside], f1[inside], d0[inside], d1[inside]
+    # The slope over the interval is a u^2 + b u + d0, u in [0, 1]; it falls through zero once.
+    a = 6.0 * (f0 - f1) + 3.0 * (d0 + d1)
+    b = -6.0 * (f0 - f1) - 4.0 * d0 - 2.0 * d1
+    u = 2.0 * d0 / (np.sqrt(np.maximum(b * b - 4.0 * a * d0, 0.0)) - b)
+    times = time[inside] + u * h
+    values = hermite(u, f0, f1, d0, d1)
+    slow = _STANDSTILL * float(np.max(np.abs(rate), initial=0.0))
+    if value.size > 1 and abs(rate[0]) <= slow and value[1] < value[0]:
+        start = (
+            inside != 0
+        )  # the start itself, not a maximum that round-off in the initial rate puts just after it
+        times = np.concatenate([time[:1], times[start]])
+        values = np.concatenate([value[:1], values[start]])
+        inside = np.concatenate([[0], inside[start]])
+    return times, values, inside.astype(np.int64)
+
+
+def hermite(u: Floats, f0: Floats, f1: Floats, d0: Floats, d1: Floats) -> Floats:
+    """Return the cubic with values ``f0, f1`` and slopes ``d0, d1`` at 0 and 1, evaluated at ``u``."""
+    rise = f1 - f0
+    return f0 + u * (d0 + u * (3.0 * rise - 2.0 * d0 - d1 + u * (d0 + d1 - 2.0 * rise)))

@@ -1,0 +1,88 @@
+"""The energy account of a run: where every joule is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_ROUND_OFF = 1e-12  # what moved less than this part of the energy that is there did not move
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energies over time [J], arrays of the length of ``time`` [s].
+
+    At every time ``kinetic + elastic + viscous - external - numerical`` is what ``kinetic + elastic`` was at
+    the start.
+
+    Attributes:
+        time: times of the account [s].
+        kinetic: energy of motion.
+        elastic: energy stored in the strains.
+        viscous: energy lost to viscosity so far.
+        external: work of loads (gravity among them) and moving supports so far.
+        numerical: remainder that the integration made or lost, positive where it made energy.
+    """
+
+    time: Floats
+    kinetic: Floats
+    elastic: Floats
+    viscous: Floats
+    external: Floats
+    numerical: Floats
+
+    @classmethod
+    def of(cls, data: xr.Dataset) -> Energy:
+        """Read the account from the data set of a run."""
+        names = ("time", "kinetic", "elastic", "viscous", "external", "numerical")
+        return cls(*(np.asarray(data[name].values, dtype=float) for name in names))
+
+    @property
+    def total(self) -> Floats:
+        """Kinetic and elastic energy together."""
+        return self.kinetic + self.elastic
+
+    @property
+    def moved(self) -> float:
+        """Energy that moved [J], the scale of the account.
+
+        The largest of: range of the kinetic energy, range of the elastic energy, viscous loss, and largest
+        amount of work done by or against the loads and supports. Zero if all of it is round-off.
+        """
+        moved = max(
+            float(np.ptp(self.kinetic)),
+            float(np.ptp(self.elastic)),
+            float(np.max(self.viscous)),
+            float(np.max(np.abs(self.external))),
+        )
+        return moved if moved > _ROUND_OFF * float(np.max(self.total)) else 0.0
+
+    @property
+    def numerical_fraction(self) -> float:
+        """Largest amount of the numerical remainder as a fraction of ``moved`` (0 where nothing moved)."""
+        moved = self.moved
+        return float(np.max(np.abs(self.numerical))) / moved if moved > 0.0 else 0.0
+
+    def __str__(self) -> str:
+        moved = self.moved
+        rows = [
+            ("kinetic", self.kinetic[-1]),
+            ("elastic", self.elastic[-1]),
+            ("lost to viscosity", self.viscous[-1]),
+            ("work of loads and supports", self.external[-1]),
+            ("numerical remainder", self.numerical[-1]),
+        ]
+        start = f"kinetic and elastic at the start: {self.total[0]:.6g} J"
+        lines = [f"Energy at {self.time[-1]:g} s ({start}; moved: {moved:.6g} J)"]
+        for name, value in rows:
+            part = f"{100.0 * value / moved + 0.0:11.4f} % of what moved" if moved > 0.0 else ""
+            lines.append(f"  {name:<27s}{value + 0.0:14.6g} J{part}")
+        lines.append(f"  largest numerical remainder: {100.0 * self.numerical_fraction:.3g} % of what moved")
+        return "\n".join(lines)

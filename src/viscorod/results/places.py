@@ -1,0 +1,155 @@
+"""From the words for a place ("beam.end", "beam@0.15", a station's number) to weights on the stations."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.results.quaternion import mean
+from viscorod.typing import Floats, Integers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_PLACE = re.compile(r"(?P<rod>.+?)(?:\.(?P<end>start|end)|@(?P<s>[^@]+))")
+_STENCIL = 6  # stations behind one interpolated value: more of them would swing on uneven stations
+
+
+@dataclass(frozen=True)
+class Site:
+    """A point of a rod as a combination of stored stations.
+
+    Attributes:
+        label: the place in words, "beam.end" or "beam@0.15".
+        rod: name of the rod.
+        s: arc length in the reference shape [m].
+        stations: numbers of the stations that take part, shape (k,).
+        weights: their weights, summing to one, shape (k,).
+    """
+
+    label: str
+    rod: str
+    s: float
+    stations: Integers
+    weights: Floats
+
+    def of(self, values: Floats) -> Floats:
+        """Return the value here of a field ``(..., station, components)``."""
+        result: Floats = np.einsum("...kc,k->...c", values[..., self.stations, :], self.weights)
+        return result
+
+    def rotation(self, quaternions: Floats) -> Floats:
+        """Return the unit quaternion here of the orientations ``(station, 4)``."""
+        return mean(quaternions[self.stations], self.weights)
+
+
+class Sites:
+    """All stations of a data set, by rod and arc length."""
+
+    def __init__(self, data: xr.Dataset) -> None:
+        rods = np.asarray(data["station_rod"].values, dtype=str)
+        self._s = np.asarray(data["station_s"].values, dtype=float)
+        self._rod_of_station = rods
+        self._stations = {
+            str(rod): np.flatnonzero(rods == rod)[np.argsort(self._s[rods == rod], kind="stable")]
+            for rod in dict.fromkeys(rods.tolist())
+        }
+
+    @property
+    def rods(self) -> tuple[str, ...]:
+        """Names of the rods, in the order of the data set."""
+        return tuple(self._stations)
+
+    def stations(self, rod: str) -> Integers:
+        """Return the station numbers of a rod, by increasing arc length."""
+        return self._stations[rod]
+
+    def ends(self, rod: str) -> tuple[Site, Site]:
+        """Return the two ends of a rod."""
+        return self.at(f"{rod}.start"), self.at(f"{rod}.end")
+
+    def at(self, place: str | int) -> Site:
+        """Resolve a place.
+
+        Args:
+            place: "rod.start", "rod.end", "rod@s" with the arc length s [m], or the number of a station.
+                Between stations the value is that of the polynomial through the six nearest ones of the rod.
+
+        Raises:
+            InputError: no such rod, station or form, or the arc length lies outside the rod.
+        """
+        if isinstance(place, (int, np.integer)):
+            return self._numbered(int(place))
+        match = _PLACE.fullmatch(place)
+        if match is None:
+            example = self.rods[0]
+            raise InputError(
+                f"{place!r} is no place; write {example}.start, {example}.end, "
+                f"{example}@s with the arc length s in m, or the number of a station"
+            )
+        rod = match["rod"]
+        if rod not in self._stations:
+            near = difflib.get_close_matches(rod, self.rods, n=1) or self.rods
+            raise InputError(f"{place!r}: no rod is called {rod!r}; did you mean {near[0]!r}?")
+        stations = self._stations[rod]
+        if match["end"] is not None:
+            return self._numbered(int(stations[0 if match["end"] == "start" else -1]))
+        try:
+            s = float(match["s"])
+        except ValueError:
+            raise InputError(
+                f"{place!r}: {match['s']!r} is no arc length; write a number of metres"
+            ) from None
+        return self.along(rod, s)
+
+    def along(self, rod: str, s: float) -> Site:
+        """Return the site at arc length ``s`` [m] of a rod.
+
+        Raises:
+            InputError: ``s`` lies outside the rod.
+        """
+        stations = self._stations[rod]
+        known = self._s[stations]
+        slack = 1e-9 * max(known[-1] - known[0], np.finfo(float).tiny)
+        if not known[0] - slack <= s <= known[-1] + slack:
+            raise InputError(
+                f"{rod}@{s:g} lies outside the rod; its arc length runs from {known[0]:g} to {known[-1]:g} m"
+            )
+        distance = np.abs(known - s)
+        nearest = int(np.argmin(distance))
+        if distance[nearest] <= slack:
+            return self._numbered(int(stations[nearest]))
+        count = min(_STENCIL, known.size)
+        first = int(np.clip(np.searchsorted(known, s) - count // 2, 0, known.size - count))
+        chosen = slice(first, first + count)
+        return Site(f"{rod}@{s:g}", rod, float(s), stations[chosen], _lagrange_weights(known[chosen], s))
+
+    def _numbered(self, station: int) -> Site:
+        count = self._s.size
+        if not -count <= station < count:
+            raise InputError(f"there is no station {station}; stations are numbered 0 to {count - 1}")
+        station %= count
+        rod = str(self._rod_of_station[station])
+        mine = self._stations[rod]
+        if station == mine[0]:
+            label = f"{rod}.start"
+        elif station == mine[-1]:
+            label = f"{rod}.end"
+        else:
+            label = f"{rod}@{self._s[station]:g}"
+        return Site(label, rod, float(self._s[station]), np.array([station], dtype=np.int64), np.ones(1))
+
+
+def _lagrange_weights(nodes: Floats, s: float) -> Floats:
+    """Return the values at ``s`` of the Lagrange polynomials of ``nodes``."""
+    difference = nodes[:, None] - nodes[None, :]
+    np.fill_diagonal(difference, 1.0)
+    numerator = np.broadcast_to(s - nodes, difference.shape).copy()
+    np.fill_diagonal(numerator, 1.0)
+    weights: Floats = np.prod(numerator / difference, axis=1)
+    return weights

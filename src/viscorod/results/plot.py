@@ -1,0 +1,146 @@
+"""The picture of a motion: history with envelope, snapshots of the rods, damping ratio of every cycle."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.results.decrement import Decrement
+from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
+from viscorod.results.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    RED,
+    SMALL,
+    TEXT,
+    clean,
+    figure,
+    heading,
+    legend_above,
+    legend_inside,
+    scaled,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.gridspec import SubplotSpec
+
+    from viscorod.results.run import Run
+
+_SNAPSHOTS = 13
+
+
+def draw_motion(run: Run, place: str | int | None = None, axis: str | None = None) -> Figure:
+    """Return the figure of a motion; see ``Run.plot``."""
+    site, main_axis = run.main_motion
+    if place is not None:
+        site = run.sites.at(place)
+        spread = np.ptp(run.history(place, "displacement").values, axis=0)
+        main_axis = "xyz"[int(np.argmax(spread))]
+    axis = axis or main_axis
+    try:
+        decay = run.decrement(site.label, axis, rest=None)
+    except InputError:  # no swing about a rest position: there is nothing to say about damping
+        decay = None
+    picture = figure(10.0, 7.6)
+    if run.title:
+        picture.suptitle(run.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+    grid = picture.add_gridspec(2, 1 if decay is None else 2, height_ratios=(1.0, 1.2))
+    _history(picture.add_subplot(grid[0, :]), run, site.label, axis, decay)
+    _snapshots(picture, grid[1, 0], run, decay)
+    if decay is not None:
+        _damping(picture.add_subplot(grid[1, 1]), decay)
+    return picture
+
+
+def _history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement | None) -> None:
+    values = run.history(place, "displacement").sel(axis=axis).values
+    scale, unit = scaled("m", values)
+    clean(axes, "time [s]", f"displacement {axis} of {place} [{unit}]")
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    lone = "o" if run.time.size == 1 else None
+    axes.plot(run.time, scale * values, color=BLUE, linewidth=1.6, marker=lone, label=f"displacement {axis}")
+    axes.margins(x=0.01)
+    if decay is not None:
+        axes.plot(
+            decay.time,
+            scale * decay.value,
+            "o",
+            color=RED,
+            markersize=5,
+            clip_on=False,
+            zorder=4,
+            label="maxima",
+        )
+        size, rate = decay.envelope
+        envelope = size * np.exp(-rate * run.time)
+        label = f"envelope of the last cycles, exp({-rate:.3g} t / s)".replace("-", "\N{MINUS SIGN}")
+        limits = axes.get_ylim()
+        for sign, text in ((1.0, label), (-1.0, None)):
+            bound = scale * (decay.rest + sign * envelope)
+            axes.plot(run.time, bound, "--", color=ORANGE, linewidth=1.4, label=text)
+        # Extrapolated to the start, the envelope may run far out of the large first swings.
+        axes.set_ylim(1.1 * limits[0], 1.1 * limits[1])
+    legend_above(axes, 3)
+
+
+def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | None) -> None:
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LinearSegmentedColormap, Normalize
+
+    start, end = (run.time[0], run.time[-1]) if decay is None else decay.time[:2]
+    times = np.linspace(start, end, _SNAPSHOTS if end > start else 1)
+    positions = np.array([run.positions_at(float(time)) for time in times])
+    view = View.of(run.field("position"))
+    part = "" if decay is None else ", first period"
+    axes = view.add_axes(
+        picture, spec, f"Rod in the {view.name}{part}" if len(view.axes) == 2 else f"Rod{part}"
+    )
+    curves = Curves(run)
+    # The light end of the map is left out: it would not show on white.
+    colours = LinearSegmentedColormap.from_list("time", colormaps["viridis"](np.linspace(0.0, 0.88, 64)))
+    span = Normalize(start, end if end > start else start + 1.0)
+    draw_reference(axes, view, curves, run)
+    for time, position in zip(times, positions, strict=True):
+        curves.draw(axes, view, position, color=colours(span(time)), linewidth=1.8)
+    mark_supports(axes, view, run, positions[0])
+    view.finish(axes, np.concatenate([positions, run.data["reference_position"].values[None]]))
+    flat = len(view.axes) == 2
+    mappable = ScalarMappable(span, colours)
+    bar = picture.colorbar(mappable, ax=axes, shrink=0.85, aspect=28, pad=0.03 if flat else 0.16)
+    bar.set_label("time [s]", fontsize=TEXT)
+    bar.ax.tick_params(labelsize=SMALL)
+    legend_inside(axes, "best" if flat else "upper left")
+
+
+def _damping(axes: Axes, decay: Decrement) -> None:
+    amplitude, ratio = decay.mean_amplitude, decay.damping_ratio
+    scale, unit = scaled("m", amplitude)
+    clean(axes, f"mean amplitude of the cycle [{unit}]", "damping ratio")
+    heading(axes, "Damping ratio of every cycle (numbered)")
+    limit = decay.small_amplitude_ratio
+    axes.axhline(
+        limit, color=ORANGE, linestyle="--", linewidth=1.4, label=f"limit of small amplitude: {limit:.4f}"
+    )
+    axes.plot(scale * amplitude, ratio, "o-", color=GREEN, markersize=6, linewidth=1.2)
+    step = max(1, ratio.size // 12)
+    for number in range(0, ratio.size, step):
+        axes.annotate(
+            str(number + 1),
+            (scale * amplitude[number], ratio[number]),
+            xytext=(0, 8),
+            textcoords="offset points",
+            ha="center",
+            fontsize=SMALL,
+        )
+    low, high = min(0.0, float(ratio.min())), max(float(ratio.max()), limit)
+    axes.set_ylim(1.25 * low, 1.25 * high if high > 0.0 else 0.1)
+    axes.set_xlim(0.0, 1.08 * scale * float(amplitude.max()))
+    axes.locator_params(axis="x", nbins=6)
+    legend_inside(axes, "lower left")

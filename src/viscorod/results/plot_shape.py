@@ -1,0 +1,42 @@
+"""The picture of a static equilibrium."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
+from viscorod.results.style import BLUE, SKY, TEXT, figure, legend_inside
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from viscorod.results.run import Equilibrium
+
+
+def draw_shape(equilibrium: Equilibrium) -> Figure:
+    """Return the figure of the reference shape, the load steps on the way and the equilibrium."""
+    positions = equilibrium.field("position")
+    reference = np.asarray(equilibrium.data["reference_position"].values, dtype=float)
+    everything = np.concatenate([positions, reference[None]])
+    view = View.of(everything)
+    picture = figure(8.0, 6.4)
+    if equilibrium.title:
+        picture.suptitle(equilibrium.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+    where = f" in the {view.name}" if len(view.axes) == 2 else ""
+    axes = view.add_axes(picture, picture.add_gridspec(1, 1)[0, 0], f"Static equilibrium{where}")
+    curves = Curves(equilibrium)
+    draw_reference(axes, view, curves, equilibrium)
+    label = "on the way"
+    for factor, position in zip(equilibrium.load_factor[:-1], positions[:-1], strict=True):
+        if factor > 0.0:
+            curves.draw(axes, view, position, color=SKY, linewidth=1.0, label=label)
+            label = "_"
+    reached = equilibrium.load_factor[-1]
+    name = "equilibrium" if reached == 1.0 else f"at {100.0 * reached:.3g} % of the loads"
+    curves.draw(axes, view, positions[-1], color=BLUE, linewidth=2.4, label=name)
+    mark_supports(axes, view, equilibrium, positions[-1])
+    view.finish(axes, everything)
+    legend_inside(axes, "best" if len(view.axes) == 2 else "upper left")
+    return picture

@@ -1,0 +1,152 @@
+"""Reports of results as plain text, SI units."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.results.schema import COUNTERS
+from viscorod.results.text import table
+from viscorod.results.warnings import warnings_of
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from viscorod.results.result import Result
+    from viscorod.results.run import Equilibrium, Run
+
+_WORKING = 0.01  # more work of the loads than this part of what moved, meanwhile, makes it no free decay
+_ROUND_OFF = 1e-12  # a number below this part of its table's largest reads 0
+
+
+def run_report(run: Run) -> str:
+    """Return the report of a run."""
+    attrs = run.data.attrs
+    time = run.time
+    steps = f" in {attrs['steps']} steps" if "steps" in attrs else ""
+    size = f" of {attrs['time_step']:g} s" if "time_step" in attrs else ""
+    method = f", {str(attrs['integrator']).replace('_', '-')}" if attrs.get("integrator") else ""
+    blocks = [
+        _heading(run, f"{time[-1] - time[0]:g} s simulated{steps}{size}{method}"),
+        _ends(run, f"Rod ends at the start ({time[0]:g} s)", 0),
+        _decay(run),
+        str(run.energy),
+        _effort(run),
+        _warnings(run),
+    ]
+    return "\n\n".join(block for block in blocks if block)
+
+
+def equilibrium_report(equilibrium: Equilibrium) -> str:
+    """Return the report of an equilibrium."""
+    reached = equilibrium.load_factor[-1]
+    level = "all of the loads" if reached == 1.0 else f"{100.0 * reached:g} % of the loads"
+    blocks = [
+        _heading(equilibrium, f"static equilibrium under {level}"),
+        _ends(equilibrium, "Rod ends", -1),
+        _rotations(equilibrium),
+        _reactions(equilibrium),
+        _stability(equilibrium),
+        _effort(equilibrium),
+        _warnings(equilibrium),
+    ]
+    return "\n\n".join(block for block in blocks if block)
+
+
+def _heading(result: Result, summary: str) -> str:
+    lines = [result.title] if result.title else []
+    lines.append(summary)
+    if result.outcome != "completed":
+        lines.append(f"stopped early ({result.outcome}): {result.data.attrs.get('message', '')}".rstrip(": "))
+    return "\n".join(lines)
+
+
+def _ends(result: Result, title: str, state: int) -> str:
+    position = result.field("position")[state]
+    displacement = result.field("displacement")[state]
+    size = float(np.max(np.abs(position)))
+    rows = [
+        (site.label, *_vector(site.of(position), size), *_vector(site.of(displacement), size))
+        for rod in result.sites.rods
+        for site in result.sites.ends(rod)
+    ]
+    header = ("place", "x [m]", "y [m]", "z [m]", "moved x [m]", "y [m]", "z [m]")
+    return table(title + ": position, and displacement from the reference shape", header, rows)
+
+
+def _decay(run: Run) -> str:
+    site, axis = run.main_motion
+    spread = float(np.ptp(run.history(site.label, "displacement").sel(axis=axis).values))
+    chosen = f"  ({site.label} along {axis} has the largest range of displacement, {spread:.6g} m)"
+    try:
+        decay = run.decrement(site.label, axis, rest=None)
+    except InputError as error:
+        return f"Decay: {error}"
+    energy = run.energy
+    late = energy.external[energy.time >= decay.time[0]]
+    lines = [str(decay), chosen]
+    if float(np.ptp(late)) > _WORKING * energy.moved:
+        lines.append(
+            "  (loads or supports do work meanwhile: these ratios describe the motion, not only the material)"
+        )
+    return "\n".join(lines)
+
+
+def _rotations(equilibrium: Equilibrium) -> str:
+    rows = [
+        (site.label, *_vector(equilibrium.rotation(site.label), 1.0))
+        for rod in equilibrium.sites.rods
+        for site in equilibrium.sites.ends(rod)
+    ]
+    return table(
+        "Rotation from the reference orientation (rotation vector)",
+        ("place", "x [rad]", "y [rad]", "z [rad]"),
+        rows,
+    )
+
+
+def _reactions(equilibrium: Equilibrium) -> str:
+    if "reaction" not in equilibrium.data or equilibrium.data.sizes.get("support", 0) == 0:
+        return ""
+    names = equilibrium.data["support"].values
+    values = equilibrium.reactions.values
+    force, moment = (float(np.max(np.abs(part))) for part in (values[:, :3], values[:, 3:]))
+    rows = [
+        (str(name), *_vector(row[:3], force), *_vector(row[3:], moment))
+        for name, row in zip(names, values, strict=True)
+    ]
+    header = ("support", "fx [N]", "fy [N]", "fz [N]", "mx [N m]", "my [N m]", "mz [N m]")
+    return table("Reactions of the supports", header, rows)
+
+
+def _stability(equilibrium: Equilibrium) -> str:
+    lines = [f"Elastic energy {equilibrium.elastic_energy:.6g} J"]
+    if "negative_eigenvalues" in equilibrium.data.attrs:
+        negative = equilibrium.negative_eigenvalues
+        lines.append(
+            f"Unstable: the tangent stiffness has {negative} negative eigenvalue{'s' if negative > 1 else ''}"
+            if negative
+            else "Stable: the tangent stiffness has no negative eigenvalue"
+        )
+    return "\n".join(lines)
+
+
+def _effort(result: Result) -> str:
+    attrs = result.data.attrs
+    parts = [f"{attrs[name]} {name}" for name in COUNTERS if name in attrs]
+    if "wall_time_s" in attrs:
+        parts.append(f"{attrs['wall_time_s']:.3g} s wall time")
+    if attrs.get("compile_time_s", 0.0) >= 0.1:
+        parts.append(f"{attrs['compile_time_s']:.3g} s compiling before that")
+    return f"Effort: {', '.join(parts)}" if parts else ""
+
+
+def _warnings(result: Result) -> str:
+    warnings = warnings_of(result)
+    return "\n".join(["Warnings", *(f"  - {text}" for text in warnings)]) if warnings else "No warnings"
+
+
+def _vector(values: Floats, scale: float) -> list[str]:
+    """Numbers with six digits; what is round-off against ``scale`` reads 0."""
+    return [f"{0.0 if abs(value) < _ROUND_OFF * scale else value:.6g}" for value in values]

@@ -1,0 +1,108 @@
+"""What a run and an equilibrium have in common: places, histories, the file."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.results.places import Site, Sites
+from viscorod.results.schema import AXES, DIMENSION, annotated
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Quantity: TypeAlias = Literal["position", "displacement", "velocity"]
+
+
+class Result(ABC):
+    """A data set with the questions that every kind of result answers.
+
+    Attributes:
+        data: the ``xarray.Dataset`` behind everything; names and units are in ``viscorod.results.schema``.
+        sites: the stations, by rod and arc length.
+    """
+
+    kind: ClassVar[str]
+
+    def __init__(self, data: xr.Dataset) -> None:
+        self.data = annotated(data, self.kind)
+        self.sites = Sites(self.data)
+
+    @property
+    def dimension(self) -> str:
+        """Name of the dimension along which states are stored: "time" or "load_factor"."""
+        return DIMENSION[self.kind]
+
+    @property
+    def title(self) -> str:
+        """Title of the case, empty if it has none."""
+        return str(self.data.attrs.get("title", ""))
+
+    @property
+    def outcome(self) -> str:
+        """The word "completed", or what stopped the solution."""
+        return str(self.data.attrs.get("outcome", "completed"))
+
+    def history(self, place: str | int, quantity: Quantity = "position") -> xr.DataArray:
+        """Return how a vector at a place changes, in global axes.
+
+        Args:
+            place: "beam.end", "beam@0.15" (arc length in m) or the number of a station.
+            quantity: "position" [m], "displacement" from the reference shape [m] or "velocity" [m/s].
+
+        Returns:
+            Array ``(time, axis)``, or ``(load_factor, axis)`` for an equilibrium.
+
+        Raises:
+            InputError: no such place or quantity.
+        """
+        import xarray as xr
+
+        site = self.sites.at(place)
+        values = site.of(self.field(quantity))
+        name = "velocity" if quantity == "velocity" else "position"
+        return xr.DataArray(
+            values,
+            dims=(self.dimension, "axis"),
+            coords={self.dimension: self.data[self.dimension], "axis": list(AXES)},
+            name=quantity,
+            attrs={"units": self.data[name].attrs["units"], "long_name": f"{quantity} of {site.label}"},
+        )
+
+    def field(self, quantity: Quantity) -> Floats:
+        """Return a vector at all stations, ``(time or load_factor, station, axis)``, global axes, SI."""
+        known = ("position", "displacement") + (("velocity",) if "velocity" in self.data else ())
+        if quantity not in known:
+            raise InputError(f"quantity = {quantity!r} is not stored; it can be {', '.join(known)}")
+        name = "velocity" if quantity == "velocity" else "position"
+        values = np.asarray(self.data[name].values, dtype=float)
+        return values - self.data["reference_position"].values if quantity == "displacement" else values
+
+    @cached_property
+    def main_motion(self) -> tuple[Site, str]:
+        """The station and the global axis whose displacement has the largest range."""
+        displacement = self.field("displacement")
+        spread = np.ptp(displacement, axis=0)
+        if displacement.shape[0] == 1:  # one state alone has no range
+            spread = np.abs(displacement[0])
+        station, axis = np.unravel_index(int(np.argmax(spread)), spread.shape)
+        return self.sites.at(int(station)), AXES[int(axis)]
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything to a netCDF4 file, for ``viscorod.load`` and any HDF5 tool; returns the path."""
+        from viscorod.results.storage import write
+
+        return write(self.data, path)
+
+    @abstractmethod
+    def report(self) -> str:
+        """Return a short report in words and numbers."""
+
+    def __str__(self) -> str:
+        return self.report()

@@ -1,0 +1,186 @@
+"""The two kinds of result: a run over time and a static equilibrium."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.results.decrement import Decrement, decrement, hermite
+from viscorod.results.energy import Energy
+from viscorod.results.quaternion import conjugate, product, rotation_vector
+from viscorod.results.result import Result
+from viscorod.results.schema import AXES
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class Run(Result):
+    """A motion over time; ``data`` holds it whole, with ``time`` index 0 the initial state."""
+
+    kind: ClassVar[str] = "simulate"
+
+    @property
+    def time(self) -> Floats:
+        """Stored times [s]."""
+        return np.asarray(self.data["time"].values, dtype=float)
+
+    @cached_property
+    def energy(self) -> Energy:
+        """The energy account."""
+        return Energy.of(self.data)
+
+    def decrement(self, place: str | int, axis: str, rest: float | None = 0.0) -> Decrement:
+        """Return period, amplitude and damping ratio of every cycle of a displacement.
+
+        Args:
+            place: "beam.end", "beam@0.15" or the number of a station.
+            axis: global axis "x", "y" or "z".
+            rest: displacement about which it swings [m]; None takes it from the last extremes of the motion.
+
+        Raises:
+            InputError: no such place or axis, or fewer than two maxima.
+        """
+        if axis not in AXES:
+            raise InputError(f"axis = {axis!r} is no global axis; it can be x, y or z")
+        column = AXES.index(axis)
+        site = self.sites.at(place)
+        value = site.of(self.field("displacement"))[:, column]
+        rate = site.of(self.field("velocity"))[:, column]
+        return decrement(self.time, value, rate, rest=rest, place=site.label, axis=axis)
+
+    def snapshot(self, time: float) -> dict[str, Floats]:
+        """Return where every rod is at a time.
+
+        Args:
+            time: any time of the run [s]; between stored times positions follow their velocities (cubic
+                Hermite interpolation).
+
+        Returns:
+            Rod name -> positions of its stations by increasing arc length [m], shape (n, 3), global axes.
+
+        Raises:
+            InputError: the time lies outside the run.
+        """
+        positions = self.positions_at(time)
+        return {rod: positions[self.sites.stations(rod)] for rod in self.sites.rods}
+
+    def positions_at(self, time: float) -> Floats:
+        """Return the positions of all stations at a time [m], shape (stations, 3); see ``snapshot``."""
+        known = self.time
+        slack = 1e-9 * max(abs(known[-1]), abs(known[0]))
+        if not known[0] - slack <= time <= known[-1] + slack:
+            raise InputError(
+                f"time = {time:g} s lies outside the run, which covers {known[0]:g} to {known[-1]:g} s"
+            )
+        position = self.field("position")
+        if known.size == 1:
+            alone: Floats = position[0]
+            return alone
+        k = int(np.clip(np.searchsorted(known, time, side="right") - 1, 0, known.size - 2))
+        h = known[k + 1] - known[k]
+        u = np.asarray(np.clip((time - known[k]) / h, 0.0, 1.0))
+        velocity = h * self.field("velocity")[k : k + 2]
+        return hermite(u, position[k], position[k + 1], velocity[0], velocity[1])
+
+    def report(self) -> str:
+        """Return a report: the start, every cycle of the decay, the energy account, the effort, warnings."""
+        from viscorod.results.report import run_report
+
+        return run_report(self)
+
+    def plot(self, path: str | Path, place: str | int | None = None, axis: str | None = None) -> Path:
+        """Draw the motion: history with envelope, snapshots of the rods, damping ratio of every cycle.
+
+        Args:
+            path: picture to write; the suffix tells the format (.png, .pdf, .svg).
+            place: place whose history is drawn; by default the one that moves most.
+            axis: global axis of the history; by default the one along which the place moves most.
+
+        Returns:
+            The path.
+        """
+        from viscorod.results.plot import draw_motion
+        from viscorod.results.style import write
+
+        return write(draw_motion(self, place, axis), path)
+
+    def plot_energy(self, path: str | Path) -> Path:
+        """Draw the energy account over time; returns the path."""
+        from viscorod.results.plot_energy import draw_energy
+        from viscorod.results.style import write
+
+        return write(draw_energy(self), path)
+
+
+class Equilibrium(Result):
+    """A static equilibrium; the last load factor is the answer, the earlier ones are the way to it."""
+
+    kind: ClassVar[str] = "equilibrium"
+
+    @property
+    def load_factor(self) -> Floats:
+        """Parts of the loads at which states are stored, increasing to 1."""
+        return np.asarray(self.data["load_factor"].values, dtype=float)
+
+    def position(self, place: str | int) -> Floats:
+        """Return the position of a place [m], shape (3,), global axes."""
+        return self.sites.at(place).of(self.field("position")[-1])
+
+    def displacement(self, place: str | int) -> Floats:
+        """Return the displacement of a place from the reference shape [m], shape (3,), global axes."""
+        return self.sites.at(place).of(self.field("displacement")[-1])
+
+    def rotation(self, place: str | int) -> Floats:
+        """Return the rotation of a place from its reference orientation.
+
+        Returns:
+            Rotation vector [rad], shape (3,), global axes; the shorter way round, its length at most pi.
+        """
+        site = self.sites.at(place)
+        return rotation_vector(
+            product(site.rotation(self._final("rotation")), conjugate(site.rotation(self._reference)))
+        )
+
+    @property
+    def elastic_energy(self) -> float:
+        """Energy stored in the strains [J]."""
+        return float(self._final("elastic"))
+
+    @property
+    def reactions(self) -> xr.DataArray:
+        """Force [N] and moment [N m] of every support on its rod, ``(support, motion)``, global axes."""
+        if "reaction" not in self.data:
+            raise InputError("this result holds no reactions: the case has no supports")
+        return self.data["reaction"].isel({self.dimension: -1})
+
+    @property
+    def negative_eigenvalues(self) -> int:
+        """Number of negative eigenvalues of the tangent stiffness: 0 where the equilibrium is stable."""
+        return int(self.data.attrs.get("negative_eigenvalues", 0))
+
+    def report(self) -> str:
+        """Return a report: ends of the rods, reactions, energy, stability, the effort, warnings."""
+        from viscorod.results.report import equilibrium_report
+
+        return equilibrium_report(self)
+
+    def plot(self, path: str | Path) -> Path:
+        """Draw the reference shape and the way to the equilibrium; returns the path."""
+        from viscorod.results.plot_shape import draw_shape
+        from viscorod.results.style import write
+
+        return write(draw_shape(self), path)
+
+    @property
+    def _reference(self) -> Floats:
+        return np.asarray(self.data["reference_rotation"].values, dtype=float)
+
+    def _final(self, name: str) -> Floats:
+        final: Floats = np.asarray(self.data[name].values, dtype=float)[-1]
+        return final

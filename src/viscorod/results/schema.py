@@ -1,0 +1,98 @@
+"""The data set that results are built from: names, units and what must be there.
+
+Everything a result says is derived from one ``xarray.Dataset`` with these variables, so a file read back does
+all that a fresh run does. States are stored along ``time`` (kind "simulate") or ``load_factor`` (kind
+"equilibrium").
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from viscorod.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+AXES = ("x", "y", "z")
+"""Global axes, in the order of every ``axis`` dimension."""
+
+DIMENSION = {"simulate": "time", "equilibrium": "load_factor"}
+"""Kind of result -> the dimension along which its states are stored."""
+
+VARIABLES: dict[str, tuple[str, str]] = {
+    "time": ("s", "time"),
+    "load_factor": ("1", "part of the loads applied"),
+    "station_rod": ("", "rod of the station"),
+    "station_s": ("m", "arc length of the station in the reference shape"),
+    "point_rod": ("", "rod of the Gauss point"),
+    "point_s": ("m", "arc length of the Gauss point in the reference shape"),
+    "point_weight": ("m", "quadrature length of the Gauss point"),
+    "reference_position": ("m", "position in the reference shape"),
+    "reference_rotation": ("1", "orientation in the reference shape, quaternion from body to global axes"),
+    "position": ("m", "position"),
+    "rotation": ("1", "orientation, quaternion from body to global axes"),
+    "velocity": ("m/s", "velocity, global axes"),
+    "angular_velocity": ("rad/s", "angular velocity, body axes"),
+    "strain": ("1, 1, 1, 1/m, 1/m, 1/m", "strain: shear 1, shear 2, stretch, bend 1, bend 2, twist"),
+    "section_force": ("N, N m", "force and moment of the section, elastic and viscous, body axes"),
+    "dissipation": ("W/m", "power lost to viscosity per length"),
+    "kinetic": ("J", "kinetic energy"),
+    "elastic": ("J", "elastic energy"),
+    "viscous": ("J", "energy lost to viscosity so far"),
+    "external": ("J", "work of loads and moving supports so far"),
+    "numerical": ("J", "numerical remainder of the energy account"),
+    "reaction": ("N, N m", "force and moment of the support on the rod, global axes"),
+    "step_size": ("s", "step that ended here"),
+    "iterations": ("1", "Newton iterations of the step that ended here"),
+}
+"""Name -> (unit, long name), written into the attributes of every data set."""
+
+COUNTERS = ("steps", "iterations", "factorisations", "rejected")
+"""Integer attributes: what the solution took."""
+
+_ALWAYS = (
+    "station_rod",
+    "station_s",
+    "reference_position",
+    "reference_rotation",
+    "position",
+    "rotation",
+    "elastic",
+)
+_REQUIRED = {
+    "simulate": (*_ALWAYS, "velocity", "kinetic", "viscous", "external", "numerical"),
+    "equilibrium": _ALWAYS,
+}
+
+
+def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
+    """Return ``data`` with units and long names, after checking that it is a result of this kind.
+
+    Args:
+        data: the data set; it is not changed.
+        kind: "simulate" or "equilibrium".
+
+    Raises:
+        InputError: the data set is of another kind, or variables are missing.
+    """
+    found = data.attrs.get("kind")
+    if found != kind:
+        raise InputError(
+            f"this data set has kind = {found!r} where {kind!r} is needed; viscorod.load opens either kind"
+        )
+    missing = [name for name in (DIMENSION[kind], *_REQUIRED[kind]) if name not in data.variables]
+    if missing:
+        raise InputError(
+            f"this data set is no complete viscorod result: {', '.join(missing)} missing; "
+            "use a file that viscorod wrote"
+        )
+    result = data.copy()
+    for name in result.variables:
+        unit, long_name = VARIABLES.get(str(name), ("", ""))
+        attributes = result[name].attrs
+        if unit:
+            attributes.setdefault("units", unit)
+        if long_name:
+            attributes.setdefault("long_name", long_name)
+    return result

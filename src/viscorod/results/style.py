@@ -1,0 +1,103 @@
+"""How pictures look: figures without global state, a palette for every eye, units in readable sizes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from viscorod.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# Okabe and Ito's palette, told apart by readers with any kind of colour vision.
+BLUE, ORANGE, GREEN, RED, SKY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9"
+INK, GREY = "#222222", "#8a8a8a"
+TEXT, SMALL = 11.0, 9.5
+DPI = 150
+
+_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+
+
+def figure(width: float, height: float) -> Figure:
+    """Return an empty figure of the given size [inches] that no global state knows."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    result = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+    FigureCanvasAgg(result)
+    return result
+
+
+def write(picture: Figure, path: str | Path) -> Path:
+    """Write a figure in the format that the suffix of ``path`` names, making its folder; returns the path.
+
+    Raises:
+        InputError: the format is unknown or the place cannot be written.
+    """
+    path = Path(path)
+    known = sorted(picture.canvas.get_supported_filetypes())
+    if path.suffix[1:].lower() not in known:
+        raise InputError(f"{path}: the suffix {path.suffix!r} is no picture format; use .{', .'.join(known)}")
+    engine = picture.get_layout_engine()
+    if engine is not None:  # done once and switched off, since savefig would do it twice
+        engine.execute(picture)
+        picture.set_layout_engine("none")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        picture.savefig(path)
+    except OSError as error:
+        raise InputError(
+            f"{path} cannot be written ({error.strerror or error}); name another place"
+        ) from None
+    return path
+
+
+def clean(axes: Axes, xlabel: str, ylabel: str) -> None:
+    """Label an axes, at readable sizes, with a light grid and no box."""
+    axes.set_xlabel(xlabel, fontsize=TEXT)
+    axes.set_ylabel(ylabel, fontsize=TEXT)
+    axes.tick_params(labelsize=SMALL, colors=INK)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def legend_above(axes: Axes, columns: int) -> None:
+    """Put the legend above an axes, where it hides nothing."""
+    axes.legend(
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=columns,
+        frameon=False,
+        fontsize=SMALL,
+        borderaxespad=0.2,
+        handlelength=1.8,
+        columnspacing=1.6,
+    )
+
+
+def legend_inside(axes: Axes, place: Literal["best", "upper left", "lower left"]) -> None:
+    """Put the legend into a free corner of an axes."""
+    axes.legend(loc=place, fontsize=SMALL, frameon=True, framealpha=0.85, edgecolor="none")
+
+
+def heading(axes: Axes, text: str) -> None:
+    """Put a short heading above an axes, flush left."""
+    axes.set_title(text, loc="left", fontsize=TEXT, color=INK)
+
+
+def scaled(unit: str, values: Any) -> tuple[float, str]:
+    """Return a factor and the unit with its prefix in which the largest value is between about 1 and 1000.
+
+    From 0.01 to 10000 the plain unit stays.
+    """
+    largest = float(np.max(np.abs(values), initial=0.0))
+    if largest == 0.0 or 0.01 <= largest < 1e4:
+        return 1.0, unit
+    size, prefix = next((pair for pair in _PREFIXES if largest >= pair[0]), _PREFIXES[-1])
+    return 1.0 / size, prefix + unit

@@ -1,0 +1,72 @@
+"""Square band matrices in LAPACK storage, factorised and solved in place."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+from scipy.linalg.lapack import dgbtrf, dgbtrs
+
+from viscorod.typing import Floats
+
+
+class SingularMatrixError(ArithmeticError):
+    """The factorisation met a zero pivot; ``row`` is the unknown it belongs to."""
+
+    def __init__(self, row: int) -> None:
+        super().__init__(f"zero pivot at unknown {row}")
+        self.row = row
+
+
+class BandMatrix:
+    """A matrix of 6x6 node blocks whose nodes couple at most ``reach`` places apart.
+
+    ``data`` has one row per matrix column, so that kernels add down a column contiguously; entry (i, j) stands at
+    ``data[j, diagonal + i - j]``. Its transpose is LAPACK's general band storage, handed over without a copy.
+    """
+
+    def __init__(self, nodes: int, reach: int) -> None:
+        self.nodes = nodes
+        self.reach = min(reach, max(nodes - 1, 0))
+        self.size = 6 * nodes
+        self.width = 6 * self.reach + 5
+        self.diagonal = 2 * self.width
+        self.data: Floats = np.zeros((self.size, 3 * self.width + 1))
+        self._pivots = np.empty(0, dtype=np.int32)
+
+    def clear(self) -> None:
+        """Set all entries to zero."""
+        self.data.fill(0.0)
+
+    def factorise(self) -> None:
+        """Replace the matrix by its LU factors.
+
+        Raises:
+            SingularMatrixError: a pivot is exactly zero.
+        """
+        _, self._pivots, info = dgbtrf(self.data.T, self.width, self.width, overwrite_ab=1)
+        if info > 0:
+            raise SingularMatrixError(info - 1)
+
+    def solve(self, right_side: Floats) -> Floats:
+        """Solve with the factors; ``right_side`` (size,) or (nodes, 6) is overwritten and returned."""
+        x, _ = dgbtrs(
+            self.data.T, self.width, self.width, right_side.reshape(-1), self._pivots, overwrite_b=1
+        )
+        return np.asarray(x).reshape(right_side.shape)
+
+    def sparse(self) -> sparse.csr_array:
+        """Return the (not yet factorised) matrix as a sparse array."""
+        offsets = np.arange(-self.width, self.width + 1)  # column minus row
+        diagonals = self.data[:, self.diagonal - offsets].T
+        return sparse.csr_array(sparse.dia_array((diagonals, offsets), shape=(self.size, self.size)))
+
+    def pivot_ratio(self) -> float:
+        """Return the smallest over the largest pivot of the factors: near zero for a nearly singular matrix."""
+        pivots = np.abs(self.data[:, self.diagonal])
+        return float(pivots.min() / pivots.max())
+
+    def determinant_sign(self) -> int:
+        """Return the sign of the determinant from the factors."""
+        swaps = int(np.count_nonzero(self._pivots != np.arange(self.size)))
+        negative = int(np.count_nonzero(self.data[:, self.diagonal] < 0.0))
+        return -1 if (swaps + negative) % 2 else 1

@@ -1,0 +1,205 @@
+"""The geometric formulation (positions and rotations) as a :class:`~viscorod.solve.system.System`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics import geometric, loading
+from viscorod.mechanics.basis import lobatto
+from viscorod.solve.banded import BandMatrix
+from viscorod.solve.loads import LoadState
+from viscorod.solve.problem import ElementSet, Problem
+from viscorod.solve.system import GaussPoints, State
+from viscorod.typing import Floats
+
+
+class _Part:
+    """One element set with its work arrays at the Gauss points."""
+
+    def __init__(self, problem: Problem, elements: ElementSet) -> None:
+        self.elements = elements
+        shape = (*elements.section.shape, 6)
+        self.strain = np.zeros(shape)
+        self.earlier = np.zeros(shape)
+        self.strain_rate = np.zeros(shape)
+        self.section_force = np.zeros(shape)
+        self.stress = np.zeros(shape)
+        self.operator = np.zeros((*shape, 6 * elements.nodes.shape[1]))
+        self.reference = np.zeros(shape)
+        geometric.strains(
+            elements.nodes,
+            elements.links,
+            problem.link_positions,
+            problem.link_quaternions,
+            elements.shapes,
+            elements.slopes,
+            elements.half_lengths,
+            problem.positions,
+            problem.quaternions,
+            self.reference,
+            np.zeros((*elements.section.shape, 4)),
+        )
+        self.damped = elements.damped
+
+
+class GeometricSystem:
+    """Assembles the geometric element of model.md section 4 for a whole problem.
+
+    Strains are measured from those of the interpolated reference shape, so a curved rod is free of stress as built.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.internal: Floats = np.zeros((problem.size, 6))
+        self.external: Floats = np.zeros((problem.size, 6))
+        self.band = BandMatrix(problem.size, problem.reach)
+        self.parts = [_Part(problem, elements) for elements in problem.sets]
+        self._no_map = np.zeros((problem.size, 6, 6))
+        rods = np.concatenate([np.repeat(p.elements.rod, p.elements.section.shape[1]) for p in self.parts])
+        s, lengths = [], []
+        for part in self.parts:
+            e = part.elements
+            middle = e.start + e.half_lengths
+            points = e.shapes @ lobatto(e.order)[0]
+            s.append((middle[:, None] + e.half_lengths[:, None] * points[None, :]).ravel())
+            lengths.append((e.half_lengths[:, None] * e.weights[None, :]).ravel())
+        self._s = np.concatenate(s)
+        self._lengths = np.concatenate(lengths)
+        self._rods = rods
+        self._order = np.lexsort((self._s, rods))
+
+    def assemble(
+        self, state: State, loads: LoadState, rate_map: Floats | None, *, tangent: bool, moving: bool
+    ) -> None:
+        """See :class:`~viscorod.solve.system.System`."""
+        problem = self.problem
+        band = self.band
+        self.internal.fill(0.0)
+        self.external.fill(0.0)
+        if tangent:
+            band.clear()
+        for part in self.parts:
+            e = part.elements
+            geometric.assemble(
+                e.nodes,
+                e.links,
+                problem.link_positions,
+                problem.link_quaternions,
+                e.shapes,
+                e.slopes,
+                e.weights,
+                e.half_lengths,
+                e.section,
+                e.stiffness,
+                e.damping,
+                part.damped,
+                part.reference,
+                part.stress,
+                state.r,
+                state.q,
+                state.twist,
+                moving,
+                self._no_map if rate_map is None else rate_map,
+                tangent,
+                self.internal,
+                band.data,
+                band.diagonal,
+                part.strain,
+                part.strain_rate,
+                part.section_force,
+                part.operator,
+            )
+        if len(loads.nodes):
+            loading.add_nodal_loads(
+                loads.nodes,
+                state.q,
+                loads.dead,
+                loads.following,
+                loads.gravity,
+                problem.mass,
+                tangent,
+                self.external,
+                band.data,
+                band.diagonal,
+            )
+        for load in loads.stations:
+            e = self.parts[load.part].elements
+            loading.add_station_load(
+                e.nodes[load.element],
+                e.links[load.element],
+                problem.link_positions,
+                problem.link_quaternions,
+                load.shape,
+                load.dead,
+                load.following,
+                state.r,
+                state.q,
+                tangent,
+                self.external,
+                band.data,
+                band.diagonal,
+            )
+
+    def carry_stress(self, increment: Floats) -> None:
+        """See :class:`~viscorod.solve.system.System`."""
+        for part in self.parts:
+            geometric.update_stress(
+                part.elements.nodes, part.section_force, part.operator, increment, part.stress
+            )
+
+    def reset_stress(self) -> None:
+        """See :class:`~viscorod.solve.system.System`."""
+        for part in self.parts:
+            part.stress[:] = part.section_force
+
+    def elastic_energy(self) -> float:
+        """See :class:`~viscorod.solve.system.System`."""
+        total = 0.0
+        for part in self.parts:
+            e = part.elements
+            total += geometric.elastic_energy(e.weights, e.half_lengths, e.section, e.stiffness, part.strain)
+        return total
+
+    def viscous_loss(self, duration: float) -> float:
+        """See :class:`~viscorod.solve.system.System`."""
+        total = 0.0
+        for part in self.parts:
+            e = part.elements
+            if duration > 0.0 and part.damped:
+                total += geometric.viscous_loss(
+                    e.weights, e.half_lengths, e.section, e.damping, part.strain, part.earlier, duration
+                )
+            part.earlier[:] = part.strain
+        return total
+
+    def gauss_points(self) -> GaussPoints:
+        """See :class:`~viscorod.solve.system.System`."""
+
+        def gather(name: str) -> Floats:
+            arrays = [getattr(part, name).reshape(-1, 6) for part in self.parts]
+            return np.concatenate(arrays)[self._order]
+
+        rate = gather("strain_rate")
+        damping = np.concatenate([p.elements.damping[p.elements.section].reshape(-1, 6, 6) for p in self.parts])
+        dissipation = np.einsum("gi,gij,gj->g", rate, damping[self._order], rate)
+        return GaussPoints(gather("strain"), rate, gather("section_force"), dissipation)
+
+    def gauss_positions(self) -> tuple[np.ndarray, Floats, Floats]:
+        """See :class:`~viscorod.solve.system.System`."""
+        return self._rods[self._order], self._s[self._order], self._lengths[self._order]
+
+    def worst_place(self, node: int) -> str:
+        """See :class:`~viscorod.solve.system.System`."""
+        stations = self.problem.stations
+        at = np.flatnonzero(stations.nodes == node)
+        if len(at) == 0:
+            return f"node {node}"
+        rod = int(stations.rod[at[0]])
+        s = float(stations.s[at[0]])
+        starts = np.sort(
+            np.concatenate([p.elements.start[p.elements.rod == rod] for p in self.parts])
+        )
+        element = int(np.searchsorted(starts, s, side="right"))
+        return f"rod '{self.problem.rods[rod]}', element {element}, s = {s:.6g} m"
+
+

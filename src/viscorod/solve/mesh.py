@@ -1,0 +1,294 @@
+"""From rods to elements and nodes: where elements end, which nodes rods share, and how nodes are numbered."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+from scipy.spatial.transform import Rotation
+
+from viscorod.errors import InputError, Problem as Fault
+from viscorod.mechanics.basis import gauss, lagrange, lobatto
+from viscorod.mechanics.geometric import link_map
+from viscorod.model.rod import Rod
+from viscorod.model.section import MaterialSection
+from viscorod.model.stiffness_section import StiffnessSection
+from viscorod.solve.problem import ElementSet, Stations
+from viscorod.typing import Floats, Integers
+
+DEFAULT_ORDER = 5
+TURN_PER_ELEMENT = np.pi / 2
+NODES_PER_ROD = 10
+
+
+@dataclass(frozen=True)
+class RodMesh:
+    """One rod divided: element ends, node stations, reference poses."""
+
+    name: str
+    rod: Rod
+    order: int
+    ends: Floats
+    s: Floats
+    positions: Floats
+    quaternions: Floats
+
+    def node_at(self, s: float) -> int | None:
+        """Index (within the rod) of the node at arc length ``s`` [m], or None between nodes."""
+        node = int(np.argmin(np.abs(self.s - s)))
+        return node if abs(self.s[node] - s) <= 1e-9 * self.rod.length else None
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """All rods divided and joined.
+
+    ``shared[i][k]`` is the node of station k of rod i and ``links[i][k]`` its attachment (or -1), see ``ElementSet``.
+    """
+
+    rods: tuple[RodMesh, ...]
+    shared: tuple[Integers, ...]
+    links: tuple[Integers, ...]
+    positions: Floats
+    quaternions: Floats
+    link_positions: Floats
+    link_quaternions: Floats
+    reach: int
+
+    def rod_index(self, name: str) -> int:
+        """Index of a rod by name."""
+        return next(i for i, mesh in enumerate(self.rods) if mesh.name == name)
+
+
+def quaternions_of(frames: Floats) -> Floats:
+    """Unit quaternions (w, x, y, z) of rotation matrices ``(n, 3, 3)``."""
+    return np.ascontiguousarray(np.roll(Rotation.from_matrix(frames).as_quat(), 1, axis=-1))
+
+
+def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> RodMesh:
+    """Divide a rod into elements.
+
+    Elements end at ``breaks`` (sections change, supports, attachments); if the program chooses their number, at ``wishes``
+    (point loads) too. The chosen mesh turns at most a quarter circle per element.
+
+    Raises:
+        InputError: the user's number of elements is too small for the breaks.
+    """
+    order = rod.order or DEFAULT_ORDER
+    length = rod.length
+    corners = _distinct([0.0, *breaks, *(wishes if rod.elements is None else []), length], length)
+    spans = np.diff(corners)
+    if rod.elements is None:
+        counts = np.array([_chosen(rod, a, b, order) for a, b in zip(corners[:-1], corners[1:], strict=True)])
+        if len(counts) == 1:
+            counts[0] = max(counts[0], 2)
+    elif rod.elements < len(spans):
+        raise InputError(
+            Fault(
+                f"rods.{name}.elements",
+                str(rod.elements),
+                "too few: elements must end where sections change and at supports and attachments",
+                f"give at least {len(spans)}, or leave it out",
+            )
+        )
+    else:
+        counts = _distribute(spans, rod.elements)
+    ends = np.concatenate(
+        [[0.0], *(np.linspace(a, b, n + 1)[1:] for a, b, n in zip(corners[:-1], corners[1:], counts, strict=True))]
+    )
+    inner = 0.5 * (lobatto(order)[0] + 1.0)
+    s = (ends[:-1, None] + np.diff(ends)[:, None] * inner[None, :-1]).ravel()
+    s = np.append(s, length)
+    positions, frames = rod.frames(s)
+    return RodMesh(name, rod, order, ends, s, positions, quaternions_of(frames))
+
+
+def _distinct(stations: list[float], length: float) -> Floats:
+    ordered = np.sort(np.clip(stations, 0.0, length))
+    return ordered[np.concatenate([[True], np.diff(ordered) > 1e-9 * length])]
+
+
+def _chosen(rod: Rod, a: float, b: float, order: int) -> int:
+    """Elements between two corners: enough for the turning of the reference shape and for ten nodes along the rod."""
+    samples = np.linspace(a, b, 65)
+    for _ in range(3):
+        _, frames = rod.frames(samples)
+        cosine = np.clip(np.einsum("nii->n", np.swapaxes(frames[:-1], 1, 2) @ frames[1:]) - 1.0, -2.0, 2.0) / 2.0
+        angles = np.arccos(cosine)
+        if angles.max() < 0.5:
+            break
+        samples = np.linspace(a, b, 8 * (len(samples) - 1) + 1)
+    nodes = NODES_PER_ROD * (b - a) / rod.length
+    return int(max(1, np.ceil(angles.sum() / TURN_PER_ELEMENT - 1e-6), np.round(nodes / order)))
+
+
+def _distribute(spans: Floats, total: int) -> Integers:
+    """Share elements among spans by length, at least one each (largest remainders)."""
+    counts = np.ones(len(spans), dtype=np.int64)
+    for _ in range(total - len(spans)):
+        counts[np.argmax(spans / counts)] += 1
+    return counts
+
+
+def join(rods: list[RodMesh], attachments: list[tuple[tuple[int, int], tuple[int, int]]]) -> Mesh:
+    """Number the nodes of all rods; attached stations share one node with a constant relative pose.
+
+    Args:
+        rods: divided rods.
+        attachments: pairs of (rod, station).
+    """
+    first = np.cumsum([0, *(len(mesh.s) for mesh in rods)])
+    total = int(first[-1])
+    positions = np.concatenate([mesh.positions for mesh in rods])
+    quaternions = np.concatenate([mesh.quaternions for mesh in rods])
+    root = np.arange(total)
+    for (a, i), (b, j) in attachments:
+        low, high = sorted((root[first[a] + i], root[first[b] + j]))
+        root[root == high] = low
+    keep, number = np.unique(root, return_inverse=True)
+    links = -np.ones(total, dtype=np.int64)
+    offsets, turns = [], []
+    for k in np.flatnonzero(root != np.arange(total)):
+        back = Rotation.from_quat(np.roll(quaternions[root[k]], -1)).inv()
+        turn = back * Rotation.from_quat(np.roll(quaternions[k], -1))
+        links[k] = len(offsets)
+        offsets.append(back.apply(positions[k] - positions[root[k]]))
+        turns.append(np.roll(turn.as_quat(), 1))
+    order, reach = _narrow(rods, [number[first[i] : first[i + 1]] for i in range(len(rods))], len(keep))
+    number = order[number]
+    place = np.empty(len(keep), dtype=np.int64)
+    place[order] = keep
+    return Mesh(
+        rods=tuple(rods),
+        shared=tuple(np.ascontiguousarray(number[first[i] : first[i + 1]]) for i in range(len(rods))),
+        links=tuple(np.ascontiguousarray(links[first[i] : first[i + 1]]) for i in range(len(rods))),
+        positions=np.ascontiguousarray(positions[place]),
+        quaternions=np.ascontiguousarray(quaternions[place]),
+        link_positions=np.array(offsets).reshape(-1, 3),
+        link_quaternions=np.array(turns).reshape(-1, 4),
+        reach=reach,
+    )
+
+
+def _narrow(rods: list[RodMesh], numbers: list[Integers], count: int) -> tuple[Integers, int]:
+    """New node numbers for a narrow band (reverse Cuthill-McKee) and how far apart coupled nodes then are."""
+    rows, cols = [], []
+    for mesh, nodes in zip(rods, numbers, strict=True):
+        elements = element_nodes(nodes, mesh.order)
+        m = mesh.order + 1
+        rows.append(np.repeat(elements, m, axis=1).ravel())
+        cols.append(np.tile(elements, (1, m)).ravel())
+    row, col = np.concatenate(rows), np.concatenate(cols)
+    identity = np.arange(count)
+    if len(rods) == 1 and np.array_equal(numbers[0], identity):
+        return identity, rods[0].order
+    graph = csr_array((np.ones(len(row)), (row, col)), shape=(count, count))
+    new = np.empty(count, dtype=np.int64)
+    new[reverse_cuthill_mckee(graph, symmetric_mode=True)] = identity
+    return new, int(np.abs(new[row] - new[col]).max())
+
+
+def element_nodes(nodes: Integers, order: int) -> Integers:
+    """Arrange the nodes of a rod by element ``(elements, order + 1)``."""
+    count = (len(nodes) - 1) // order
+    return np.ascontiguousarray(nodes[order * np.arange(count)[:, None] + np.arange(order + 1)[None, :]])
+
+
+def stations_of(mesh: Mesh) -> Stations:
+    """All element nodes, rod by rod."""
+    return Stations(
+        rod=np.concatenate([np.full(len(m.s), i, dtype=np.int64) for i, m in enumerate(mesh.rods)]),
+        s=np.concatenate([m.s for m in mesh.rods]),
+        nodes=np.concatenate(mesh.shared),
+        links=np.concatenate(mesh.links),
+    )
+
+
+class SectionTable:
+    """Distinct section matrices, each stored once."""
+
+    def __init__(self) -> None:
+        self._index: dict[bytes, int] = {}
+        self.stiffness: list[Floats] = []
+        self.damping: list[Floats] = []
+
+    def add(self, stiffness: Floats, damping: Floats) -> int:
+        """Return the index of a pair of matrices."""
+        key = stiffness.tobytes() + damping.tobytes()
+        if key not in self._index:
+            self._index[key] = len(self.stiffness)
+            self.stiffness.append(stiffness)
+            self.damping.append(damping)
+        return self._index[key]
+
+
+def element_sets(mesh: Mesh) -> tuple[tuple[ElementSet, ...], Floats]:
+    """Element arrays grouped by order, and the nodal masses ``(n, 6, 6)`` lumped at the Gauss-Lobatto nodes."""
+    mass = np.zeros((len(mesh.positions), 6, 6))
+    sets = []
+    for order in sorted({m.order for m in mesh.rods}):
+        table = SectionTable()
+        columns: dict[str, list[Floats]] = {k: [] for k in ("nodes", "links", "rod", "start", "half", "section")}
+        points, weights = gauss(order)
+        lumps = lobatto(order)[1]
+        for i, rod_mesh in enumerate(mesh.rods):
+            if rod_mesh.order != order:
+                continue
+            start, half = rod_mesh.ends[:-1], 0.5 * np.diff(rod_mesh.ends)
+            nodes = element_nodes(mesh.shared[i], order)
+            links = element_nodes(mesh.links[i], order)
+            section = np.empty((len(start), order), dtype=np.int64)
+            lumped = np.empty((len(start), order + 1, 6, 6))
+            middle = start + half
+            if isinstance(rod_mesh.rod.section, MaterialSection | StiffnessSection):
+                C, D, M = rod_mesh.rod.matrices_at(0.0)
+                section[:] = table.add(C, D)
+                lumped[:] = half[:, None, None, None] * lumps[:, None, None] * M
+            else:
+                for e in range(len(start)):
+                    for g in range(order):
+                        section[e, g] = table.add(*rod_mesh.rod.matrices_at(middle[e] + half[e] * points[g])[:2])
+                    for k in range(order + 1):
+                        # just inside the element: the section may change at its end
+                        inside = middle[e] + half[e] * lobatto(order)[0][k] * (1.0 - 1e-9)
+                        lumped[e, k] = half[e] * lumps[k] * rod_mesh.rod.matrices_at(inside)[2]
+            for e, k in zip(*np.nonzero(links >= 0), strict=True):
+                lumped[e, k] = _moved(lumped[e, k], mesh, int(links[e, k]))
+            np.add.at(mass, nodes, lumped)
+            for key, column in zip(
+                columns, (nodes, links, np.full(len(start), i), start, half, section), strict=True
+            ):
+                columns[key].append(column)
+        shapes, slopes = lagrange(order, points)
+        joined = {key: np.ascontiguousarray(np.concatenate(value)) for key, value in columns.items()}
+        sets.append(
+            ElementSet(
+                order=order,
+                nodes=joined["nodes"],
+                links=joined["links"],
+                rod=joined["rod"],
+                start=joined["start"],
+                half_lengths=joined["half"],
+                shapes=shapes,
+                slopes=slopes,
+                weights=weights,
+                section=joined["section"],
+                stiffness=np.array(table.stiffness),
+                damping=np.array(table.damping),
+            )
+        )
+    return tuple(sets), mass
+
+
+def link_matrix(mesh: Mesh, link: int) -> Floats:
+    """Body increment of an attached end per increment of the shared node ``(6, 6)``."""
+    X = np.empty((6, 6))
+    link_map(mesh.link_positions[link], mesh.link_quaternions[link], X)
+    return X
+
+
+def _moved(mass: Floats, mesh: Mesh, link: int) -> Floats:
+    X = link_matrix(mesh, link)
+    return np.asarray(X.T @ mass @ X)

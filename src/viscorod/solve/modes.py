@@ -1,0 +1,168 @@
+"""Small vibrations about an equilibrium: natural frequencies, damping ratios and shapes.
+
+The pencil ``s^2 M + s D + K`` is solved for ``1/(s - s0)``, so that the slow modes come out to full relative accuracy however
+stiff the fast ones are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse.linalg
+from scipy import sparse
+
+from viscorod.solve.history import StationReader
+from viscorod.solve.static import StaticSolver
+from viscorod.solve.system import State
+from viscorod.typing import Floats
+
+DENSE = 500
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """Matrices of small motions about an equilibrium in the motions the supports allow: ``M x'' + D x' + K x = 0``.
+
+    ``basis`` maps those motions to nodal body increments ``(6 n, free)``.
+    """
+
+    stiffness: sparse.csr_array
+    damping: sparse.csr_array
+    mass: sparse.csr_array
+    basis: sparse.csc_array
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Modes in order of frequency.
+
+    Attributes:
+        eigenvalues: s in ``exp(s t)`` [1/s], one of each conjugate pair (Im >= 0); overdamped modes give two real ones.
+        frequencies: ``|s|/2 pi`` [Hz] (for an underdamped mode the undamped natural frequency).
+        damping_ratios: ``-Re s/|s|``.
+        shapes: displacement of every station ``(modes, stations, 3)``, global axes, complex, largest component 1.
+        rotations: rotation of every station (body axes), same scaling.
+    """
+
+    eigenvalues: np.ndarray
+    frequencies: Floats
+    damping_ratios: Floats
+    shapes: np.ndarray
+    rotations: np.ndarray
+
+
+def linearise(
+    solver: StaticSolver, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0
+) -> Linearisation:
+    """Linearise about the equilibrium ``state`` (at rest) under ``scale`` times the loads at time ``t`` [s]."""
+    system, problem = solver.system, solver.system.problem
+    stiffness = solver.tangent(state, t, before=before, scale=scale)
+    basis = solver.supports.free_basis(state)
+    n = problem.size
+    resting = State(state.r, state.q, np.zeros((n, 6)))
+    loads = solver.loads.at(t, before, scale)
+    elastic = max(float(np.abs(part.stiffness).max()) for part in problem.sets)
+    viscous = max(float(np.abs(part.damping).max()) for part in problem.sets)
+    damping = sparse.csr_array(stiffness.shape)
+    if viscous > 0.0:
+        # one assembly knows only K + factor D; the factor makes both parts equally large
+        factor = elastic / viscous
+        system.assemble(resting, loads, None, tangent=True, moving=False)
+        plain = system.band.sparse()
+        rate_map = np.tile(factor * np.eye(6), (n, 1, 1))
+        system.assemble(resting, loads, rate_map, tangent=True, moving=True)
+        damping = sparse.csr_array(basis.T @ ((system.band.sparse() - plain) / factor) @ basis)
+    mass = sparse.block_diag(list(problem.mass), format="csr")
+    return Linearisation(stiffness, damping, sparse.csr_array(basis.T @ mass @ basis), basis)
+
+
+def natural_frequencies(linear: Linearisation, count: int) -> Floats:
+    """Return the ``count`` lowest undamped angular frequencies [rad/s]; rigid motions and unstable directions count as 0."""
+    size = linear.mass.shape[0]
+    count = min(count, size)
+    K = 0.5 * (linear.stiffness + linear.stiffness.T)
+    shift = 1e-10 * float(K.diagonal().sum() / linear.mass.diagonal().sum())
+    shifted = sparse.csc_array(K + shift * linear.mass)
+    if size <= DENSE or count >= size - 1:
+        try:
+            inverse = scipy.linalg.eigh(linear.mass.toarray(), shifted.toarray(), eigvals_only=True)[::-1]
+        except np.linalg.LinAlgError:
+            return np.zeros(count)
+    else:
+        solve = scipy.sparse.linalg.splu(shifted).solve
+        operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=lambda x: solve(linear.mass @ x))
+        inverse = np.sort(
+            np.real(scipy.sparse.linalg.eigs(operator, count, return_eigenvectors=False))
+        )[::-1]
+    values = 1.0 / inverse[:count] - shift
+    values[values < 1e-4 * shift] = 0.0
+    return np.asarray(np.sqrt(np.maximum(values, 0.0)))
+
+
+def negative_eigenvalues(tangent: sparse.csr_array) -> int:
+    """Return the number of negative eigenvalues of the symmetric part of a tangent stiffness."""
+    symmetric = sparse.csc_array(0.5 * (tangent + tangent.T))
+    # Sylvester's law of inertia: without row exchanges the signs of the pivots are those of the eigenvalues, and unlike
+    # the eigenvalues themselves they do not drown in the round-off of the stiffest directions
+    factor = scipy.sparse.linalg.splu(
+        symmetric, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    return int(np.count_nonzero(factor.U.diagonal() < 0.0))
+
+
+def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, count: int) -> Modes:
+    """Return the ``count`` slowest damped modes about ``state``."""
+    size = linear.mass.shape[0]
+    K, D, M = linear.stiffness, linear.damping, linear.mass
+    shift = 0.0
+    diagonal = np.abs(K.diagonal())
+    factor = scipy.sparse.linalg.splu(sparse.csc_array(K + sparse.eye_array(size) * 1e-300))
+    pivots = np.abs(factor.U.diagonal())
+    if pivots.min() < 1e-13 * pivots.max() * (diagonal.min() / diagonal.max()):
+        shift = 1e-3 * float(np.sqrt(diagonal.sum() / M.diagonal().sum()))
+    Ks = sparse.csc_array(K + shift * D + shift**2 * M)
+    Ds = sparse.csr_array(D + 2.0 * shift * M)
+    factor = scipy.sparse.linalg.splu(Ks)
+    if size <= DENSE:
+        lower = np.hstack([-factor.solve(M.toarray()), -factor.solve(Ds.toarray())])
+        companion = np.vstack([np.hstack([np.zeros((size, size)), np.eye(size)]), lower])
+        values, vectors = np.linalg.eig(companion)
+    else:
+
+        def apply(x: Floats) -> Floats:
+            return np.concatenate([x[size:], -factor.solve(M @ x[:size] + Ds @ x[size:])])
+
+        operator = scipy.sparse.linalg.LinearOperator((2 * size, 2 * size), matvec=apply)
+        values, vectors = scipy.sparse.linalg.eigs(operator, min(2 * count + 6, 2 * size - 2))
+    kept = np.flatnonzero(np.abs(values) > 1e-14 * np.abs(values).max())
+    s = shift + 1.0 / values[kept]
+    kept, s = kept[s.imag >= -1e-12 * np.abs(s)], s[s.imag >= -1e-12 * np.abs(s)]
+    order = np.argsort(np.abs(s), kind="stable")[:count]
+    s = s[order]
+    shapes, rotations = _shapes(solver, state, linear, vectors[:size, kept[order]])
+    size_s = np.abs(s)
+    ratio = np.divide(-s.real, size_s, out=np.zeros(len(s)), where=size_s > 0.0)
+    return Modes(s, size_s / (2.0 * np.pi), ratio, shapes, rotations)
+
+
+def _shapes(
+    solver: StaticSolver, state: State, linear: Linearisation, vectors: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Displacements and rotations of the stations for eigenvectors in the free motions."""
+    reader = StationReader(solver.system.problem)
+    shapes, rotations = [], []
+    for vector in (linear.basis @ vectors).T:
+        parts = []
+        for part in (vector.real, vector.imag):
+            moving = State(state.r, state.q, np.ascontiguousarray(part).reshape(-1, 6))
+            parts.append(reader.read(moving)[2:])
+        shape = parts[0][0] + 1j * parts[1][0]
+        turn = parts[0][1] + 1j * parts[1][1]
+        peak = shape.ravel()[np.argmax(np.abs(shape))]
+        if np.abs(peak) < 1e-12 * np.abs(turn).max():  # pure twisting
+            peak = turn.ravel()[np.argmax(np.abs(turn))]
+        shapes.append(shape / peak)
+        rotations.append(turn / peak)
+    return np.array(shapes), np.array(rotations)

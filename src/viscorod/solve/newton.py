@@ -1,0 +1,102 @@
+"""Newton's method on poses: one assemble-solve-update iteration, its measures of convergence, and how it fails."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from viscorod.solve.banded import SingularMatrixError
+from viscorod.typing import Floats
+
+
+class Outcome(Enum):
+    """How an iteration or a run ended; the value says what it means and what to try."""
+
+    CONVERGED = "converged"
+    COMPLETED = "completed"
+    DIVERGED = (
+        "Newton's method diverged. Apply the load in smaller steps, refine the mesh where it bends most, "
+        "or check the size of the load against the stiffness"
+    )
+    SLOW = (
+        "Newton's method did not converge in the allowed iterations. Apply the load in smaller steps, "
+        "or check whether the structure buckles at this load"
+    )
+    SINGULAR = (
+        "the tangent matrix is singular. The structure can move freely or has reached a limit or bifurcation load: "
+        "add a support, or reduce the load"
+    )
+    NOT_FINITE = (
+        "a force became infinite or undefined. Check the magnitudes of loads, motions and stiffnesses"
+    )
+
+
+@dataclass(frozen=True)
+class NewtonReport:
+    """What one Newton solution did.
+
+    Attributes:
+        outcome: CONVERGED or the reason of failure.
+        iterations: number of linear solutions.
+        change: size of the last increment (displacement over model length, or rotation in rad, whichever is larger).
+        residual: largest nodal force imbalance [N] (moments divided by the model length) before the last increment.
+        node: where that imbalance was.
+    """
+
+    outcome: Outcome
+    iterations: int
+    change: float
+    residual: float
+    node: int
+
+    @property
+    def converged(self) -> bool:
+        """Whether the solution is good."""
+        return self.outcome is Outcome.CONVERGED
+
+
+class Convergence:
+    """Decides after each increment whether to stop: small increments of displacements (over the length) and rotations.
+
+    A residual test would ask for more digits than a slender rod has: the axial force of exact positions rounded to double
+    precision is EA times 1e-16, which may exceed any bending force. The increment is free of that, because the noise is
+    balanced by displacements of the size of the rounding itself.
+    """
+
+    def __init__(self, length: float, tolerance: float, iterations: int) -> None:
+        self.length = length
+        self.tolerance = tolerance
+        self.iterations = iterations
+        self._last = np.inf
+        self._grown = 0
+
+    def judge(self, increment: Floats, count: int) -> tuple[Outcome | None, float]:
+        """Return the verdict (None: go on) and the size of ``increment`` (n, 6) after ``count`` iterations."""
+        size = float(
+            max(np.abs(increment[:, :3]).max(initial=0.0) / self.length, np.abs(increment[:, 3:]).max(initial=0.0))
+        )
+        if not np.isfinite(size):
+            return Outcome.NOT_FINITE, size
+        if size <= self.tolerance:
+            return Outcome.CONVERGED, size
+        if size > 1e4:
+            return Outcome.DIVERGED, size
+        self._grown = self._grown + 1 if size > self._last else 0
+        self._last = size
+        if self._grown >= 6:
+            return Outcome.DIVERGED, size
+        if count >= self.iterations:
+            return Outcome.SLOW, size
+        return None, size
+
+
+def worst_node(residual: Floats, length: float) -> tuple[float, int]:
+    """Return the largest force imbalance [N] (moments over ``length``) of ``residual`` (n, 6) and its node."""
+    size = np.maximum(np.abs(residual[:, :3]).max(axis=1), np.abs(residual[:, 3:]).max(axis=1) / length)
+    node = int(np.argmax(size))
+    return float(size[node]), node
+
+
+__all__ = ["Convergence", "NewtonReport", "Outcome", "SingularMatrixError", "worst_node"]

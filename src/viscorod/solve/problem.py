@@ -1,0 +1,129 @@
+"""The discretised model: frozen arrays that every analysis and formulation works on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from viscorod.typing import Floats, Integers
+
+TimeFactor = Callable[[float, bool], float]
+
+
+@dataclass(frozen=True)
+class ElementSet:
+    """All elements of one polynomial order, as arrays for the kernels (see ``mechanics.geometric.assemble``)."""
+
+    order: int
+    nodes: Integers
+    links: Integers
+    rod: Integers
+    start: Floats
+    half_lengths: Floats
+    shapes: Floats
+    slopes: Floats
+    weights: Floats
+    section: Integers
+    stiffness: Floats
+    damping: Floats
+
+    @property
+    def damped(self) -> bool:
+        """Whether any section has viscosity."""
+        return bool(np.any(self.damping != 0.0))
+
+
+@dataclass(frozen=True)
+class SupportSet:
+    """Supported nodes: axes ``(m, 3, 3)``, fixed components ``(m, 6)`` as 0/1, prescribed motions, names."""
+
+    nodes: Integers
+    axes: Floats
+    fixed: Floats
+    names: tuple[str, ...]
+    motions: tuple[tuple[int, int, object], ...]  # (support, component, time function)
+
+    @property
+    def complete(self) -> Integers:
+        """Indices of supports that prescribe the whole pose."""
+        return np.flatnonzero(self.fixed.all(axis=1)).astype(np.int64)
+
+    @property
+    def partial(self) -> Integers:
+        """Indices of supports that leave some motion free."""
+        return np.flatnonzero(~self.fixed.all(axis=1)).astype(np.int64)
+
+
+@dataclass(frozen=True)
+class NodalLoad:
+    """Dead (global) and following (body) wrenches on some nodes with one time factor; or gravity."""
+
+    name: str
+    nodes: Integers
+    dead: Floats
+    following: Floats
+    gravity: Floats
+    factor: TimeFactor
+
+
+@dataclass(frozen=True)
+class StationLoad:
+    """A concentrated wrench at an arc length of a rod, which may move; ``position(t)`` outside the rod means no load."""
+
+    name: str
+    rod: int
+    position: Callable[[float], float]
+    dead: Floats
+    following: Floats
+    factor: TimeFactor
+
+
+@dataclass(frozen=True)
+class Stations:
+    """Element nodes rod by rod, in order of arc length: where results are reported."""
+
+    rod: Integers
+    s: Floats
+    nodes: Integers
+    links: Integers
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Everything an analysis needs, in arrays; nodes are numbered for a narrow band.
+
+    Attributes:
+        positions, quaternions: reference poses of the nodes ``(n, 3)`` [m], ``(n, 4)``.
+        mass: nodal inertia in body axes ``(n, 6, 6)`` [kg, kg m, kg m^2].
+        link_positions, link_quaternions: constant poses of rigidly attached rod ends in the frame of the shared node.
+        initial_twist: body twists at t = 0 for given poses, ``(r, q) -> (n, 6)``.
+        length: size of the model [m], the measure of "small" for displacements.
+        breakpoints, jumps: times [s] at which loads or motions are not smooth / an integrator must start anew.
+        periods: of harmonic loads and motions [s].
+    """
+
+    rods: tuple[str, ...]
+    rod_lengths: Floats
+    positions: Floats
+    quaternions: Floats
+    mass: Floats
+    sets: tuple[ElementSet, ...]
+    link_positions: Floats
+    link_quaternions: Floats
+    reach: int
+    supports: SupportSet
+    nodal_loads: tuple[NodalLoad, ...]
+    station_loads: tuple[StationLoad, ...]
+    stations: Stations
+    initial_twist: Callable[[Floats, Floats], Floats]
+    length: float
+    breakpoints: tuple[float, ...]
+    jumps: tuple[float, ...]
+    periods: tuple[float, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of nodes."""
+        return len(self.positions)

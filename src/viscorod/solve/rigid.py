@@ -1,0 +1,118 @@
+"""Rigid motions that the supports leave free, in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
+
+from viscorod.solve.history import matrices
+from viscorod.solve.problem import Problem
+from viscorod.typing import Floats
+
+_NAMES = (
+    "translation along x",
+    "translation along y",
+    "translation along z",
+    "rotation about x",
+    "rotation about y",
+    "rotation about z",
+)
+
+
+@dataclass(frozen=True)
+class FreeMotion:
+    """One rigid motion of an assembly that nothing holds; ``increments (n, 6)`` are the nodal body increments."""
+
+    text: str
+    translation: bool
+    increments: Floats
+
+
+def free_motions(problem: Problem) -> list[FreeMotion]:
+    """Return the rigid motions of every connected assembly that the supports allow in the reference shape."""
+    found: list[FreeMotion] = []
+    assemblies, labels = _assemblies(problem)
+    R = matrices(problem.quaternions)
+    for label in range(assemblies):
+        nodes = np.flatnonzero(labels == label)
+        centre = problem.positions[nodes].mean(axis=0)
+        name = _name(problem, nodes)
+        rows = []
+        for k, node in enumerate(problem.supports.nodes):
+            if labels[node] != label:
+                continue
+            A = problem.supports.axes[k]
+            arm = problem.positions[node] - centre
+            moves = np.zeros((6, 6))
+            moves[:3, :3] = A.T
+            moves[:3, 3:] = A.T @ _skew(-arm) / problem.length
+            moves[3:, 3:] = A.T
+            rows.append(moves[problem.supports.fixed[k] > 0.0])
+        for motion in _null_space(np.concatenate([np.zeros((1, 6)), *rows])):
+            t, w = motion[:3], motion[3:] / problem.length
+            increments = np.zeros((problem.size, 6))
+            velocity = t + np.cross(w, problem.positions[nodes] - centre)
+            increments[nodes, :3] = np.einsum("nji,nj->ni", R[nodes], velocity)
+            increments[nodes, 3:] = np.einsum("nji,j->ni", R[nodes], w)
+            still = float(np.abs(w).max()) * problem.length < 1e-6
+            found.append(FreeMotion(f"{_describe(motion, centre, problem.length)}{name}", still, increments))
+    return found
+
+
+def _assemblies(problem: Problem) -> tuple[int, np.ndarray]:
+    rows = np.concatenate([s.nodes[:, :-1].ravel() for s in problem.sets])
+    cols = np.concatenate([s.nodes[:, 1:].ravel() for s in problem.sets])
+    graph = csr_array((np.ones(len(rows)), (rows, cols)), shape=(problem.size, problem.size))
+    count, labels = connected_components(graph, directed=False)
+    return int(count), labels
+
+
+def _name(problem: Problem, nodes: np.ndarray) -> str:
+    if len(problem.rods) == 1:
+        return ""
+    inside = np.isin(problem.stations.nodes, nodes)
+    rods = [problem.rods[i] for i in sorted(set(problem.stations.rod[inside].tolist()))]
+    shown = ", ".join(rods[:3]) + (", ..." if len(rods) > 3 else "")
+    return f" of {shown}"
+
+
+def _skew(a: Floats) -> Floats:
+    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+
+
+def _null_space(rows: Floats) -> list[Floats]:
+    """Basis of the null space, along the six coordinate motions where possible."""
+    _, values, basis = np.linalg.svd(rows)
+    rank = int(np.count_nonzero(values > 1e-9))
+    null = basis[rank:]
+    result: list[Floats] = []
+    for i in range(6):
+        unit = np.eye(6)[i]
+        if len(null) and np.linalg.norm(null @ unit) > 1.0 - 1e-9:
+            result.append(unit)
+    if result:
+        known = np.array(result)
+        null = null - (null @ known.T) @ known
+    if len(null):
+        _, values, basis = np.linalg.svd(null)
+        result.extend(basis[k] for k in range(len(values)) if values[k] > 1e-6)
+    return result
+
+
+def _describe(motion: Floats, centre: Floats, length: float) -> str:
+    main = int(np.argmax(np.abs(motion)))
+    if abs(abs(motion[main]) - 1.0) < 1e-6 and main < 3:
+        return _NAMES[main]
+    t, w = motion[:3], motion[3:] / length
+    if np.linalg.norm(w) * length < 1e-6:
+        return f"translation along ({', '.join(f'{x:.3g}' for x in t / np.linalg.norm(t))})"
+    point = centre + np.cross(w, t) / (w @ w)
+    through = ", ".join(f"{x + 0.0:.4g}" for x in point)
+    direction = w / np.linalg.norm(w)
+    axis = int(np.argmax(np.abs(direction)))
+    if abs(direction[axis]) > 1.0 - 1e-6:
+        return f"{_NAMES[3 + axis]} through ({through})"
+    return f"rotation about ({', '.join(f'{x:.3g}' for x in direction)}) through ({through})"

@@ -1,0 +1,166 @@
+"""Static equilibrium: mixed Newton with load steps that adapt to how hard the problem is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import sparse
+
+from viscorod.mechanics.rotation import retract
+from viscorod.solve.loads import ExternalLoads
+from viscorod.solve.newton import Convergence, NewtonReport, Outcome, SingularMatrixError, worst_node
+from viscorod.solve.support_state import SupportState
+from viscorod.solve.system import State, System
+from viscorod.typing import Floats
+
+
+@dataclass
+class StaticPath:
+    """The solution of a static analysis and how it was reached.
+
+    Attributes:
+        outcome: COMPLETED, or why the last load step failed.
+        factors: load factors of the converged steps; iterations: Newton iterations of each.
+        rejected: load steps that failed and were halved; their iterations are in ``wasted``.
+        report: the last Newton report; negative_pivot_sign: sign of the tangent's determinant at the end.
+    """
+
+    outcome: Outcome = Outcome.COMPLETED
+    factors: list[float] = field(default_factory=list)
+    iterations: list[int] = field(default_factory=list)
+    rejected: int = 0
+    wasted: int = 0
+    report: NewtonReport | None = None
+    load_level: float = 0.0
+
+
+class StaticSolver:
+    """Solves for equilibrium under the loads and prescribed motions at one time, scaled by a load factor.
+
+    Args:
+        system: the formulation; supports: its supports.
+        tolerance: size of the last Newton increment (displacement over model length, rotation in rad).
+        iterations: allowed Newton iterations per load step.
+    """
+
+    def __init__(
+        self, system: System, supports: SupportState, *, tolerance: float = 1e-9, iterations: int = 25
+    ) -> None:
+        self.system = system
+        self.supports = supports
+        self.loads = ExternalLoads(system.problem)
+        self.tolerance = tolerance
+        self.iterations = iterations
+
+    def solve(
+        self,
+        state: State,
+        t: float = 0.0,
+        *,
+        before: bool = True,
+        factor: float = 1.0,
+        first_step: float = 1.0,
+        smallest_step: float = 1.0 / 4096,
+        on_step: Callable[[float, State, int], None] | None = None,
+    ) -> StaticPath:
+        """Move ``state`` from its present equilibrium (load factor 0) to the one at ``factor``.
+
+        Args:
+            state: start, overwritten by the last converged equilibrium; twists are ignored.
+            t, before: time at which loads and motions are taken, and whether from the left.
+            factor: final multiple of the loads and prescribed motions.
+            first_step: first load step as a fraction of ``factor``; steps halve on failure and double on easy success.
+            on_step: called with (load factor, state, iterations) after every converged step.
+        """
+        path = StaticPath()
+        done, step = 0.0, first_step
+        while done < 1.0:
+            step = min(step, 1.0 - done)
+            trial = state.copy()
+            level = factor * (done + step)
+            report = self.newton(trial, t, before=before, scale=level)
+            path.report = report
+            if report.converged:
+                done = 1.0 if done + step > 1.0 - 1e-12 else done + step
+                state.set(trial)
+                path.factors.append(factor * done)
+                path.iterations.append(report.iterations)
+                if on_step is not None:
+                    on_step(factor * done, state, report.iterations)
+                if report.iterations <= 8:
+                    step *= 2.0
+                continue
+            path.rejected += 1
+            path.wasted += report.iterations
+            self._restore(state, t, before=before, scale=factor * done)
+            step *= 0.5
+            if step < smallest_step:
+                path.outcome = report.outcome
+                path.load_level = level
+                break
+        return path
+
+    def newton(self, state: State, t: float, *, before: bool, scale: float) -> NewtonReport:
+        """Solve at one load level from ``state``; on success the assembly at the solution is left in the system."""
+        system, supports = self.system, self.supports
+        problem = system.problem
+        supports.update(t, before, scale)
+        loads = self.loads.at(t, before, scale)
+        convergence = Convergence(problem.length, self.tolerance, self.iterations)
+        count, size, imbalance, node = 0, 0.0, 0.0, 0
+        while True:
+            system.assemble(state, loads, None, tangent=True, moving=False)
+            residual = system.internal - system.external
+            if not np.isfinite(residual).all():
+                bad = int(np.flatnonzero(~np.isfinite(residual).all(axis=1))[0])
+                return NewtonReport(Outcome.NOT_FINITE, count, size, np.inf, bad)
+            supports.impose(state, residual, system.band, tangent=True)
+            imbalance, node = self._imbalance(residual)
+            try:
+                system.band.factorise()
+            except SingularMatrixError as error:
+                return NewtonReport(Outcome.SINGULAR, count, size, imbalance, error.row // 6)
+            increment = system.band.solve(-residual)
+            count += 1
+            verdict, size = convergence.judge(increment, count)
+            if verdict is Outcome.NOT_FINITE:
+                return NewtonReport(Outcome.SINGULAR, count, size, imbalance, node)
+            retract(state.r, state.q, increment, state.r, state.q)
+            system.carry_stress(increment)
+            if verdict is None:
+                continue
+            if verdict is Outcome.CONVERGED:
+                if system.band.pivot_ratio() < 1e-17:
+                    return NewtonReport(Outcome.SINGULAR, count, size, imbalance, node)
+                self._restore(state, t, before=before, scale=scale)
+            return NewtonReport(verdict, count, size, imbalance, node)
+
+    def _restore(self, state: State, t: float, *, before: bool, scale: float) -> None:
+        """Evaluate forces and reactions at ``state`` and take its section forces as stress iterate."""
+        self.supports.update(t, before, scale)
+        self.system.assemble(state, self.loads.at(t, before, scale), None, tangent=False, moving=False)
+        self.system.reset_stress()
+        residual = self.system.internal - self.system.external
+        self.supports.impose(state, residual, self.system.band, tangent=False)
+
+    def tangent(self, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0) -> sparse.csr_array:
+        """Return the tangent stiffness at an equilibrium, restricted to the motions that the supports leave free.
+
+        At an equilibrium of a conservative system it is symmetric; the number of its negative eigenvalues counts the
+        directions in which the equilibrium is unstable.
+        """
+        system, supports = self.system, self.supports
+        self._restore(state, t, before=before, scale=scale)
+        system.assemble(state, self.loads.at(t, before, scale), None, tangent=True, moving=False)
+        residual = system.internal - system.external
+        supports.impose(state, residual, system.band, tangent=True)
+        basis = supports.free_basis(state)
+        return sparse.csr_array(system.band.sparse()[supports.free_rows()] @ basis)
+
+    def _imbalance(self, residual: Floats) -> tuple[float, int]:
+        free = residual.copy()
+        nodes = self.supports.set.nodes
+        free[nodes] *= 1.0 - self.supports.set.fixed
+        return worst_node(free, self.system.problem.length)

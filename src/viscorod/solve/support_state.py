@@ -1,0 +1,163 @@
+"""Supports in action: targets in time, imposed rows, consistent velocities, reactions."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+from viscorod.mechanics import supports
+from viscorod.mechanics.rotation import inverse_rotation_tangent_rate, rotation_tangent
+from viscorod.solve.banded import BandMatrix
+from viscorod.solve.problem import Problem
+from viscorod.solve.system import State
+from viscorod.typing import Floats
+
+
+class SupportState:
+    """Targets of all supports at one time, and the operations that impose them on a state."""
+
+    def __init__(self, problem: Problem) -> None:
+        s = problem.supports
+        self.problem = problem
+        self.set = s
+        m = len(s.nodes)
+        self.r0 = problem.positions[s.nodes]
+        self.q0 = problem.quaternions[s.nodes]
+        self.target: Floats = np.zeros((m, 6))
+        self.rate: Floats = np.zeros((m, 6))
+        self.acceleration: Floats = np.zeros((m, 6))
+        self.reaction: Floats = np.zeros((m, 6))
+        self.complete = s.complete
+        self.partial = s.partial
+        self.moving = bool(s.motions)
+        self.twist: Floats = np.zeros((len(self.complete), 6))
+        self.twist_rate: Floats = np.zeros((len(self.complete), 6))
+
+    def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
+        """Evaluate all prescribed motions and their derivatives at time ``t`` [s]."""
+        for k, component, motion in self.set.motions:
+            self.target[k, component] = scale * motion.value(t, before)  # type: ignore[attr-defined]
+            self.rate[k, component] = scale * motion.rate(t, before)  # type: ignore[attr-defined]
+            self.acceleration[k, component] = scale * motion.acceleration(t, before)  # type: ignore[attr-defined]
+
+    def prescribe(self, state: State) -> None:
+        """Put fully supported nodes at their prescribed pose and twist."""
+        c = self.complete
+        if len(c) == 0:
+            return
+        if not self.moving:
+            state.twist[self.set.nodes[c]] = 0.0
+            return
+        r, q = np.empty((len(c), 3)), np.empty((len(c), 4))
+        supports.prescribed_motion(
+            self.set.axes[c],
+            self.r0[c],
+            self.q0[c],
+            self.target[c],
+            self.rate[c],
+            self.acceleration[c],
+            r,
+            q,
+            self.twist,
+            self.twist_rate,
+        )
+        nodes = self.set.nodes[c]
+        state.r[nodes], state.q[nodes], state.twist[nodes] = r, q, self.twist
+
+    def impose(self, state: State, residual: Floats, band: BandMatrix, *, tangent: bool) -> None:
+        """Replace the rows of supported nodes; keeps the reactions (components along the support's axes)."""
+        supports.impose(
+            self.set.nodes,
+            self.set.fixed,
+            self.set.axes,
+            self.r0,
+            self.q0,
+            self.target,
+            state.r,
+            state.q,
+            tangent,
+            residual,
+            self.reaction,
+            band.data,
+            band.diagonal,
+            band.reach,
+        )
+
+    def power(self) -> float:
+        """Power [W] that moving supports put into the model."""
+        return float(np.sum(self.set.fixed * self.reaction * self.rate))
+
+    def global_reactions(self) -> Floats:
+        """Reactions as force [N] and moment [N m] in global axes ``(m, 6)``."""
+        held = self.set.fixed * self.reaction
+        force = np.einsum("kai,ki->ka", self.set.axes, held[:, :3])
+        moment = np.einsum("kai,ki->ka", self.set.axes, held[:, 3:])
+        return np.concatenate([force, moment], axis=1)
+
+    def _directions(self, k: int, state: State) -> tuple[Floats, Floats, Floats]:
+        value, G, Z, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)
+        node = self.set.nodes[k]
+        supports.support_directions(
+            self.set.axes[k], self.r0[k], self.q0[k], state.r[node], state.q[node], value, G, Z, psi
+        )
+        return G, Z, psi
+
+    def free_rows(self) -> np.ndarray:
+        """Indices of the balance rows that remain after :meth:`impose`."""
+        free = np.ones((self.problem.size, 6), dtype=bool)
+        free[self.set.nodes] = self.set.fixed == 0.0
+        return np.flatnonzero(free.ravel())
+
+    def free_basis(self, state: State) -> sparse.csc_array:
+        """Columns spanning the body increments that the supports allow, one per free row."""
+        blocks = sparse.eye_array(6 * self.problem.size, format="lil")
+        for k in self.partial:
+            first = 6 * int(self.set.nodes[k])
+            blocks[first : first + 6, first : first + 6] = self._directions(int(k), state)[1]
+        return sparse.csc_array(blocks.tocsc()[:, self.free_rows()])
+
+    def project_twists(self, state: State) -> None:
+        """Give partially supported nodes exactly the prescribed velocity components."""
+        for k in self.partial:
+            node = self.set.nodes[k]
+            G, Z, _ = self._directions(int(k), state)
+            gap = self.set.fixed[k] * (self.rate[k] - G @ state.twist[node])
+            state.twist[node] += Z @ gap
+
+    def accelerations(self, state: State, force: Floats) -> Floats:
+        """Twist rates ``(n, 6)`` from nodal body forces, with the supports' accelerations imposed.
+
+        ``force (n, 6)`` is external minus internal minus gyroscopic force; masses are nodal, so nodes decouple.
+        """
+        mass = self.problem.mass
+        rates = np.linalg.solve(mass, force[:, :, None])[:, :, 0]
+        self.prescribe(state.copy())
+        nodes = self.set.nodes
+        rates[nodes[self.complete]] = self.twist_rate
+        for k in self.partial:
+            node = nodes[k]
+            G, Z, psi = self._directions(int(k), state)
+            v, w = state.twist[node, :3], state.twist[node, 3:]
+            drift = np.zeros(6)  # G_t x1
+            drift[:3] = G[:3, :3] @ np.cross(w, v)
+            Tt = np.empty((3, 3))
+            psi_rate = _psi_rate(psi, w)
+            inverse_rotation_tangent_rate(psi, psi_rate, Tt)
+            axes = G[3:, 3:] @ _tangent(psi)  # axes in the reference frame of the node
+            drift[3:] = axes @ (Tt @ w)
+            fixed = self.set.fixed[k].astype(bool)
+            known = Z[:, fixed] @ (self.acceleration[k] - drift)[fixed]
+            free = Z[:, ~fixed]
+            rest = np.linalg.solve(free.T @ mass[node] @ free, free.T @ (force[node] - mass[node] @ known))
+            rates[node] = known + free @ rest
+        return rates
+
+
+def _tangent(psi: Floats) -> Floats:
+    T = np.empty((3, 3))
+    rotation_tangent(psi, T)
+    return T
+
+
+def _psi_rate(psi: Floats, w: Floats) -> Floats:
+    return np.asarray(np.linalg.solve(_tangent(psi), w))

@@ -1,0 +1,83 @@
+"""The contract between formulations and analyses, and the state they exchange.
+
+An analysis (statics, an integrator, modes) sees a :class:`System`: it can assemble generalised forces and their tangent
+for a pose and a twist of every node, carry the section forces along a Newton increment, and report energies. It knows
+nothing of strains or interpolation. A formulation implements this class once and is registered in ``FORMULATIONS``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from viscorod.solve.banded import BandMatrix
+from viscorod.solve.loads import LoadState
+from viscorod.solve.problem import Problem
+from viscorod.typing import Floats
+
+
+@dataclass
+class State:
+    """Poses ``r (n, 3)``, ``q (n, 4)`` and body twists ``(n, 6)`` of all nodes."""
+
+    r: Floats
+    q: Floats
+    twist: Floats
+
+    def copy(self) -> State:
+        """Return an independent copy."""
+        return State(self.r.copy(), self.q.copy(), self.twist.copy())
+
+    def set(self, other: State) -> None:
+        """Take over the values of ``other``."""
+        self.r[:], self.q[:], self.twist[:] = other.r, other.q, other.twist
+
+
+@dataclass(frozen=True)
+class GaussPoints:
+    """Strain, strain rate and section force at all Gauss points, rod by rod in order of arc length, each ``(m, 6)``."""
+
+    strain: Floats
+    strain_rate: Floats
+    section_force: Floats
+    dissipation: Floats
+
+
+class System(Protocol):
+    """What a formulation offers; all nodal forces are in body components ``(n, 6)``."""
+
+    problem: Problem
+    internal: Floats
+    external: Floats
+    band: BandMatrix
+
+    def assemble(
+        self, state: State, loads: LoadState, rate_map: Floats | None, *, tangent: bool, moving: bool
+    ) -> None:
+        """Fill ``internal`` and ``external`` and, with ``tangent``, ``band`` with d(internal - external)/d(increment).
+
+        ``rate_map (n, 6, 6)`` is d(twist)/d(increment); ``moving`` False ignores the twists (statics).
+        """
+
+    def carry_stress(self, increment: Floats) -> None:
+        """Move the stress iterate along a Newton increment ``(n, 6)`` (mixed Newton)."""
+
+    def reset_stress(self) -> None:
+        """Take the section forces of the last assembly as stress iterate."""
+
+    def elastic_energy(self) -> float:
+        """Return the elastic energy [J] of the last assembly."""
+
+    def viscous_loss(self, duration: float) -> float:
+        """Return the energy [J] lost to viscosity since the last call, ``duration`` [s] ago; 0 starts counting anew."""
+
+    def gauss_points(self) -> GaussPoints:
+        """Return the Gauss-point fields of the last assembly."""
+
+    def gauss_positions(self) -> tuple[np.ndarray, Floats, Floats]:
+        """Return rod index, arc length [m] and quadrature length [m] of every Gauss point, in the same order."""
+
+    def worst_place(self, node: int) -> str:
+        """Describe a node for messages: rod, element and arc length."""

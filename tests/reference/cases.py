@@ -1,0 +1,30 @@
+"""Sections and models shared by the reference tests."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import viscorod as vr
+
+
+def stiff(ga, ea, ei, gj, mass=1.0, rotary=(1e-3, 1e-3, 2e-3), damping=None):
+    """A straight-laced section: shear, axial, bending and torsional stiffness, line mass, rotary inertia (d1, d2, d3)."""
+    stiffness = [ga, ga, ea, ei, ei, gj]
+    given = {} if damping is None else {"damping": list(damping * np.array(stiffness))}
+    return vr.StiffnessSection(stiffness, [mass, mass, mass, *rotary], **given)
+
+
+def cantilever(section, length=1.0, elements=None, order=None, material=None):
+    """A rod along x, clamped at the origin; transverse directions y (d1) and z (d2)."""
+    model = vr.Model()
+    rod = vr.Rod.straight(
+        (0, 0, 0), (length, 0, 0), section=section, material=material, elements=elements, order=order
+    )
+    model.add("beam", rod)
+    model.clamp("beam.start")
+    return model
+
+
+def slope(sizes, errors):
+    """Order of convergence: slope of log error over log size."""
+    return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])

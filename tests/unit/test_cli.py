@@ -1,0 +1,162 @@
+"""The command line: exit codes, messages, files. Solutions are stood in for by results in closed form."""
+
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import viscorod.analysis
+from typer.testing import CliRunner
+
+import viscorod as vr
+import viscorod.cases
+from synthetic import rolled_up, swing
+from viscorod.cases import library
+from viscorod.cli import app
+from viscorod.model.settings import EquilibriumSettings, SimulateSettings
+from viscorod.progress import reporting
+from viscorod.results.run import Equilibrium, Run
+
+REPORT = SimpleNamespace(
+    rods=[{"rod": "beam", "length [m]": 0.3, "mass [kg]": 0.03, "elements": 2, "order": 5}],
+    sections=[
+        {"section": "beam", "area [m2]": 1e-4, **{f"stiffness {k}": 10.0**k for k in range(12)}},
+    ],
+    frequencies=np.array([0.573, 3.59]),
+    damping_ratios=np.array([0.036, 0.2256]),
+    warnings=["the rod is thick"],
+    nodes=11,
+    unknowns=66,
+)
+
+
+@pytest.fixture
+def invoke(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "case.toml").write_text('title = "A case"\n')
+    return lambda *arguments: CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def solving(monkeypatch):
+    """Let ``viscorod run`` come to a given result, or fail with a given error."""
+
+    def prepare(outcome, settings):
+        def run_case(case, *, progress):
+            for reached in np.linspace(0.0, 1.0, 51)[1:]:
+                progress(reached * getattr(case.settings, "duration", 1.0), 0.02)
+            if isinstance(outcome, Exception):
+                raise outcome
+            return outcome
+
+        case = SimpleNamespace(model=None, settings=settings)
+        monkeypatch.setattr(viscorod.cases, "load_case", lambda path: case)
+        monkeypatch.setattr(viscorod.analysis, "check", lambda model: REPORT)
+        monkeypatch.setattr(viscorod.analysis, "run_case", run_case)
+
+    return prepare
+
+
+def test_version_and_help(invoke):
+    assert re.fullmatch(r"viscorod \d+\.\d+\.\d+\S*\n", invoke("--version").output)
+    for command in ("run", "check", "example"):
+        assert command in invoke("--help").output
+
+
+def test_run_writes_files_and_prints_the_report(invoke, solving, tmp_path):
+    solving(Run(swing()), SimulateSettings(duration=10.0))
+    result = invoke("run", "case.toml", "-o", "results")
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in (tmp_path / "results").iterdir()) == [
+        "energy.png",
+        "motion.png",
+        "run.nc",
+    ]
+    assert "Decay of beam.end along y" in result.stdout
+    assert "warning: the rod is thick" in result.stderr
+    assert "t = 10 of 10 s, step 0.02 s, 0.0 s left" in result.stderr
+    assert isinstance(vr.load(tmp_path / "results" / "run.nc"), Run)
+
+
+def test_run_of_an_equilibrium_and_default_folder(invoke, solving, tmp_path):
+    solving(Equilibrium(rolled_up()), EquilibriumSettings())
+    result = invoke("run", "case.toml")
+    assert result.exit_code == 0, result.output
+    assert sorted(path.name for path in (tmp_path / "out" / "case").iterdir()) == ["run.nc", "shape.png"]
+    assert "load = 1 of 1" in result.stderr
+    assert "Stable" in result.stdout
+
+
+def test_failed_solution_keeps_what_there_is(invoke, solving, tmp_path):
+    error = vr.SolveError("no solution at t = 0.8 s; try a smaller time_step")
+    error.run = Run(swing().isel(time=slice(0, 40)).assign_attrs(outcome="diverged"))
+    solving(error, SimulateSettings(duration=10.0))
+    result = invoke("run", "case.toml", "-o", "results")
+    assert result.exit_code == 1
+    assert "error: no solution at t = 0.8 s; try a smaller time_step" in result.stderr
+    assert "Traceback" not in result.output
+    partial = vr.load(tmp_path / "results" / "run.nc")
+    assert partial.time.size == 40
+    assert partial.outcome == "diverged"
+
+
+def test_failed_solution_without_anything_to_keep(invoke, solving, tmp_path):
+    error = vr.SolveError("no equilibrium")
+    error.run = None
+    solving(error, SimulateSettings(duration=10.0))
+    assert invoke("run", "case.toml", "-o", "results").exit_code == 1
+    assert not (tmp_path / "results").exists()
+
+
+@pytest.mark.parametrize("command", ["run", "check"])
+def test_wrong_input_is_one_message(invoke, command, tmp_path):
+    missing = invoke(command, "none.toml")
+    assert (missing.exit_code, missing.stderr.count("\n")) == (2, 1)
+    assert missing.stderr.startswith("error: none.toml is no file; name a case file")
+    (tmp_path / "broken.toml").write_text("rods = [\n")
+    broken = invoke(command, "broken.toml")
+    assert broken.exit_code == 2
+    assert broken.stderr.startswith("error: ")
+    assert "Traceback" not in broken.output
+
+
+def test_check_prints_tables(invoke, solving, monkeypatch):
+    solving(None, None)
+    monkeypatch.setenv("COLUMNS", "100")
+    result = invoke("check", "case.toml")
+    assert result.exit_code == 0, result.output
+    lines = [" ".join(line.split()) for line in result.stdout.splitlines()]
+    assert "rod length [m] mass [kg] elements order" in lines
+    assert "beam 0.3 0.03 2 5" in lines
+    assert "stiffness 3 1000" in lines  # too wide for the terminal, so turned on its side
+    assert "1 0.573 0.036" in lines
+    assert "11 nodes, 66 unknowns" in lines
+    assert "- the rod is thick" in lines
+    assert max(map(len, result.stdout.splitlines())) <= 100
+
+
+def test_example_lists_and_copies(invoke, tmp_path):
+    listed = invoke("example").stdout
+    assert "cantilever_swing" in listed
+    copied = invoke("example", "cantilever_swing", "-o", "mine")
+    assert copied.exit_code == 0
+    target = tmp_path / "mine" / "cantilever_swing.toml"
+    assert target.read_bytes() == library.shipped()["cantilever_swing"].read_bytes()
+    again = invoke("example", "cantilever_swing", "-o", "mine")
+    assert again.exit_code == 2
+    assert "there already" in again.stderr
+    unknown = invoke("example", "cantilever_swim")
+    assert unknown.exit_code == 2
+    assert "cantilever_swing" in unknown.stderr
+
+
+def test_progress_on_a_terminal_is_a_bar(monkeypatch, capsys):
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    with reporting(2.0, static=False) as progress:
+        for step in range(1, 21):
+            progress(0.1 * step, 0.1)
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert "of 2 s" in shown.err
+    assert "left" in shown.err

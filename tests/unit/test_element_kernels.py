@@ -1,0 +1,258 @@
+"""Element kernels against an independent complex-step / finite-difference formulation at random states."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from viscorod.mechanics import geometric, loading
+from viscorod.mechanics.basis import gauss, lagrange
+from viscorod.mechanics.rotation import inverse_motion_tangent, retract
+
+rng = np.random.default_rng(7)
+
+
+def quaternion_product(p, q):
+    return np.array(
+        [
+            p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+            p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+            p[0] * q[2] + p[2] * q[0] + p[3] * q[1] - p[1] * q[3],
+            p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1],
+        ]
+    )
+
+
+def matrix(q):
+    q = q / np.sqrt((q * q).sum())
+    w, x, y, z = q
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def first_order_move(r, q, dx):
+    """Poses after the body increments dx, correct to first order: enough for a complex step."""
+    rr = np.array([r[k] + matrix(q[k]) @ dx[k, :3] for k in range(len(r))])
+    qq = np.array([q[k] + quaternion_product(q[k], np.array([0, *dx[k, 3:]]) / 2) for k in range(len(q))])
+    return rr, qq
+
+
+def plain_strains(shapes, slopes, r, q):
+    """V and U straight from model.md section 4, in plain (complex-capable) NumPy."""
+    out = []
+    for shape, slope in zip(shapes, slopes, strict=True):
+        f, g = shape @ q, slope @ q
+        conj = f * np.array([1, -1, -1, -1])
+        out.append(np.concatenate([matrix(f).T @ (slope @ r), 2 * quaternion_product(conj, g)[1:] / (f @ f)]))
+    return np.array(out)
+
+
+class Element:
+    """One random, strongly deformed and moving element with full 6x6 matrices, optionally with attached end nodes."""
+
+    def __init__(self, order, links=False):
+        m = order + 1
+        self.m = m
+        self.half = 0.4
+        points, self.weights = gauss(order)
+        self.shapes, self.slopes = lagrange(order, points)
+        self.nodes = np.arange(m)[None, :].copy()
+        self.links = -np.ones((1, m), dtype=np.int64)
+        self.link_r = rng.normal(size=(2, 3)) * 0.2
+        self.link_q = rng.normal(size=(2, 4))
+        self.link_q /= np.linalg.norm(self.link_q, axis=1)[:, None]
+        if links:
+            self.links[0, 0], self.links[0, -1] = 0, 1
+        self.r = np.array([[0.3 * k, 0, 0] for k in range(m)]) + 0.1 * rng.normal(size=(m, 3))
+        self.q = np.array([1, 0, 0, 0]) + 0.3 * rng.normal(size=(m, 4))
+        self.q /= np.linalg.norm(self.q, axis=1)[:, None]
+        self.twist = rng.normal(size=(m, 6))
+        a = rng.normal(size=(2, 6, 6))
+        self.C = a @ a.transpose(0, 2, 1)
+        a = rng.normal(size=(2, 6, 6))
+        self.D = a @ a.transpose(0, 2, 1)
+        self.section = rng.integers(0, 2, size=(1, order))
+        self.reference = 0.2 * rng.normal(size=(1, order, 6))
+        self.rate_map = rng.normal(size=(m, 6, 6))
+
+    def assemble(self, r, q, twist, stress=None, moving=True):
+        m, g = self.m, self.m - 1
+        force = np.zeros((m, 6))
+        diagonal = 6 * m - 1
+        band = np.zeros((6 * m, 2 * diagonal + 1))
+        strain, rate, S = np.zeros((3, 1, g, 6))
+        operator = np.zeros((1, g, 6, 6 * m))
+        if stress is None:
+            stress = np.zeros((1, g, 6))
+        geometric.assemble(
+            self.nodes, self.links, self.link_r, self.link_q, self.shapes, self.slopes, self.weights,
+            np.array([self.half]), self.section, self.C, self.D, True, self.reference, stress, r, q, twist, moving,
+            self.rate_map, True, force, band, diagonal, strain, rate, S, operator,
+        )  # fmt: skip
+        K = np.array([[band[j, diagonal + i - j] for j in range(6 * m)] for i in range(6 * m)])
+        return force.ravel(), K, strain, rate, S, operator
+
+    def attached(self, r, q):
+        r, q = r.copy(), q.copy()
+        for k in range(self.m):
+            link = self.links[0, k]
+            if link >= 0:
+                r[k] = r[k] + matrix(q[k]) @ self.link_r[link]
+                q[k] = quaternion_product(q[k], self.link_q[link])
+            if k > 0 and (q[k].real @ q[k - 1].real) < 0:
+                q[k] = -q[k]
+        return r, q
+
+
+def slope_of(function, size, h=1e-3):
+    """Fourth-order central differences of a vector function of ``size`` variables at 0."""
+    columns = []
+    for j in range(size):
+        step = np.zeros(size)
+        step[j] = h
+        columns.append(
+            (8 * (function(step) - function(-step)) - (function(2 * step) - function(-2 * step))) / (12 * h)
+        )
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize("links", [False, True])
+@pytest.mark.parametrize("order", [1, 2, 3, 5, 8])
+def test_strains_rates_and_forces_match_complex_step(order, links):
+    e = Element(order, links)
+    slopes = e.slopes / e.half
+    force, _, strain, rate, S, _ = e.assemble(e.r, e.q, e.twist)
+    assert strain[0] + e.reference[0] == pytest.approx(
+        plain_strains(e.shapes, slopes, *e.attached(e.r, e.q)).real, abs=1e-12
+    )
+
+    def by_complex_step(dx):
+        moved = first_order_move(e.r.astype(complex), e.q.astype(complex), 1e-40j * dx)
+        return plain_strains(e.shapes, slopes, *e.attached(*moved)).imag / 1e-40
+
+    assert rate[0] == pytest.approx(by_complex_step(e.twist), rel=1e-10, abs=1e-10)
+    B = np.array([by_complex_step(u.reshape(e.m, 6)) for u in np.eye(6 * e.m)])  # (unknown, point, 6)
+    total = [e.C[s] @ a + e.D[s] @ b for s, a, b in zip(e.section[0], strain[0], rate[0], strict=True)]
+    assert S[0] == pytest.approx(np.array(total), rel=1e-12, abs=1e-12)
+    expected = np.einsum("ugi,gi,g->u", B, S[0], e.weights * e.half)
+    assert force == pytest.approx(expected, rel=1e-10, abs=1e-10 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("links", [False, True])
+@pytest.mark.parametrize("order", [1, 2, 4])
+def test_tangent_and_stress_operator_match_finite_differences(order, links):
+    """Elastic, viscous and geometric parts together, with the twist following the pose through the rate map."""
+    e = Element(order, links)
+    _, _, _, _, S, _ = e.assemble(e.r, e.q, e.twist)
+    _, K, _, _, _, operator = e.assemble(e.r, e.q, e.twist, stress=S)
+
+    def moved(x):
+        dx = x.reshape(e.m, 6)
+        r, q = np.empty_like(e.r), np.empty_like(e.q)
+        retract(e.r, e.q, dx, r, q)
+        return e.assemble(r, q, e.twist + np.einsum("nij,nj->ni", e.rate_map, dx))
+
+    reference = slope_of(lambda x: moved(x)[0], 6 * e.m)
+    assert K == pytest.approx(reference, abs=2e-8 * np.abs(reference).max())
+    reference = slope_of(lambda x: moved(x)[4].ravel(), 6 * e.m).reshape(1, order, 6, -1)
+    assert operator == pytest.approx(reference, abs=2e-8 * np.abs(reference).max())
+
+
+def test_tangent_of_static_equilibrium_is_symmetric():
+    """A conservative system has a symmetric tangent where the nodal forces vanish; here S = 0."""
+    e = Element(3)
+    _, K, *_ = e.assemble(e.r, e.q, 0 * e.twist, moving=False)
+    assert K == pytest.approx(K.T, abs=1e-12 * np.abs(K).max())
+
+
+@pytest.mark.parametrize("order", [1, 3, 6])
+def test_objectivity(order):
+    """Superposed rigid rotations and translations change neither strains nor body forces (structure test E1)."""
+    e = Element(order)
+    turn = rng.normal(size=4)
+    turn /= np.linalg.norm(turn)
+    r = e.r @ matrix(turn).T + 50 * rng.normal(size=3)
+    q = np.array([quaternion_product(turn, k) for k in e.q])
+    a, b = e.assemble(e.r, e.q, e.twist), e.assemble(r, q, e.twist)
+    assert a[2] == pytest.approx(b[2], abs=1e-12)
+    assert a[0] == pytest.approx(b[0], abs=1e-11 * np.abs(a[0]).max())
+
+
+@pytest.mark.parametrize("order", [1, 2, 5])
+def test_rigid_motion_is_neither_strained_nor_damped(order):
+    """E1: the strain rate of any rigid twist vanishes, so viscosity never acts on it."""
+    e = Element(order)
+    v, w = rng.normal(size=(2, 3))
+    twist = np.array(
+        [
+            np.concatenate([matrix(q).T @ (v + np.cross(w, x)), matrix(q).T @ w])
+            for x, q in zip(e.r, e.q, strict=True)
+        ]
+    )
+    rate = e.assemble(e.r, e.q, twist)[3]
+    assert np.abs(rate).max() < 1e-12
+
+
+@pytest.mark.parametrize("links", [False, True])
+@pytest.mark.parametrize("order", [1, 2, 4])
+def test_station_load_is_work_conjugate_and_its_tangent_right(order, links):
+    e = Element(order, links)
+    shape, _ = lagrange(order, np.array([0.3]))
+    dead, following = rng.normal(size=(2, 6))
+    diagonal = 6 * e.m - 1
+
+    def load(x, tangent=False):
+        r, q = np.empty_like(e.r), np.empty_like(e.q)
+        retract(e.r, e.q, x.reshape(e.m, 6), r, q)
+        external = np.zeros((e.m, 6))
+        band = np.zeros((6 * e.m, 2 * diagonal + 1))
+        loading.add_station_load(
+            e.nodes[0], e.links[0], e.link_r, e.link_q, shape[0], dead, following, r, q, tangent, external, band,
+            diagonal,
+        )  # fmt: skip
+        return external.ravel(), band
+
+    force, band = load(np.zeros(6 * e.m), True)
+    K = np.array([[band[j, diagonal + i - j] for j in range(6 * e.m)] for i in range(6 * e.m)])
+    reference = -slope_of(lambda x: load(x)[0], 6 * e.m)
+    assert K == pytest.approx(reference, abs=1e-8 * np.abs(reference).max())
+    frame = matrix(shape[0] @ e.attached(e.r, e.q)[1])
+    power = []
+    for u in np.eye(6 * e.m):
+        r, q = first_order_move(e.r.astype(complex), e.q.astype(complex), 1e-40j * u.reshape(e.m, 6))
+        r, q = e.attached(r, q)
+        velocity = (shape[0] @ r).imag / 1e-40
+        spin = matrix(shape[0] @ q).imag / 1e-40 @ frame.T  # skew matrix of the global angular velocity
+        spin = np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
+        power.append((dead[:3] + frame @ following[:3]) @ velocity + (dead[3:] + frame @ following[3:]) @ spin)
+    assert force == pytest.approx(np.array(power), abs=1e-11)
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-3, 0.25, 1.0, 3.0, 5.5])
+def test_motion_exponential_and_its_inverse_tangent(size):
+    """The twist of t -> H0 exp(X + t dX) is T(X) dX: finite differences of the exponential itself."""
+    X = rng.normal(size=6)
+    X *= size / np.linalg.norm(X[3:])
+    dX = rng.normal(size=6)
+    r0, q0 = np.zeros((1, 3)), np.array([[1.0, 0, 0, 0]])
+
+    def pose(x):
+        r, q = np.empty((1, 3)), np.empty((1, 4))
+        retract(r0, q0, x[None, :], r, q)
+        return r[0], matrix(q[0])
+
+    h = 1e-3
+    values = {s: pose(X + s * h * dX) for s in (-2, -1, 1, 2)}
+    dr = (8 * (values[1][0] - values[-1][0]) - (values[2][0] - values[-2][0])) / (12 * h)
+    dR = (8 * (values[1][1] - values[-1][1]) - (values[2][1] - values[-2][1])) / (12 * h)
+    R = pose(X)[1]
+    spin = R.T @ dR
+    twist = np.concatenate([R.T @ dr, [spin[2, 1], spin[0, 2], spin[1, 0]]])
+    inverse = np.empty((1, 6, 6))
+    inverse_motion_tangent(X[None, :], 1.0, inverse)
+    assert inverse[0] @ twist == pytest.approx(dX, abs=1e-8)

@@ -1,0 +1,33 @@
+"""The package's front door: every public name is there, and none costs anything until it is used."""
+
+import subprocess
+import sys
+
+import pytest
+
+import viscorod
+
+HEAVY = ("xarray", "pandas", "numba", "scipy", "pydantic", "matplotlib", "rich", "typer")
+
+
+def test_every_public_name_can_be_imported():
+    for name in viscorod.__all__:
+        assert getattr(viscorod, name).__name__ == name
+        assert name in dir(viscorod)
+    with pytest.raises(AttributeError, match="no attribute 'Rood'"):
+        _ = viscorod.Rood
+
+
+def test_lists_of_names_agree():
+    lazy = {name for names in viscorod._HOMES.values() for name in names}
+    assert lazy | {"InputError", "SolveError"} == set(viscorod.__all__)
+
+
+@pytest.mark.parametrize("module", ["viscorod", "viscorod.cli"])
+def test_import_is_light(module):
+    allowed = () if module == "viscorod" else ("typer", "rich")
+    code = f"import sys, {module}; print(*sys.modules)"
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert not set(HEAVY) - set(allowed) & set(loaded)

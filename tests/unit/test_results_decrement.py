@@ -1,0 +1,126 @@
+"""Cycles of a decay against damped oscillators in closed form."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from synthetic import oscillator
+from viscorod import InputError
+from viscorod.results.decrement import Decrement, decrement, resting_value
+
+
+def record(zeta, omega=3.6, step=0.02, duration=10.0, **options):
+    time = np.arange(round(duration / step) + 1) * step
+    return time, *oscillator(time, zeta, omega, **options)
+
+
+@settings(deadline=None)
+@given(st.floats(0.002, 0.3), st.floats(1e-6, 1e3))
+def test_recovers_damping_ratio_and_period(zeta, amplitude):
+    result = decrement(*record(zeta, amplitude=amplitude))
+    # Hermite interpolation errs by (omega h)^4/384 = 7e-8 of the amplitude, in a decrement of 2 pi zeta.
+    assert result.damping_ratio == pytest.approx(np.full(result.damping_ratio.size, zeta), abs=1e-6)
+    assert result.period == pytest.approx(2 * np.pi / (3.6 * np.sqrt(1 - zeta**2)), rel=1e-4)
+    assert result.small_amplitude_ratio == pytest.approx(zeta, abs=1e-6)
+    assert result.time[0] == 0.0
+    assert result.amplitude[0] == pytest.approx(amplitude)
+    assert np.exp(-result.log_decrement) == pytest.approx(result.amplitude[1:] / result.amplitude[:-1])
+
+
+def test_maxima_are_found_between_coarse_samples_with_third_order():
+    errors = []
+    for step in (0.08, 0.04):
+        found = decrement(*record(0.05, step=step)).time
+        period = 2 * np.pi / (3.6 * np.sqrt(1 - 0.05**2))
+        errors.append(np.max(np.abs(found - np.arange(found.size) * period)))
+    assert errors[1] < errors[0] / 6  # the slope of a cubic Hermite polynomial is of third order
+
+
+def test_envelope_is_the_exponential_of_the_decay():
+    size, rate = decrement(*record(0.05, amplitude=0.2)).envelope
+    assert rate == pytest.approx(0.05 * 3.6, rel=1e-6)
+    assert size == pytest.approx(0.2, rel=1e-6)
+
+
+def test_limit_of_small_amplitude_is_extrapolated():
+    # maxima whose ratio is 0.03 - 2 a^2: the limit is 0.03, though no cycle is near it
+    amplitude = [0.06]
+    for _ in range(6):
+        ratio = 0.03 - 2.0 * amplitude[-1] ** 2
+        amplitude.append(amplitude[-1] * np.exp(-2 * np.pi * ratio / np.sqrt(1 - ratio**2)))
+    result = Decrement("beam.end", "y", 0.0, np.arange(7.0), np.array(amplitude))
+    assert result.damping_ratio[-1] < 0.029
+    assert result.small_amplitude_ratio == pytest.approx(0.03, rel=0.005)
+
+
+def test_limit_without_decay_is_the_last_ratio():
+    result = Decrement("beam.end", "y", 0.0, np.arange(4.0), np.array([1.0, 0.999, 0.998, 0.9975]))
+    assert result.small_amplitude_ratio == result.damping_ratio[-1]
+
+
+def test_growth_has_a_negative_ratio():
+    time, value, rate = record(-0.03)
+    assert decrement(time, value, rate).damping_ratio == pytest.approx(-0.03, abs=1e-6)
+
+
+def test_rest_is_estimated_from_the_last_extremes():
+    time, value, rate = record(0.05, rest=-0.7)
+    assert resting_value(time, value, rate) == pytest.approx(-0.7, rel=1e-6)
+    assert decrement(time, value, rate, rest=None).damping_ratio == pytest.approx(0.05, abs=1e-5)
+    time, value, rate = record(0.05, rest=1e-3)
+    assert resting_value(time, value, rate) == 0.0  # within 2 % of the last amplitude
+
+
+def test_ripple_on_a_swing_makes_no_cycle():
+    time, value, rate = record(0.02)
+    ripple = 0.05 * np.exp(-0.2 * time) * np.cos(40 * time)
+    ripple_rate = -0.2 * ripple - 2.0 * np.exp(-0.2 * time) * np.sin(40 * time)
+    result = decrement(time, value + ripple, rate + ripple_rate)
+    assert result.period == pytest.approx(2 * np.pi / 3.6, abs=0.1)
+
+
+def test_start_in_motion_is_no_maximum():
+    time, value, rate = record(0.05)
+    cut = time >= 0.3  # already on its way down
+    result = decrement(time[cut], value[cut], rate[cut])
+    assert result.time[0] == pytest.approx(2 * np.pi / 3.6, rel=2e-3)
+
+
+def test_swing_cut_off_by_the_end_does_not_count():
+    period = 2 * np.pi / (3.6 * np.sqrt(1 - 0.05**2))
+    whole = decrement(*record(0.05, duration=5.0))
+    cut = decrement(*record(0.05, duration=2.1 * period))
+    assert whole.time.size == 3
+    assert cut.time.size == 2
+
+
+def test_noise_after_the_decay_makes_no_cycle():
+    time, value, rate = record(0.3, duration=40.0)
+    noise = 1e-9 * np.sin(50 * time)
+    result = decrement(time, value + noise, rate + 5e-8 * np.cos(50 * time))
+    assert result.amplitude.min() > 1e-6
+
+
+@pytest.mark.parametrize(
+    ("time", "value", "rate"),
+    [
+        (np.array([0.0]), np.array([1.0]), np.array([0.0])),
+        (np.linspace(0, 1, 11), np.zeros(11), np.zeros(11)),
+        (np.linspace(0, 1, 11), np.linspace(0, 1, 11), np.ones(11)),
+        record(0.05, duration=1.0),
+    ],
+)
+def test_fewer_than_two_maxima_is_an_input_error(time, value, rate):
+    with pytest.raises(
+        InputError, match=r"beam\.end along y passes (no|one) complete maximum.*simulate longer"
+    ):
+        decrement(time, value, rate, place="beam.end", axis="y")
+
+
+def test_text_has_a_line_for_every_cycle():
+    result = decrement(*record(0.05), place="beam.end", axis="y")
+    lines = str(result).splitlines()
+    assert lines[0] == "Decay of beam.end along y"
+    assert len(lines) == 3 + result.time.size
+    assert lines[2].split()[-1] == "0.050000"

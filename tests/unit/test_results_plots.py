@@ -1,0 +1,109 @@
+"""Pictures: what is in them, that they are written, that nothing warns or touches global state."""
+
+import numpy as np
+import pytest
+
+from synthetic import rolled_up, swing
+from viscorod import InputError
+from viscorod.results.plot import draw_motion
+from viscorod.results.plot_energy import draw_energy
+from viscorod.results.plot_shape import draw_shape
+from viscorod.results.run import Equilibrium, Run
+from viscorod.results.shapes import View
+from viscorod.results.style import scaled
+
+
+def texts(figure):
+    return [axes.get_title(loc="left") for axes in figure.axes], [axes.get_ylabel() for axes in figure.axes]
+
+
+def test_motion_has_history_snapshots_and_damping():
+    figure = draw_motion(Run(swing()))
+    titles, labels = texts(figure)
+    assert "displacement y of beam.end [m]" in labels
+    assert "damping ratio" in labels
+    assert "Rod in the xy plane, first period" in titles
+    history = figure.axes[0]
+    legend = [text.get_text() for text in history.get_legend().get_texts()]
+    assert legend[2] == "envelope of the last cycles, exp(\N{MINUS SIGN}0.18 t / s)"
+    envelope = next(line for line in history.lines if line.get_linestyle() == "--")
+    time = envelope.get_xdata()
+    assert envelope.get_ydata() == pytest.approx(0.2 * np.exp(-0.05 * 3.6 * time), rel=1e-5)
+
+
+def test_motion_out_of_plane_is_drawn_in_space():
+    data = swing(rods=("left", "right"), duration=4.0)
+    figure = draw_motion(Run(data))
+    assert any(axes.name == "3d" for axes in figure.axes)
+
+
+def test_motion_of_another_place():
+    _, labels = texts(draw_motion(Run(swing()), "beam@0.1"))
+    assert "displacement y of beam@0.1 [m]" in labels
+    _, labels = texts(draw_motion(Run(swing()), "beam.end", "x"))
+    assert any(label.startswith("displacement x") for label in labels)
+
+
+@pytest.mark.parametrize("states", [1, 2, 40])
+def test_short_runs_are_drawn_without_cycles(states, tmp_path):
+    run = Run(swing().isel(time=slice(0, states)))
+    assert "damping ratio" not in texts(draw_motion(run))[1]
+    assert run.plot(tmp_path / "motion.png").stat().st_size > 10_000
+    assert run.plot_energy(tmp_path / "energy.png").stat().st_size > 10_000
+
+
+def test_energy_shows_the_account_and_its_remainder():
+    figure = draw_energy(Run(swing(leak=1e-3)))
+    upper, lower = figure.axes
+    legend = [text.get_text() for text in upper.get_legend().get_texts()]
+    assert legend == [
+        "lost to viscosity",
+        "elastic",
+        "kinetic",
+        "numerical remainder",
+        "initial energy + work of loads",
+    ]
+    assert upper.get_ylabel() == "energy [mJ]"
+    assert lower.get_yscale() == "log"
+    assert lower.get_title(loc="left").startswith("Numerical remainder: at most 0.097 %")
+
+
+def test_shape_shows_the_way_to_the_equilibrium(tmp_path):
+    equilibrium = Equilibrium(rolled_up())
+    legend = draw_shape(equilibrium).axes[0].get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "reference",
+        "on the way",
+        "equilibrium",
+        "support",
+    ]
+    assert equilibrium.plot(tmp_path / "new" / "shape.svg").stat().st_size > 10_000
+
+
+def test_pictures_leave_no_global_figures(tmp_path):
+    import matplotlib.pyplot as plt
+
+    Run(swing(duration=4.0)).plot(tmp_path / "motion.png")
+    assert plt.get_fignums() == []
+
+
+def test_unknown_format_is_an_input_error(tmp_path):
+    with pytest.raises(InputError, match=r"'\.docx' is no picture format; use .*\.png"):
+        Equilibrium(rolled_up()).plot(tmp_path / "shape.docx")
+
+
+def test_view_is_the_plane_of_the_motion():
+    points = np.random.default_rng(1).normal(size=(5, 7, 3))
+    assert View.of(points).axes == (0, 1, 2)
+    points[..., 1] *= 1e-6
+    view = View.of(points)
+    assert (view.axes, view.name) == ((0, 2), "xz plane")
+
+
+@pytest.mark.parametrize(
+    ("largest", "expected"),
+    [(0.3, (1.0, "m")), (2e-3, (1e3, "mm")), (5e-6, (1e6, "µm")), (3e4, (1e-3, "km")), (0, (1, "m"))],
+)
+def test_prefixes(largest, expected):
+    factor, unit = scaled("m", [0.0, -largest])
+    assert (pytest.approx(factor), unit) == expected

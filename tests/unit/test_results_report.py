@@ -1,0 +1,87 @@
+"""Reports and the warnings in them."""
+
+import json
+
+import numpy as np
+import pytest
+
+from synthetic import rolled_up, swing
+from viscorod.results.run import Equilibrium, Run
+from viscorod.results.warnings import warnings_of
+
+
+def test_run_report_says_what_the_user_asks():
+    report = Run(swing(leak=1e-3)).report()
+    assert report.startswith(
+        "A swing in closed form\n10 s simulated in 500 steps of 0.02 s, generalized-alpha\n"
+    )
+    lines = [" ".join(line.split()) for line in report.splitlines()]
+    assert "beam.end 0.3 0.2 0 0 0.2 0" in lines
+    assert "1 0.00000 0.2 1.74751 0.314553 0.050000" in lines
+    assert "(beam.end along y has the largest range of displacement, 0.37085 m)" in lines
+    assert any(
+        line.startswith("lost to viscosity 0.0075") and line.endswith("% of what moved") for line in lines
+    )
+    assert "Effort: 500 steps, 1500 iterations, 1500 factorisations, 0 rejected, 0.5 s wall time" in lines
+    assert lines[-1] == "No warnings"
+    assert "nan" not in report.lower()
+
+
+def test_report_without_cycles_says_why():
+    assert "Decay: beam.end along y passes one complete maximum" in Run(swing(duration=1.0)).report()
+
+
+def test_report_of_a_single_state():
+    report = Run(swing(duration=1.0).isel(time=slice(0, 1))).report()
+    assert report.count("beam.end") >= 1
+
+
+def test_report_of_driven_cycles_does_not_blame_the_material():
+    data = swing()
+    data["external"] = data["external"] + 1e-3 * data["time"]
+    assert "loads or supports do work meanwhile" in Run(data).report()
+
+
+def test_stopped_run_says_so():
+    data = swing().assign_attrs(outcome="diverged", message="Newton's method failed at 3 s")
+    assert "stopped early (diverged): Newton's method failed at 3 s" in Run(data).report()
+
+
+def test_equilibrium_report():
+    report = Equilibrium(rolled_up(0.5 * np.pi)).report()
+    lines = [" ".join(line.split()) for line in report.splitlines()]
+    assert "beam.end 0.190986 0.190986 0 -0.109014 0.190986 0" in lines
+    assert "beam.end 0 0 1.5708" in lines
+    assert "Stable: the tangent stiffness has no negative eigenvalue" in lines
+    assert any(line.startswith("beam.start 0 0 0 0 0 -0.0043") for line in lines)
+    unstable = Equilibrium(rolled_up().assign_attrs(negative_eigenvalues=2)).report()
+    assert "Unstable: the tangent stiffness has 2 negative eigenvalues" in unstable
+
+
+@pytest.mark.parametrize(
+    ("data", "text"),
+    [
+        (swing(leak=0.05), "numerical remainder of the energy account reaches 4.9 %"),
+        (swing().assign_attrs(rejected=3), "3 time steps did not converge"),
+        (rolled_up().assign_attrs(rejected=1), "1 load step did not converge"),
+        (swing().assign_attrs(warnings=json.dumps(["the rod is thick"])), "the rod is thick"),
+    ],
+)
+def test_warnings(data, text):
+    kind = Run if data.attrs["kind"] == "simulate" else Equilibrium
+    (warning,) = warnings_of(kind(data))
+    assert text in warning
+
+
+def test_large_strain_is_located():
+    data = swing(duration=1.0)
+    data["strain"][3, 4, 2] = -0.3
+    (warning,) = warnings_of(Run(data))
+    assert warning.startswith("the strain stretch reaches 0.3 at beam@0.135")
+
+
+def test_small_numbers_beside_large_ones_read_zero():
+    data = rolled_up()
+    data["position"][..., 2] = 1e-18
+    row = next(line for line in Equilibrium(data).report().splitlines() if "beam.end" in line)
+    assert "e-18" not in row
