@@ -6,6 +6,7 @@ Heavy packages are imported inside the commands, so that ``--help`` and ``--vers
 from __future__ import annotations
 
 import shutil
+import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -106,16 +107,17 @@ def example(
 ) -> None:
     """List the cases that come with viscorod, or copy one."""
     with _readable_errors():
-        from viscorod.cases import library
+        from viscorod.cases.shipped import shipped_case, shipped_cases
 
         if name is not None:
-            target = library.copy(name, output)
+            target = _copied(shipped_case(name), output)
             typer.echo(f"{target}: change it, then: viscorod run {target}")
             return
-        cases = library.shipped()
+        cases = shipped_cases()
         width = max(map(len, cases), default=0)
         for word, path in cases.items():
-            typer.echo(f"{word:<{width}}  {library.title(path)}")
+            title = tomllib.loads(path.read_text(encoding="utf-8")).get("title", "")
+            typer.echo(f"{word:<{width}}  {title}")
 
 
 def main() -> None:
@@ -137,6 +139,20 @@ def _existing(case: Path) -> Path:
     if not case.is_file():
         raise InputError(f"{case} is no file; name a case file, or copy one with: viscorod example NAME")
     return case
+
+
+def _copied(case: Path, folder: Path) -> Path:
+    target = folder / case.name
+    if target.exists():
+        raise InputError(f"{target} is there already; move it, or name another folder with -o")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(case.read_bytes())
+    except OSError as error:
+        raise InputError(
+            f"{target} cannot be written ({error.strerror or error}); name another folder"
+        ) from None
+    return target
 
 
 def _write(result: Run | Equilibrium, folder: Path) -> list[Path]:

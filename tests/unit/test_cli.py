@@ -5,13 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import viscorod.analysis
 from typer.testing import CliRunner
 
 import viscorod as vr
+import viscorod.analysis
 import viscorod.cases
 from synthetic import rolled_up, swing
-from viscorod.cases import library
+from viscorod.cases.shipped import shipped_case
 from viscorod.cli import app
 from viscorod.model.settings import EquilibriumSettings, SimulateSettings
 from viscorod.progress import reporting
@@ -141,7 +141,7 @@ def test_example_lists_and_copies(invoke, tmp_path):
     copied = invoke("example", "cantilever_swing", "-o", "mine")
     assert copied.exit_code == 0
     target = tmp_path / "mine" / "cantilever_swing.toml"
-    assert target.read_bytes() == library.shipped()["cantilever_swing"].read_bytes()
+    assert target.read_bytes() == shipped_case("cantilever_swing").read_bytes()
     again = invoke("example", "cantilever_swing", "-o", "mine")
     assert again.exit_code == 2
     assert "there already" in again.stderr

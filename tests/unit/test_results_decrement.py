@@ -54,9 +54,11 @@ def test_limit_of_small_amplitude_is_extrapolated():
     assert result.small_amplitude_ratio == pytest.approx(0.03, rel=0.005)
 
 
-def test_limit_without_decay_is_the_last_ratio():
-    result = Decrement("beam.end", "y", 0.0, np.arange(4.0), np.array([1.0, 0.999, 0.998, 0.9975]))
-    assert result.small_amplitude_ratio == result.damping_ratio[-1]
+@pytest.mark.parametrize("value", [[1.0, 0.5], [1.0, 0.999, 0.998, 0.9975], [1.0, 0.7, 0.6, 0.2]])
+def test_cycles_on_no_line_are_taken_as_one(value):
+    result = Decrement("beam.end", "y", 0.0, np.arange(float(len(value))), np.array(value))
+    delta = np.log(value[0] / value[-1]) / (len(value) - 1)
+    assert result.small_amplitude_ratio == pytest.approx(delta / np.hypot(2 * np.pi, delta))
 
 
 def test_growth_has_a_negative_ratio():
@@ -124,3 +126,16 @@ def test_text_has_a_line_for_every_cycle():
     assert lines[0] == "Decay of beam.end along y"
     assert len(lines) == 3 + result.time.size
     assert lines[2].split()[-1] == "0.050000"
+
+
+@pytest.mark.parametrize(
+    ("time", "value", "regular"),
+    [
+        ([0.0, 1.0, 2.1], [1.0, 0.5, 0.4], True),
+        ([0.0, 1.0, 2.0], [1.0, 1.0, 1.001], True),
+        ([0.0, 1.0, 2.4], [1.0, 0.5, 0.4], False),
+        ([0.0, 1.0, 2.0], [1.0, 0.5, 0.6], False),
+    ],
+)
+def test_only_steady_shrinking_cycles_are_a_decay(time, value, regular):
+    assert Decrement("", "", 0.0, np.array(time), np.array(value)).regular is regular

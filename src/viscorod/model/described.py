@@ -63,6 +63,9 @@ class Marked:
         self.value, self.why, self.instead = value, why, instead
         self.replaces, self.silent = replaces, silent
 
+    def __repr__(self) -> str:
+        return repr(self.value)
+
 
 def base_init(function: F) -> F:
     """Mark an ``__init__`` that pydantic need not call for nested tables: their errors keep their paths."""
@@ -149,7 +152,7 @@ def show(value: Any) -> str:
     if isinstance(value, float | str | int):
         return _SHORT.repr(value)
     if isinstance(value, Described):
-        return f"a {type(value).__name__}"
+        return type(value).__name__
     if hasattr(value, "tolist"):  # NumPy scalars and arrays
         return _SHORT.repr(value.tolist())
     return _SHORT.repr(value)
@@ -163,14 +166,18 @@ def problems_from(error: ValidationError) -> list[Problem]:
         for item in details
         if item["type"] == "extra_forbidden" and isinstance(item["input"], Marked)
     }
-    found = []
+    found: list[Problem] = []
     for item in details:
-        value = item["input"]
-        if isinstance(value, Marked) and item["type"] != "extra_forbidden" and item["loc"] in explained:
+        value, loc = item["input"], item["loc"]
+        cause = item.get("ctx", {}).get("error")
+        if isinstance(value, Marked) and (
+            value.silent or (item["type"] != "extra_forbidden" and loc in explained)
+        ):
             continue
-        found.append(
-            _problem(item["type"], item["loc"], value, item["msg"], item.get("ctx", {}).get("error"))
-        )
+        if isinstance(cause, InputError) and not isinstance(cause, RefusedError):
+            found.extend(problem.within(path_text(loc)) for problem in cause.problems)
+        else:
+            found.append(_problem(item["type"], loc, value, item["msg"], cause))
     return list(dict.fromkeys(found))
 
 

@@ -7,9 +7,9 @@ from itertools import pairwise
 from typing import Annotated, Any, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
-from viscorod.model.described import Described, RefusedError, show
+from viscorod.model.described import Described, RefusedError, base_init, show
 from viscorod.model.section import MaterialSection, Section
 from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
 from viscorod.model.stiffness_section import StiffnessSection
@@ -46,24 +46,16 @@ class Piece(Described):
     section: SectionField = Field(description="of the piece")
 
 
-def _pieces(value: Any) -> tuple[Piece, ...]:
-    pieces = []
-    for item in sequence(value):
-        if isinstance(item, list | tuple) and len(item) == 2:
-            pieces.append(Piece.model_validate({"until": item[0], "section": item[1]}))
-        else:
-            pieces.append(item if isinstance(item, Piece) else Piece.model_validate(item))
-    if not pieces:
+def _as_pieces(value: Any) -> list[Any]:
+    """Pairs (until, section) as tables."""
+    items = sequence(value)
+    if not items:
         raise RefusedError("at least one piece is needed", "give pieces with until and section")
-    for before, after in pairwise(pieces):
-        if after.until <= before.until:
-            raise RefusedError(
-                "each piece must end further along than the one before",
-                f"give a number above {show(before.until)}",
-                found=show(after.until),
-                at=(pieces.index(after), "until"),
-            )
-    return tuple(pieces)
+    pairs = (isinstance(item, list | tuple) and len(item) == 2 for item in items)
+    return [
+        {"until": item[0], "section": item[1]} if pair else item
+        for item, pair in zip(items, pairs, strict=True)
+    ]
 
 
 class Piecewise(Described):
@@ -73,16 +65,28 @@ class Piecewise(Described):
         pieces: pairs (until, section), in order; the last ends at the length of the rod.
     """
 
-    pieces: Annotated[Sequence[Piece | tuple[float, AnySection]], PlainValidator(_pieces)]
+    pieces: Annotated[tuple[Piece, ...], BeforeValidator(_as_pieces)]
 
-    @property
-    def parts(self) -> tuple[Piece, ...]:
-        """The pieces."""
-        return tuple(piece for piece in self.pieces if isinstance(piece, Piece))
+    @base_init
+    def __init__(self, pieces: Sequence[Piece | tuple[float, AnySection]]) -> None:
+        given: dict[str, Any] = {"pieces": pieces}
+        super().__init__(**given)
+
+    @model_validator(mode="after")
+    def _forward(self) -> Self:
+        for index, (before, after) in enumerate(pairwise(self.pieces)):
+            if after.until <= before.until:
+                raise RefusedError(
+                    "each piece must end further along than the one before",
+                    f"give a number above {show(before.until)}",
+                    found=show(after.until),
+                    at=("pieces", index + 1, "until"),
+                )
+        return self
 
     def at(self, s: float) -> AnySection:
         """The section at `s`; at a break, the one that starts there."""
-        return next((piece.section for piece in self.parts if s < piece.until), self.parts[-1].section)
+        return next((piece.section for piece in self.pieces if s < piece.until), self.pieces[-1].section)
 
 
 class Taper(Described):
@@ -102,7 +106,7 @@ class Taper(Described):
             raise RefusedError(
                 "a taper joins two sections of the same shape",
                 "give start and end the same shape",
-                found=f"a {type(self.start).__name__} and a {type(self.end).__name__}",
+                found=f"{type(self.start).__name__} and {type(self.end).__name__}",
             )
         for name in type(self.start).model_fields:
             if (getattr(self.start, name) is None) != (getattr(self.end, name) is None):

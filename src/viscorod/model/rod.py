@@ -181,7 +181,7 @@ class Rod(Described):
         """Interior stations where the section jumps, m."""
         if not isinstance(self.section, Piecewise):
             return ()
-        return tuple(piece.until for piece in self.section.parts[:-1])
+        return tuple(piece.until for piece in self.section.pieces[:-1])
 
     def section_at(self, s: float) -> AnySection:
         """The section at the arc length `s`; where it jumps, the one that starts there."""
@@ -212,7 +212,7 @@ class Rod(Described):
     def _sections(self) -> list[tuple[float, AnySection]]:
         """Sections that stand for all of them, with a station of each."""
         if isinstance(self.section, Piecewise):
-            return [(piece.until - 1e-9 * self.length, piece.section) for piece in self.section.parts]
+            return [(piece.until - 1e-9 * self.length, piece.section) for piece in self.section.pieces]
         if isinstance(self.section, MaterialSection | StiffnessSection):
             return [(0.0, self.section)]
         return [(s, self.section_at(s)) for s in np.linspace(0.0, self.length, 5).tolist()]
@@ -254,13 +254,13 @@ class Rod(Described):
             )
 
     def _pieces_cover_length(self, section: Piecewise) -> None:
-        last = section.parts[-1].until
+        last = section.pieces[-1].until
         if abs(last - self.length) > 1e-9 * self.length:
             raise RefusedError(
                 f"the last piece must end at the end of the rod, {self.length:.12g} m",
                 f"give until = {self.length:.12g} in the last piece",
                 found=show(last),
-                at=("section", "pieces", len(section.parts) - 1, "until"),
+                at=("section", "pieces", len(section.pieces) - 1, "until"),
             )
 
     def _usable(self, s: float, section: AnySection) -> None:
@@ -279,7 +279,7 @@ class Rod(Described):
             raise RefusedError(
                 f"its stiffness or mass per length is not a positive number at s = {s:.6g} m",
                 "give dimensions and moduli in SI units; for a very flat ellipse also shear_factor_1 and _2",
-                found=f"{diagonal[entry]:.6g} from a {type(section).__name__}",
+                found=f"{diagonal[entry]:.6g} for {type(section).__name__}",
                 at=("section",),
             )
 

@@ -114,7 +114,7 @@ def _motion(value: Any) -> dict[str, TimeFunction]:
             raise RefusedError(
                 f"a prescribed motion must not jump; this one does at t = {given.jumps[0]:.6g} s",
                 "give a ramp, or another continuous function of time",
-                found=f"a {type(given).__name__}",
+                found=type(given).__name__,
                 at=(key,),
             )
         try:

@@ -59,6 +59,8 @@ def dataset(
             "external": (along, energy[:, 3]),
             "numerical": (along, energy[:, 4]),
             "step_size": (along, np.array(history.step_size)),
+            "linear_momentum": ((along, "axis"), np.array(history.momentum)[:, :3]),
+            "angular_momentum": ((along, "axis"), np.array(history.momentum)[:, 3:]),
         }
     coordinates: dict[str, Any] = {
         along: np.array(history.instant),

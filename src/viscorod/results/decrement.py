@@ -15,6 +15,11 @@ _SYMMETRIC = 0.02  # a mean position closer to zero than this part of the last a
 _LAST = 2  # cycles that the drawn envelope follows
 _FITTED = 3  # cycles from which the limit of small amplitude is extrapolated
 
+_AGREEING = 1.3  # largest ratio of two periods in what is called a decay
+_GROWING = (
+    0.02  # logarithmic growth of a maximum in what is called a decay: numerical errors, beats at the end
+)
+
 
 @dataclass(frozen=True)
 class Decrement:
@@ -63,6 +68,12 @@ class Decrement:
         return ratio
 
     @property
+    def regular(self) -> bool:
+        """Whether this is a decay at all: periods that agree within 30 % and no amplitude that grows."""
+        steady = float(np.max(self.period)) < _AGREEING * float(np.min(self.period))
+        return steady and bool(np.all(self.log_decrement > -_GROWING))
+
+    @property
     def envelope(self) -> tuple[float, float]:
         """``(a, b)`` of the exponential ``a exp(-b t)`` [m, 1/s] fitted to the last two cycles."""
         last = slice(-_LAST - 1, None)
@@ -73,15 +84,19 @@ class Decrement:
     def small_amplitude_ratio(self) -> float:
         """Limit of the damping ratio for small amplitude, extrapolated from the last three cycles.
 
-        A motion that is symmetric about rest departs from linear with the square of its amplitude, so the limit
-        is that of a straight line through ratio over mean amplitude squared. Where the amplitude hardly changes
-        (by less than a tenth over those cycles) the line is not determined, and the last cycle's ratio stands.
+        A motion that is symmetric about rest departs from linear with the square of its amplitude, so the
+        limit is that of a straight line through ratio over mean amplitude squared. Where there is no such
+        line (fewer than three cycles, an amplitude that changes by less than a tenth, ratios that scatter
+        about the line by more than 2 %) it is the ratio of those cycles taken as one.
         """
         square = self.mean_amplitude[-_FITTED:] ** 2
         ratio = self.damping_ratio[-_FITTED:]
-        if np.ptp(square) < 0.2 * np.max(square):
-            return float(ratio[-1])
-        return float(np.polyfit(square, ratio, 1)[1])
+        if ratio.size == _FITTED and np.ptp(square) > 0.2 * np.max(square):
+            line = np.polyfit(square, ratio, 1)
+            if np.max(np.abs(ratio - np.polyval(line, square))) < 0.02 * np.max(np.abs(ratio)):
+                return float(line[1])
+        delta = float(np.mean(self.log_decrement[-_FITTED:]))
+        return float(delta / np.hypot(2.0 * np.pi, delta))
 
     def __str__(self) -> str:
         about = f" about {self.rest:.6g} m" if self.rest else ""
@@ -97,9 +112,7 @@ class Decrement:
                 f"  {number:5d}{time:15.5f}{amplitude:15.6g}{period:12.5f}{delta:15.6f}{ratio:15.6f}"
             )
         lines.append(f"  {'end':>5s}{self.time[-1]:15.5f}{self.amplitude[-1]:15.6g}")
-        lines.append(
-            f"  limit of small amplitude (extrapolated): damping ratio {self.small_amplitude_ratio:.6f}"
-        )
+        lines.append(f"  small amplitude: damping ratio {self.small_amplitude_ratio:.6f}")
         return "\n".join(lines)
 
 

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.errors import InputError
 from viscorod.results.decrement import Decrement
 from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
 from viscorod.results.style import (
@@ -43,10 +42,7 @@ def draw_motion(run: Run, place: str | int | None = None, axis: str | None = Non
         spread = np.ptp(run.history(place, "displacement").values, axis=0)
         main_axis = "xyz"[int(np.argmax(spread))]
     axis = axis or main_axis
-    try:
-        decay = run.decrement(site.label, axis, rest=None)
-    except InputError:  # no swing about a rest position: there is nothing to say about damping
-        decay = None
+    decay = run.free_decay(site.label, axis)
     picture = figure(10.0, 7.6)
     if run.title:
         picture.suptitle(run.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
@@ -79,7 +75,7 @@ def _history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement | Non
         )
         size, rate = decay.envelope
         envelope = size * np.exp(-rate * run.time)
-        label = f"envelope of the last cycles, exp({-rate:.3g} t / s)".replace("-", "\N{MINUS SIGN}")
+        label = f"envelope of the last cycles, exp({-rate:.3g} t/s)".replace("-", "\N{MINUS SIGN}")
         limits = axes.get_ylim()
         for sign, text in ((1.0, label), (-1.0, None)):
             bound = scale * (decay.rest + sign * envelope)
@@ -123,18 +119,16 @@ def _damping(axes: Axes, decay: Decrement) -> None:
     amplitude, ratio = decay.mean_amplitude, decay.damping_ratio
     scale, unit = scaled("m", amplitude)
     clean(axes, f"mean amplitude of the cycle [{unit}]", "damping ratio")
-    heading(axes, "Damping ratio of every cycle (numbered)")
     limit = decay.small_amplitude_ratio
-    axes.axhline(
-        limit, color=ORANGE, linestyle="--", linewidth=1.4, label=f"limit of small amplitude: {limit:.4f}"
-    )
+    heading(axes, f"Damping ratio per cycle (dashed: small amplitude, {limit:.4f})")
+    axes.axhline(limit, color=ORANGE, linestyle="--", linewidth=1.4)
     axes.plot(scale * amplitude, ratio, "o-", color=GREEN, markersize=6, linewidth=1.2)
     step = max(1, ratio.size // 12)
     for number in range(0, ratio.size, step):
         axes.annotate(
             str(number + 1),
             (scale * amplitude[number], ratio[number]),
-            xytext=(0, 8),
+            xytext=(0, -16),
             textcoords="offset points",
             ha="center",
             fontsize=SMALL,
@@ -143,4 +137,3 @@ def _damping(axes: Axes, decay: Decrement) -> None:
     axes.set_ylim(1.25 * low, 1.25 * high if high > 0.0 else 0.1)
     axes.set_xlim(0.0, 1.08 * scale * float(amplitude.max()))
     axes.locator_params(axis="x", nbins=6)
-    legend_inside(axes, "lower left")

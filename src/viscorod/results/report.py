@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.errors import InputError
 from viscorod.results.schema import COUNTERS
 from viscorod.results.text import table
 from viscorod.results.warnings import warnings_of
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
     from viscorod.results.run import Equilibrium, Run
 
 _WORKING = 0.01  # more work of the loads than this part of what moved, meanwhile, makes it no free decay
-_ROUND_OFF = 1e-12  # a number below this part of its table's largest reads 0
+_ROUND_OFF = 1e-10  # a number below this part of its table's largest reads 0
 
 
 def run_report(run: Run) -> str:
@@ -78,14 +77,13 @@ def _ends(result: Result, title: str, state: int) -> str:
 def _decay(run: Run) -> str:
     site, axis = run.main_motion
     spread = float(np.ptp(run.history(site.label, "displacement").sel(axis=axis).values))
-    chosen = f"  ({site.label} along {axis} has the largest range of displacement, {spread:.6g} m)"
-    try:
-        decay = run.decrement(site.label, axis, rest=None)
-    except InputError as error:
-        return f"Decay: {error}"
+    largest = f"{site.label} along {axis} has the largest range of displacement, {spread:.6g} m"
+    decay = run.free_decay(site.label, axis)
+    if decay is None:
+        return f"No regular decay: {largest},\nand its maxima make no cycles of a damping ratio"
     energy = run.energy
     late = energy.external[energy.time >= decay.time[0]]
-    lines = [str(decay), chosen]
+    lines = [str(decay), f"  ({largest})"]
     if float(np.ptp(late)) > _WORKING * energy.moved:
         lines.append(
             "  (loads or supports do work meanwhile: these ratios describe the motion, not only the material)"
@@ -134,7 +132,7 @@ def _stability(equilibrium: Equilibrium) -> str:
 
 def _effort(result: Result) -> str:
     attrs = result.data.attrs
-    parts = [f"{attrs[name]} {name}" for name in COUNTERS if name in attrs]
+    parts = [_counted(int(attrs[name]), name) for name in COUNTERS if name in attrs]
     if "wall_time_s" in attrs:
         parts.append(f"{attrs['wall_time_s']:.3g} s wall time")
     if attrs.get("compile_time_s", 0.0) >= 0.1:
@@ -150,3 +148,7 @@ def _warnings(result: Result) -> str:
 def _vector(values: Floats, scale: float) -> list[str]:
     """Numbers with six digits; what is round-off against ``scale`` reads 0."""
     return [f"{0.0 if abs(value) < _ROUND_OFF * scale else value:.6g}" for value in values]
+
+
+def _counted(count: int, name: str) -> str:
+    return f"{count} {name.removesuffix('s') if count == 1 else name}"

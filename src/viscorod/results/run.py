@@ -54,6 +54,18 @@ class Run(Result):
         rate = site.of(self.field("velocity"))[:, column]
         return decrement(self.time, value, rate, rest=rest, place=site.label, axis=axis)
 
+    def free_decay(self, place: str | int, axis: str) -> Decrement | None:
+        """Return the decrement about the position of rest, or None where the motion is no regular decay.
+
+        Maxima whose periods agree within 30 % and that do not grow are one; the report and the picture show
+        cycles only there.
+        """
+        try:
+            found = self.decrement(place, axis, rest=None)
+        except InputError:
+            return None
+        return found if found.regular else None
+
     def snapshot(self, time: float) -> dict[str, Floats]:
         """Return where every rod is at a time.
 

@@ -44,6 +44,8 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "numerical": ("J", "numerical remainder of the energy account"),
     "reaction": ("N, N m", "force and moment of the support on the rod, global axes"),
     "step_size": ("s", "step that ended here"),
+    "linear_momentum": ("N s", "linear momentum of all rods, global axes"),
+    "angular_momentum": ("N m s", "angular momentum of all rods about the origin, global axes"),
     "iterations": ("1", "Newton iterations of the step that ended here"),
 }
 """Name -> (unit, long name), written into the attributes of every data set."""

@@ -43,7 +43,8 @@ def write(picture: Figure, path: str | Path) -> Path:
     if path.suffix[1:].lower() not in known:
         raise InputError(f"{path}: the suffix {path.suffix!r} is no picture format; use .{', .'.join(known)}")
     engine = picture.get_layout_engine()
-    if engine is not None:  # done once and switched off, since savefig would do it twice
+    flat = all(axes.name != "3d" for axes in picture.axes)
+    if engine is not None and flat:  # once is enough, where savefig would do it twice
         engine.execute(picture)
         picture.set_layout_engine("none")
     try:
@@ -81,7 +82,7 @@ def legend_above(axes: Axes, columns: int) -> None:
     )
 
 
-def legend_inside(axes: Axes, place: Literal["best", "upper left", "lower left"]) -> None:
+def legend_inside(axes: Axes, place: Literal["best", "upper left"]) -> None:
     """Put the legend into a free corner of an axes."""
     axes.legend(loc=place, fontsize=SMALL, frameon=True, framealpha=0.85, edgecolor="none")
 

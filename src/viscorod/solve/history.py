@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from viscorod.mechanics import inertia
 from viscorod.mechanics.geometric import link_map
 from viscorod.mechanics.rotation import rotation_matrix
 from viscorod.solve.problem import Problem
@@ -90,6 +91,7 @@ class History:
     section_force: list[Floats] = field(default_factory=list)
     dissipation: list[Floats] = field(default_factory=list)
     reaction: list[Floats] = field(default_factory=list)
+    momentum: list[Floats] = field(default_factory=list)
     energy: list[tuple[float, float, float, float, float]] = field(default_factory=list)
     instant: list[float] = field(default_factory=list)
     step_size: list[float] = field(default_factory=list)
@@ -118,6 +120,9 @@ class History:
         self.section_force.append(points.section_force)
         self.dissipation.append(points.dissipation)
         self.reaction.append(supports.global_reactions())
+        momenta = np.empty_like(state.twist)
+        inertia.momenta(system.problem.mass, state.r, state.q, state.twist, momenta)
+        self.momentum.append(momenta.sum(axis=0))
         self.energy.append(
             (account.kinetic, account.elastic, account.viscous, account.external, account.numerical)
         )

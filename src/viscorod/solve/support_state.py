@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from viscorod.mechanics import supports
-from viscorod.mechanics.rotation import inverse_rotation_tangent_rate, rotation_tangent
+from viscorod.mechanics import inertia, supports
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.problem import Problem
 from viscorod.solve.system import State
@@ -124,40 +123,11 @@ class SupportState:
             gap = self.set.fixed[k] * (self.rate[k] - G @ state.twist[node])
             state.twist[node] += Z @ gap
 
-    def accelerations(self, state: State, force: Floats) -> Floats:
-        """Twist rates ``(n, 6)`` from nodal body forces, with the supports' accelerations imposed.
-
-        ``force (n, 6)`` is external minus internal minus gyroscopic force; masses are nodal, so nodes decouple.
-        """
-        mass = self.problem.mass
-        rates = np.linalg.solve(mass, force[:, :, None])[:, :, 0]
-        self.prescribe(state.copy())
-        nodes = self.set.nodes
-        rates[nodes[self.complete]] = self.twist_rate
-        for k in self.partial:
-            node = nodes[k]
-            G, Z, psi = self._directions(int(k), state)
-            v, w = state.twist[node, :3], state.twist[node, 3:]
-            drift = np.zeros(6)  # G_t x1
-            drift[:3] = G[:3, :3] @ np.cross(w, v)
-            Tt = np.empty((3, 3))
-            psi_rate = _psi_rate(psi, w)
-            inverse_rotation_tangent_rate(psi, psi_rate, Tt)
-            axes = G[3:, 3:] @ _tangent(psi)  # axes in the reference frame of the node
-            drift[3:] = axes @ (Tt @ w)
-            fixed = self.set.fixed[k].astype(bool)
-            known = Z[:, fixed] @ (self.acceleration[k] - drift)[fixed]
-            free = Z[:, ~fixed]
-            rest = np.linalg.solve(free.T @ mass[node] @ free, free.T @ (force[node] - mass[node] @ known))
-            rates[node] = known + free @ rest
-        return rates
-
-
-def _tangent(psi: Floats) -> Floats:
-    T = np.empty((3, 3))
-    rotation_tangent(psi, T)
-    return T
-
-
-def _psi_rate(psi: Floats, w: Floats) -> Floats:
-    return np.asarray(np.linalg.solve(_tangent(psi), w))
+    def add_inertia(self, state: State, residual: Floats) -> None:
+        """Add the inertial forces of fully supported nodes, whose accelerations are known, to ``residual (n, 6)``."""
+        nodes = self.set.nodes[self.complete]
+        if not self.moving or len(nodes) == 0:
+            return
+        force = np.einsum("nij,nj->ni", self.problem.mass[nodes], self.twist_rate)
+        inertia.add_coriolis(self.problem.mass[nodes], state.twist[nodes], force)
+        residual[nodes] += force

@@ -74,7 +74,7 @@ class Transient:
         result = TransientResult()
         reader = StationReader(self.problem)
         integrator, account = self.integrator, self.account
-        self._begin(0.0, state, time_step)
+        self._begin(0.0, state)
         account.kinetic = integrator.kinetic
         account.elastic = self.system.elastic_energy()
         self.system.viscous_loss(0.0)
@@ -129,13 +129,13 @@ class Transient:
                         next_output = output_interval * (np.floor(integrator.t / output_interval + 1e-9) + 1)
             begin = corner
             if corner in jumps and corner < duration:
-                self._begin(corner, integrator.state, time_step)
+                self._begin(corner, integrator.state)
         return result
 
-    def _begin(self, t: float, state: State, time_step: float) -> None:
+    def _begin(self, t: float, state: State) -> None:
         """Start or restart the integrator; the work of an impulse at a velocity jump of a support counts as external."""
         before = self.integrator.kinetic
-        self.integrator.start(t, state, time_step)
+        self.integrator.start(t, state)
         if t > 0.0:
             self.account.external += self.integrator.kinetic - before
             self.account.kinetic = self.integrator.kinetic

@@ -11,7 +11,7 @@ from viscorod.solve.system import State
 class Integrator(Protocol):
     """Advances a :class:`~viscorod.solve.system.System` in time.
 
-    1. ``start(t, state)`` makes the rates consistent with loads and supports just after ``t``; it is called at the beginning
+    1. ``start(t, state)`` takes over a state, with the velocities of supports just after ``t``; it is called at the beginning
        and after every instant at which a load or a prescribed motion jumps.
     2. ``step(h)`` tries one step from ``t`` to ``t + h``. When it converges, ``t`` and ``state`` have moved and system and
        supports hold the forces and reactions there; otherwise nothing has changed.
@@ -22,8 +22,8 @@ class Integrator(Protocol):
     state: State
     kinetic: float
 
-    def start(self, t: float, state: State, h: float) -> None:
-        """Begin at time ``t`` [s] from ``state`` with steps of about ``h`` [s]."""
+    def start(self, t: float, state: State) -> None:
+        """Begin at time ``t`` [s] from ``state``."""
 
     def step(self, h: float, *, before: bool) -> NewtonReport:
         """Try one step of ``h`` [s]; ``before`` takes loads at its end as limits from the left."""

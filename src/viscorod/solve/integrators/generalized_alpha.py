@@ -14,7 +14,7 @@ internal forces have no spatial resultant and the scheme is linear in the moment
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -39,6 +39,25 @@ class Coefficients:
     def of(cls, rho: float) -> Coefficients:
         """Second order and optimal dissipation (Jansen, Whiting and Hulbert 2000, in the convention of Bruels and Cardona)."""
         return cls(mass=(3.0 * rho - 1.0) / (2.0 * (1.0 + rho)), force=rho / (1.0 + rho), gamma=1.0 / (1.0 + rho))
+
+
+@dataclass(frozen=True)
+class Relation:
+    """A step's linear relations: ``twist = slope increment + constant`` and ``wrench = slope momentum + history``."""
+
+    slope: float
+    constant: Floats
+    history: Floats
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A solved balance: report, state, the increment that led there and the momentum before it."""
+
+    report: NewtonReport
+    state: State
+    increment: Floats
+    momentum_before: Floats
 
 
 class GeneralizedAlpha:
@@ -74,82 +93,124 @@ class GeneralizedAlpha:
         self._momentum: Floats = np.zeros((n, 6))
         self._wrench: Floats = np.zeros((n, 6))
         self._wrench_mean: Floats = np.zeros((n, 6))  # b
-        self._rate: Floats = np.zeros((n, 6))  # twist rate, for predicting
+        self._rate: Floats = np.zeros((n, 6))  # of the twists, for predicting
         self._map = np.zeros((n, 6, 6))
+        self._fresh = True
         self._held = supports.set.nodes[supports.complete]
 
-    def start(self, t: float, state: State, h: float) -> None:
+    def start(self, t: float, state: State) -> None:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        system, supports, c = self.system, self.supports, self.coefficients
+        system, supports = self.system, self.supports
         mass = system.problem.mass
         supports.update(t, False)
         supports.prescribe(state)
         supports.project_twists(state)
         system.assemble(state, self.loads.at(t), None, tangent=False, moving=True)
         system.reset_stress()
-        gyroscopic = np.zeros_like(system.internal)
-        inertia.add_coriolis(mass, state.twist, gyroscopic)
-        self._rate = supports.accelerations(state, system.external - system.internal - gyroscopic)
-        inertial = np.einsum("nij,nj->ni", mass, self._rate) + gyroscopic
-        residual = inertial + system.internal - system.external
+        residual = system.internal - system.external
+        supports.add_inertia(state, residual)
         supports.impose(state, residual, system.band, tangent=False)
-        inertia.spatial_wrenches(state.r, state.q, inertial, self._wrench)
-        self._wrench_mean = self._wrench.copy()
-        self._twist_mean = state.twist + (c.mass - c.force) * h * self._rate
         self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
+        self._fresh = True
+        self._rate = np.zeros_like(state.twist)
         self.t = t
         self.state = state
 
     def step(self, h: float, *, before: bool) -> NewtonReport:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        system, supports, old = self.system, self.supports, self.state
-        mass, c = system.problem.mass, self.coefficients
-        supports.update(self.t + h, before)
-        loads = self.loads.at(self.t + h, before)
-        # twist = slope * increment + constant; wrench = slope * momentum + history
+        if self._fresh:
+            return self._first_step(h, before=before)
+        c, old = self.coefficients, self.state
         slope = (1.0 - c.mass) / ((1.0 - c.force) * c.gamma * h)
         lag = c.mass / (1.0 - c.force) - (1.0 - c.gamma) * slope * h
         keep = c.force / (1.0 - c.force)
-        constant = lag * self._twist_mean - keep * old.twist
-        history = lag * self._wrench_mean - keep * self._wrench - slope * self._momentum
+        relation = Relation(
+            slope,
+            lag * self._twist_mean - keep * old.twist,
+            lag * self._wrench_mean - keep * self._wrench - slope * self._momentum,
+        )
+        solution = self._solve(self.t + h, before, relation, h * old.twist + 0.5 * h * h * self._rate)
+        if solution.report.converged:
+            self._accept(solution, relation, h)
+            mean, c1 = self._wrench_mean, 1.0 - c.gamma
+            self._wrench_mean = ((self._momentum - solution.momentum_before) / h - c1 * mean) / c.gamma
+            self._twist_mean = (solution.increment / h - c1 * self._twist_mean) / c.gamma
+            self._settle()
+        return solution.report
 
-        increment = h * old.twist + 0.5 * h * h * self._rate
+    def _first_step(self, h: float, *, before: bool) -> NewtonReport:
+        """Start with the two-stage, second-order, L-stable method SDIRK2 (Alexander 1977).
+
+        It needs no initial accelerations: those after a sudden load live in the fastest modes and would ring on.
+        """
+        g = 1.0 - np.sqrt(0.5)
+        old = self.state
+        slope = 1.0 / (g * h)
+        first = Relation(slope, np.zeros_like(old.twist), -slope * self._momentum)
+        stage = self._solve(self.t + g * h, False, first, g * h * old.twist)
+        if not stage.report.converged:
+            return stage.report
+        momentum = np.empty_like(self._momentum)
+        new = stage.state
+        inertia.momenta(self.system.problem.mass, new.r, new.q, new.twist, momentum)
+        wrench = slope * momentum + first.history
+        ratio = (1.0 - g) / g
+        second = Relation(slope, -ratio * new.twist, -slope * self._momentum - ratio * wrench)
+        solution = self._solve(self.t + h, before, second, h * new.twist)
+        report = replace(solution.report, iterations=stage.report.iterations + solution.report.iterations)
+        if report.converged:
+            self._accept(solution, second, h)
+            self._wrench_mean, self._twist_mean = self._wrench.copy(), self.state.twist.copy()
+            self._settle()
+            self._rate[:] = 0.0  # the first difference still holds the jump
+            self._fresh = False
+        return report
+
+    def _solve(self, t: float, before: bool, relation: Relation, increment: Floats) -> Solution:
+        """Solve the balance at time ``t`` for the poses reached by ``increment`` (predicted) from the last state."""
+        system, supports, old = self.system, self.supports, self.state
+        supports.update(t, before)
+        loads = self.loads.at(t, before)
         increment[self._held] = 0.0
         new = old.copy()
         convergence = Convergence(system.problem.length, self.tolerance, self.iterations)
         count, imbalance, node = 0, 0.0, 0
-        while True:
-            retract(old.r, old.q, increment, new.r, new.q)
-            np.multiply(increment, slope, out=new.twist)
-            new.twist += constant
-            supports.prescribe(new)
-            inverse_motion_tangent(increment, slope, self._map)
+        verdict: Outcome | None = None
+        while verdict is None:
+            self._reach(new, increment, relation)
+            inverse_motion_tangent(increment, relation.slope, self._map)
             self._map[self._held] = 0.0
             system.assemble(new, loads, self._map, tangent=True, moving=True)
-            residual = self._residual(new, slope, history, tangent=True)
+            residual = self._residual(new, relation, tangent=True)
             supports.impose(new, residual, system.band, tangent=True)
             try:
                 system.band.factorise()
             except SingularMatrixError as error:
-                return self._failed(NewtonReport(Outcome.SINGULAR, count, 0.0, imbalance, error.row // 6))
+                verdict, size, node = Outcome.SINGULAR, 0.0, error.row // 6
+                break
             change = system.band.solve(-residual)
             count += 1
             verdict, size = convergence.judge(change, count)
             if verdict not in (None, Outcome.CONVERGED):
                 imbalance, node = worst_node(residual, system.problem.length)
-                return self._failed(NewtonReport(verdict, count, size, imbalance, node))
-            increment += np.einsum("nij,nj->ni", self._map, change) / slope
-            system.carry_stress(change)
-            if verdict is Outcome.CONVERGED:
                 break
-        retract(old.r, old.q, increment, new.r, new.q)
-        np.multiply(increment, slope, out=new.twist)
-        new.twist += constant
-        supports.prescribe(new)
-        self._accept(new, h, increment, slope, history)
-        return NewtonReport(Outcome.CONVERGED, count, size, imbalance, node)
+            increment += np.einsum("nij,nj->ni", self._map, change) / relation.slope
+            system.carry_stress(change)
+        report = NewtonReport(verdict, count, size, imbalance, node)
+        if report.converged:
+            self._reach(new, increment, relation)
+        else:
+            self._undo()
+        return Solution(report, new, increment, self._momentum)
 
-    def _residual(self, new: State, slope: float, history: Floats, *, tangent: bool) -> Floats:
+    def _reach(self, new: State, increment: Floats, relation: Relation) -> None:
+        """Poses and twists that belong to an increment."""
+        retract(self.state.r, self.state.q, increment, new.r, new.q)
+        np.multiply(increment, relation.slope, out=new.twist)
+        new.twist += relation.constant
+        self.supports.prescribe(new)
+
+    def _residual(self, new: State, relation: Relation, *, tangent: bool) -> Floats:
         system = self.system
         residual: Floats = system.internal - system.external
         inertia.add_momentum_rate(
@@ -157,8 +218,8 @@ class GeneralizedAlpha:
             new.r,
             new.q,
             new.twist,
-            slope,
-            history,
+            relation.slope,
+            relation.history,
             self._map,
             tangent,
             residual,
@@ -167,29 +228,30 @@ class GeneralizedAlpha:
         )
         return residual
 
-    def _accept(self, new: State, h: float, increment: Floats, slope: float, history: Floats) -> None:
-        system, supports, old, c = self.system, self.supports, self.state, self.coefficients
-        mass = system.problem.mass
-        self.t += h
+    def _accept(self, solution: Solution, relation: Relation, h: float) -> None:
+        """Take a solution as the new state; leaves forces and reactions there in system and supports."""
+        system, supports, new = self.system, self.supports, solution.state
         system.assemble(new, self.loads.last, None, tangent=False, moving=True)
         system.reset_stress()
-        residual = self._residual(new, slope, history, tangent=False)
-        supports.impose(new, residual, system.band, tangent=False)
+        supports.impose(new, self._residual(new, relation, tangent=False), system.band, tangent=False)
         momentum = np.empty_like(self._momentum)
-        self.kinetic = inertia.momenta(mass, new.r, new.q, new.twist, momentum)
-        self._wrench_mean = ((momentum - self._momentum) / h - (1.0 - c.gamma) * self._wrench_mean) / c.gamma
-        self._wrench = slope * momentum + history
-        self._twist_mean = (increment / h - (1.0 - c.gamma) * self._twist_mean) / c.gamma
-        if len(supports.partial):
-            supports.project_twists(new)
-            self.kinetic = inertia.momenta(mass, new.r, new.q, new.twist, momentum)
+        self.kinetic = inertia.momenta(system.problem.mass, new.r, new.q, new.twist, momentum)
         self._momentum = momentum
-        self._rate = (new.twist - old.twist) / h
+        self._wrench = relation.slope * momentum + relation.history
+        self._rate = (new.twist - self.state.twist) / h
         self.state = new
+        self.t += h
 
-    def _failed(self, report: NewtonReport) -> NewtonReport:
+    def _settle(self) -> None:
+        """Make the velocities of partly supported nodes exactly those of their supports."""
+        if len(self.supports.partial):
+            state = self.state
+            self.supports.project_twists(state)
+            mass = self.system.problem.mass
+            self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
+
+    def _undo(self) -> None:
         """Put system and supports back to the last accepted state."""
         self.supports.update(self.t, False)
         self.system.assemble(self.state, self.loads.at(self.t), None, tangent=False, moving=True)
         self.system.reset_stress()
-        return report
