@@ -10,18 +10,24 @@ from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
 
 HELIX = Helix(0.1, 0.05, 3.3, centre=(1.0, 2.0, 3.0), axis=(1.0, 2.0, 2.0), phase=0.4)
 LEFT = Helix(0.1, 0.05, 3.3, handedness="left")
-KNOT = Curve(lambda u: (math.sin(7 * u) + 2 * math.sin(14 * u), math.cos(7 * u) - 2 * math.cos(14 * u), -math.sin(21 * u)))
+
+
+def knot(u):
+    """A part of the trefoil."""
+    return math.sin(7 * u) + 2 * math.sin(14 * u), math.cos(7 * u) - 2 * math.cos(14 * u), -math.sin(21 * u)
+
+
 CENTRELINES = {
     "straight": Straight((0, 0, 0), (1, 2, 3)),
     "vertical": Straight((0, 0, 1), (0, 0, -2)),
-    "arc": Arc((1, 0, 0), (0, 1, 0), (0, 0.6, 0.8) and (1, 0, 0), 2.0, 2.5),
+    "arc": Arc((1, 0, 0), (0, 1, 0), (1, 0, 0), 2.0, 2.5),
     "skew_arc": Arc((1, 0, 0), (1, 1, 0), (-1, 1, 1), 0.3, 7.0),
     "helix": HELIX,
     "left": LEFT,
     "ring": Helix(0.2, 0.0, 0.9, axis=(1, 0, 0)),
     "points": Points([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1), (0, 0, 2)]),
     "two_points": Points([(0, 0, 0), (1, 2, 2)]),
-    "curve": KNOT,
+    "curve": Curve(knot),
 }
 STENCIL = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
 """Sixth-order central difference."""

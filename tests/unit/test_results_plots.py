@@ -34,7 +34,7 @@ def test_motion_has_history_snapshots_and_damping():
 def test_motion_out_of_plane_is_drawn_in_space():
     data = swing(rods=("left", "right"), duration=4.0)
     figure = draw_motion(Run(data))
-    assert any(axes.name == "3d" for axes in figure.axes)
+    assert "Rods in space, first period" in texts(figure)[0]
 
 
 def test_motion_of_another_place():
@@ -94,10 +94,10 @@ def test_unknown_format_is_an_input_error(tmp_path):
 
 def test_view_is_the_plane_of_the_motion():
     points = np.random.default_rng(1).normal(size=(5, 7, 3))
-    assert View.of(points).axes == (0, 1, 2)
+    assert View.of(points).name == "in space"
     points[..., 1] *= 1e-6
     view = View.of(points)
-    assert (view.axes, view.name) == ((0, 2), "xz plane")
+    assert (view.plane, view.name) == ((0, 2), "in the xz plane")
 
 
 @pytest.mark.parametrize(

@@ -183,6 +183,9 @@ def chebyshev_curve(function: Callable[[float], Floats], degree: int = 32) -> tu
             )
         else:
             waiting += [((a + b) / 2.0, b), (a, (a + b) / 2.0)]
+    points = np.concatenate([panel[2][:1] for panel in done])
+    if max(np.abs(panel[2][1:]).max() for panel in done) + np.ptp(points, axis=0).max() <= 1e-9 * scale:
+        raise RefusedError("the centre line stops: all its points are the same", "give a curve", found="")
     done.sort(key=lambda panel: panel[0])
     starts = np.array([panel[0] for panel in done])
     sizes = np.array([panel[1] - panel[0] for panel in done])

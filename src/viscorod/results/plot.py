@@ -93,11 +93,11 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     start, end = (run.time[0], run.time[-1]) if decay is None else decay.time[:2]
     times = np.linspace(start, end, _SNAPSHOTS if end > start else 1)
     positions = np.array([run.positions_at(float(time)) for time in times])
-    view = View.of(run.field("position"))
-    part = "" if decay is None else ", first period"
-    axes = view.add_axes(
-        picture, spec, f"Rod in the {view.name}{part}" if len(view.axes) == 2 else f"Rod{part}"
-    )
+    reference = np.asarray(run.data["reference_position"].values, dtype=float)
+    view = View.of(np.concatenate([positions, reference[None]]))
+    axes = picture.add_subplot(spec)
+    rods = "Rod" if len(run.sites.rods) == 1 else "Rods"
+    view.prepare(axes, f"{rods} {view.name}" + ("" if decay is None else ", first period"))
     curves = Curves(run)
     # The light end of the map is left out: it would not show on white.
     colours = LinearSegmentedColormap.from_list("time", colormaps["viridis"](np.linspace(0.0, 0.88, 64)))
@@ -106,13 +106,11 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     for time, position in zip(times, positions, strict=True):
         curves.draw(axes, view, position, color=colours(span(time)), linewidth=1.8)
     mark_supports(axes, view, run, positions[0])
-    view.finish(axes, np.concatenate([positions, run.data["reference_position"].values[None]]))
-    flat = len(view.axes) == 2
-    mappable = ScalarMappable(span, colours)
-    bar = picture.colorbar(mappable, ax=axes, shrink=0.85, aspect=28, pad=0.03 if flat else 0.16)
+    view.finish(axes)
+    bar = picture.colorbar(ScalarMappable(span, colours), ax=axes, shrink=0.85, aspect=28, pad=0.03)
     bar.set_label("time [s]", fontsize=TEXT)
     bar.ax.tick_params(labelsize=SMALL)
-    legend_inside(axes, "best" if flat else "upper left")
+    legend_inside(axes)
 
 
 def _damping(axes: Axes, decay: Decrement) -> None:
@@ -120,8 +118,16 @@ def _damping(axes: Axes, decay: Decrement) -> None:
     scale, unit = scaled("m", amplitude)
     clean(axes, f"mean amplitude of the cycle [{unit}]", "damping ratio")
     limit = decay.small_amplitude_ratio
-    heading(axes, f"Damping ratio per cycle (dashed: small amplitude, {limit:.4f})")
+    heading(axes, "Damping ratio of every cycle (numbered)")
     axes.axhline(limit, color=ORANGE, linestyle="--", linewidth=1.4)
+    axes.annotate(
+        f"small amplitude: {limit:.4f}",
+        (0.02, limit),
+        (0, 4),
+        xycoords=("axes fraction", "data"),
+        textcoords="offset points",
+        fontsize=SMALL,
+    )
     axes.plot(scale * amplitude, ratio, "o-", color=GREEN, markersize=6, linewidth=1.2)
     step = max(1, ratio.size // 12)
     for number in range(0, ratio.size, step):

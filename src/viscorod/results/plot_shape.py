@@ -19,13 +19,12 @@ def draw_shape(equilibrium: Equilibrium) -> Figure:
     """Return the figure of the reference shape, the load steps on the way and the equilibrium."""
     positions = equilibrium.field("position")
     reference = np.asarray(equilibrium.data["reference_position"].values, dtype=float)
-    everything = np.concatenate([positions, reference[None]])
-    view = View.of(everything)
+    view = View.of(np.concatenate([positions, reference[None]]))
     picture = figure(8.0, 6.4)
     if equilibrium.title:
         picture.suptitle(equilibrium.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
-    where = f" in the {view.name}" if len(view.axes) == 2 else ""
-    axes = view.add_axes(picture, picture.add_gridspec(1, 1)[0, 0], f"Static equilibrium{where}")
+    axes = picture.add_subplot()
+    view.prepare(axes, f"Static equilibrium {view.name}")
     curves = Curves(equilibrium)
     draw_reference(axes, view, curves, equilibrium)
     label = "on the way"
@@ -37,6 +36,6 @@ def draw_shape(equilibrium: Equilibrium) -> Figure:
     name = "equilibrium" if reached == 1.0 else f"at {100.0 * reached:.3g} % of the loads"
     curves.draw(axes, view, positions[-1], color=BLUE, linewidth=2.4, label=name)
     mark_supports(axes, view, equilibrium, positions[-1])
-    view.finish(axes, everything)
-    legend_inside(axes, "best" if len(view.axes) == 2 else "upper left")
+    view.finish(axes)
+    legend_inside(axes)
     return picture

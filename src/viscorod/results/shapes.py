@@ -1,7 +1,8 @@
-"""Drawing rods in space: smooth centre lines, in the plane of the motion or in three dimensions."""
+"""Drawing rods in space: smooth centre lines, in the plane of the motion or in a parallel projection."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -9,81 +10,105 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.results.schema import AXES
-from viscorod.results.style import GREY, INK, SMALL, TEXT, clean, heading, scaled
+from viscorod.results.style import GREY, INK, LIGHT, SMALL, clean, heading, scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure, SubFigure
-    from matplotlib.gridspec import SubplotSpec
 
     from viscorod.results.result import Result
 
 _FLAT = 1e-3  # a motion whose extent across a plane is below this part of the largest is drawn in that plane
 _FINE = 12  # drawn points between neighbouring stations
+_AZIMUTH, _ELEVATION = math.radians(-60.0), math.radians(25.0)  # of the eye, z upwards
 
 
 @dataclass(frozen=True)
 class View:
-    """The global axes that a picture shows: two for a planar motion, three otherwise."""
+    """How a picture shows space.
 
-    axes: tuple[int, ...]
+    Attributes:
+        projection: from global components to those on paper, right and up, shape (2, 3).
+        plane: the two global axes of a planar motion, None for a view in space.
+        floor: height of the floor that bears the shadows of a view in space [m].
+        scale: from m to the shown unit.
+        unit: the shown unit.
+    """
+
+    projection: Floats
+    plane: tuple[int, int] | None
+    floor: float
     scale: float
     unit: str
 
     @classmethod
-    def of(cls, position: Floats) -> View:
-        """Choose the view of positions ``(state, station, axis)`` [m]."""
-        extent = np.ptp(position.reshape(-1, 3), axis=0)
+    def of(cls, positions: Floats) -> View:
+        """Choose the view of positions ``(..., 3)`` [m]."""
+        points = positions.reshape(-1, 3)
+        extent = np.ptp(points, axis=0)
         thin = int(np.argmin(extent))
         largest = float(np.max(extent))
-        planar = extent[thin] <= _FLAT * largest
         scale, unit = scaled("m", largest)
-        return cls(tuple(axis for axis in range(3) if not (planar and axis == thin)), scale, unit)
+        if extent[thin] <= _FLAT * largest:
+            first, second = (axis for axis in range(3) if axis != thin)
+            return cls(np.eye(3)[[first, second]], (first, second), 0.0, scale, unit)
+        a, e = _AZIMUTH, _ELEVATION
+        right = (-math.sin(a), math.cos(a), 0.0)
+        up = (-math.sin(e) * math.cos(a), -math.sin(e) * math.sin(a), math.cos(e))
+        floor = float(points[:, 2].min()) - 0.1 * largest
+        return cls(np.array([right, up]), None, floor, scale, unit)
 
     @property
     def name(self) -> str:
-        """The plane or space in words: "xy plane", "xyz"."""
-        letters = "".join(AXES[axis] for axis in self.axes)
-        return f"{letters} plane" if len(self.axes) == 2 else letters
+        """Where the picture is, in words: "in the xy plane" or "in space"."""
+        return "in space" if self.plane is None else f"in the {''.join(AXES[k] for k in self.plane)} plane"
 
-    def add_axes(self, picture: Figure | SubFigure, spec: SubplotSpec, title: str) -> Axes:
-        """Add labelled axes of equal scales for this view."""
-        names = [f"{AXES[axis]} [{self.unit}]" for axis in self.axes]
-        if len(self.axes) == 2:
-            axes = picture.add_subplot(spec)
-            clean(axes, names[0], names[1])
-            axes.set_aspect("equal", adjustable="datalim")
-        else:
-            space: Any = picture.add_subplot(spec, projection="3d")
-            space.set_xlabel(names[0], fontsize=TEXT, labelpad=6)
-            space.set_ylabel(names[1], fontsize=TEXT, labelpad=6)
-            space.set_zlabel(names[2], fontsize=TEXT, labelpad=6)
-            space.tick_params(labelsize=SMALL - 1.0, pad=1)
-            axes = space
+    def on_paper(self, points: Floats) -> Floats:
+        """Return points ``(n, 3)`` [m] on paper, ``(2, n)`` in the shown unit."""
+        paper: Floats = self.scale * self.projection @ points.T
+        return paper
+
+    def prepare(self, axes: Axes, title: str) -> None:
+        """Give an axes equal scales, a heading and, in a plane, labels."""
+        axes.set_aspect("equal", adjustable="datalim")
         heading(axes, title)
-        return axes
+        if self.plane is None:
+            axes.set_axis_off()
+        else:
+            first, second = (f"{AXES[axis]} [{self.unit}]" for axis in self.plane)
+            clean(axes, first, second)
 
-    def project(self, points: Floats) -> tuple[Floats, ...]:
-        """Return the coordinates of points ``(n, 3)`` [m] along the shown axes, in the shown unit."""
-        return tuple(points[:, axis] * self.scale for axis in self.axes)
-
-    def finish(self, axes: Axes, positions: Floats) -> None:
-        """Give a three-dimensional axes equal scales around all positions ``(..., 3)`` [m]."""
-        if len(self.axes) == 2:
+    def finish(self, axes: Axes) -> None:
+        """Add the directions of the axes and a scale to a view in space, once everything is drawn."""
+        if self.plane is not None:
             return
-        space: Any = axes
-        points = positions.reshape(-1, 3) * self.scale
-        low, high = points.min(axis=0), points.max(axis=0)
-        room = np.maximum(high - low, 0.25 * float(np.max(high - low)))
-        centre = 0.5 * (low + high)
-        for set_limits, middle, span in zip(
-            (space.set_xlim, space.set_ylim, space.set_zlim), centre, room, strict=True
-        ):
-            set_limits(middle - 0.55 * span, middle + 0.55 * span)
-        space.set_box_aspect(room, zoom=1.0)
-        for axis, span in zip((space.xaxis, space.yaxis, space.zaxis), room / np.max(room), strict=True):
-            axis.set_major_locator(_ticks(span))
+        for axis, direction in enumerate(self.projection.T):
+            axes.annotate(
+                AXES[axis],
+                (0.09, 0.05),
+                xycoords="axes fraction",
+                xytext=tuple(34.0 * direction),
+                textcoords="offset points",
+                ha="center",
+                va="center",
+                fontsize=SMALL,
+                arrowprops={"arrowstyle": "<-", "color": INK, "shrinkA": 2.0, "shrinkB": 0.0},
+            )
+        (left, bottom), (right, _) = axes.dataLim.get_points()
+        length = _round_length(0.3 * (right - left))
+        gap = 0.06 * axes.dataLim.height
+        axes.plot([right - length, right], [bottom - gap, bottom - gap], color=INK, linewidth=2.0)
+        text = f"{length:g} {self.unit}"
+        axes.annotate(
+            text,
+            (right - 0.5 * length, bottom - gap),
+            (0, -4),
+            textcoords="offset points",
+            ha="center",
+            va="top",
+            fontsize=SMALL,
+        )
+        axes.set_ylim(bottom - 3.0 * gap, None)
 
 
 class Curves:
@@ -106,7 +131,12 @@ class Curves:
     def draw(self, axes: Axes, view: View, positions: Floats, **line: Any) -> None:
         """Draw all rods at station positions ``(station, 3)`` [m], with matplotlib's line properties."""
         for matrix in self._matrices:
-            axes.plot(*view.project(matrix @ positions), **line)
+            points = matrix @ positions
+            if view.plane is None:
+                shadow = points.copy()
+                shadow[:, 2] = view.floor
+                axes.plot(*view.on_paper(shadow), color=LIGHT, linewidth=1.0, zorder=1)
+            axes.plot(*view.on_paper(points), **line)
             line.pop("label", None)
 
 
@@ -120,16 +150,8 @@ def mark_supports(axes: Axes, view: View, result: Result, positions: Floats) -> 
         except InputError:  # a support may bear a name of its own that is no place
             continue
     if points:
-        look: dict[str, Any] = {
-            "linestyle": "none",
-            "marker": "s",
-            "markersize": 7,
-            "color": INK,
-            "zorder": 5,
-        }
-        axes.plot(
-            *view.project(np.array(points)), label="support" if len(points) == 1 else "supports", **look
-        )
+        name = "support" if len(points) == 1 else "supports"
+        axes.plot(*view.on_paper(np.array(points)), "s", markersize=7, color=INK, zorder=5, label=name)
 
 
 def draw_reference(axes: Axes, view: View, curves: Curves, result: Result) -> None:
@@ -138,7 +160,7 @@ def draw_reference(axes: Axes, view: View, curves: Curves, result: Result) -> No
     curves.draw(axes, view, reference, color=GREY, linestyle=(0, (4, 3)), linewidth=1.2, label="reference")
 
 
-def _ticks(span: float) -> Any:
-    from matplotlib.ticker import MaxNLocator
-
-    return MaxNLocator(nbins=max(2, round(5 * float(span))))
+def _round_length(length: float) -> float:
+    """Return the largest of 1, 2 and 5 times a power of ten that is not above ``length``."""
+    power = 10.0 ** math.floor(math.log10(length))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= length * (1.0 + 1e-9))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 # Okabe and Ito's palette, told apart by readers with any kind of colour vision.
 BLUE, ORANGE, GREEN, RED, SKY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9"
-INK, GREY = "#222222", "#8a8a8a"
+INK, GREY, LIGHT = "#222222", "#8a8a8a", "#e2e2e2"
 TEXT, SMALL = 11.0, 9.5
 DPI = 150
 
@@ -43,8 +43,7 @@ def write(picture: Figure, path: str | Path) -> Path:
     if path.suffix[1:].lower() not in known:
         raise InputError(f"{path}: the suffix {path.suffix!r} is no picture format; use .{', .'.join(known)}")
     engine = picture.get_layout_engine()
-    flat = all(axes.name != "3d" for axes in picture.axes)
-    if engine is not None and flat:  # once is enough, where savefig would do it twice
+    if engine is not None:  # once is enough, where savefig would do it twice
         engine.execute(picture)
         picture.set_layout_engine("none")
     try:
@@ -82,9 +81,9 @@ def legend_above(axes: Axes, columns: int) -> None:
     )
 
 
-def legend_inside(axes: Axes, place: Literal["best", "upper left"]) -> None:
+def legend_inside(axes: Axes) -> None:
     """Put the legend into a free corner of an axes."""
-    axes.legend(loc=place, fontsize=SMALL, frameon=True, framealpha=0.85, edgecolor="none")
+    axes.legend(loc="best", fontsize=SMALL, frameon=True, framealpha=0.85, edgecolor="none")
 
 
 def heading(axes: Axes, text: str) -> None:

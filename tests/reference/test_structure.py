@@ -1,0 +1,158 @@
+"""Structure tests E1 to E7: what must hold whatever the numbers are (E1 and E4 at element level: tests/unit)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+
+from .cases import stiff
+
+
+def coupled(damping=None):
+    stiffness = np.diag([800.0, 700.0, 2e3, 1.0, 1.4, 0.8])
+    stiffness[2, 3] = stiffness[3, 2] = 10.0
+    inertia = np.diag([1.0, 1.0, 1.0, 1e-2, 2e-2, 3e-2])
+    inertia[0, 5] = inertia[5, 0] = -0.05  # off-centre mass
+    inertia[2, 3] = inertia[3, 2] = 0.05
+    return vr.StiffnessSection(stiffness, inertia, None if damping is None else damping * stiffness)
+
+
+def free_rod(damping=None, order=3):
+    model = vr.Model()
+    model.add(
+        "rod",
+        vr.Rod.helix(0.3, 0.4, 1.0, section=coupled(damping), elements=4, order=order, twist=1.0),
+    )
+    return model
+
+
+def test_free_flight_conserves_momentum():
+    """E2: damped, tumbling, vibrating, off-centre mass: linear and angular momentum to round-off."""
+    model = free_rod(damping=0.005)
+    model.velocity("rod", field=lambda s: ((np.sin(3 * s), 1.0, s), (2.0, s, -1.0)))
+    run = model.simulate(1.0, time_step=0.005, initial="reference")
+    for name in ("linear_momentum", "angular_momentum"):
+        value = run.data[name].values
+        assert np.abs(value - value[0]).max() < 1e-11 * np.linalg.norm(value[0])
+    assert run.data["viscous"].values[-1] > 0
+
+
+def test_rigid_spin_is_not_damped():
+    """E1 in motion: a free straight rod spinning about a principal axis, strongly viscous. Only the slow growth of the
+    centrifugal stretch is damped, so the spin's energy stays."""
+    model = vr.Model()
+    model.add(
+        "rod", vr.Rod.straight((-0.5, 0, 0), (0.5, 0, 0), section=stiff(1e6, 1e6, 1e3, 1e3, damping=0.5), elements=1, order=4)
+    )
+    model.velocity("rod", angular=(0, 0, 2.0))
+    run = model.simulate(10.0, time_step=0.02, initial="reference")
+    kinetic = run.data["kinetic"].values
+    assert kinetic[-1] == pytest.approx(kinetic[0], rel=1e-5)
+    assert run.data["viscous"].values[-1] < 1e-5 * kinetic[0]
+    turned = run.history("rod.end", "position").values[-1]
+    assert turned[:2] == pytest.approx([0.5 * np.cos(20), 0.5 * np.sin(20)], abs=3e-3)
+
+
+@pytest.mark.parametrize("damping", [None, 0.01])
+def test_energy_is_accounted_for(damping):
+    """E3: T + W + D = const without loads, the remainder falling with the square of the step; D never decreases."""
+    remainders = []
+    for h in (0.001, 0.0005):
+        model = free_rod(damping)
+        model.velocity("rod", field=lambda s: ((0.0, np.sin(4 * s), 0.5), (0.0, 0.5, 1.0)))
+        run = model.simulate(0.2, time_step=h, initial="reference")
+        remainders.append(run.energy.numerical_fraction)
+        assert np.all(np.diff(run.data["viscous"].values) >= 0)
+    assert remainders[1] < 2e-3
+    assert remainders[1] < remainders[0] / 2.5
+
+
+def test_work_of_loads_and_supports_closes_the_account():
+    """E3 with everything that does work: gravity, dead, following and moving loads, a driven clamp."""
+    model = free_rod(damping=0.01)
+    model.clamp("rod.start", motion={"rz": vr.Sine(0.7, amplitude=0.5), "ux": vr.Sine(0.4, amplitude=0.1)})
+    model.gravity((0, 0, -2.0))
+    model.force("rod.end", (0.3, 0, 0), following=True, time=vr.Ramp(0.0, 0.5))
+    model.moment("rod@0.7", (0.0, 0.1, 0.05), time=vr.Sine(1.0))
+    model.moving_force("rod", (0, 0.2, 0), speed=1.5)
+    model.distributed_force("rod", (0.1, 0.1, 0), following=True, from_s=0.4, to_s=1.1)
+    run = model.simulate(1.5, time_step=0.005)
+    assert abs(run.energy.external[-1]) > 0.01
+    assert run.energy.numerical_fraction < 2e-3
+
+
+def test_slow_loading_ends_in_the_static_equilibrium():
+    """E6: a load applied over many periods of the damped rod; statics and dynamics share one residual."""
+
+    def model():
+        rod = free_rod(damping=0.1)
+        rod.clamp("rod.start")
+        return rod
+
+    static = model()
+    static.force("rod.end", (0.05, 0.1, 0.2))
+    expected = static.equilibrium()
+    slow = model()
+    slow.force("rod.end", (0.05, 0.1, 0.2), time=vr.Table([0, 40], [0, 1], "cubic"))
+    run = slow.simulate(120.0, time_step=0.1, initial="reference", spectral_radius=0.5)
+    assert run.history("rod.end").values[-1] == pytest.approx(expected.position("rod.end"), abs=1e-6)
+    reaction = run.data["reaction"].values[-1, 0]
+    assert reaction == pytest.approx(expected.reactions.values[0], abs=1e-5)
+    assert reaction[:3] == pytest.approx([-0.05, -0.1, -0.2], abs=1e-5)
+
+
+def test_vanishing_viscosity_is_the_elastic_run():
+    """E7: the difference to the undamped run falls in proportion to tau."""
+
+    def run(damping):
+        model = free_rod(damping)
+        model.clamp("rod.start")
+        model.force("rod.end", (0.0, 0.1, 0.1), until=0.0)
+        return model.simulate(1.0, time_step=0.01).history("rod.end").values
+
+    elastic = run(None)
+    gaps = [np.abs(run(tau) - elastic).max() for tau in (1e-5, 1e-6)]
+    assert gaps[1] < 0.12 * gaps[0]
+    assert gaps[1] < 1e-5
+
+
+def test_superposed_rigid_rotation_of_a_loaded_frame():
+    """B11 (i): an L-frame turned by 100 rad about a skew axis with loads that follow: same energy to 1e-12."""
+
+    def energy(turn):
+        axis = np.array([1.0, 2.0, -0.5]) / np.sqrt(5.25)
+        skew = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+        R = np.eye(3) + np.sin(turn) * skew + (1 - np.cos(turn)) * skew @ skew
+        model = vr.Model()
+        for name, a, b, d1 in (("a", (0, 0, 0), (1, 0, 0), (0, 1, 0)), ("b", (1, 0, 0), (1, 1, 0), (1, 0, 0))):
+            rod = vr.Rod.straight(R @ a, R @ b, section=coupled(), elements=2, order=4, d1=R @ d1)
+            model.add(name, rod)
+        model.attach("a.end", "b.start")
+        model.clamp("a.start")
+        model.force("b.end", R @ (0.3, -0.2, 0.5))
+        return model.equilibrium().elastic_energy
+
+    assert energy(100.0) == pytest.approx(energy(0.0), rel=1e-11)
+
+
+def test_one_rod_equals_two_attached_halves():
+    """A rod and the same rod cut and attached, frames turned against each other: the same static and moving shape."""
+    section = stiff(500.0, 800.0, 1.0, 0.7, damping=0.01)
+
+    def tip(model, place):
+        model.clamp("a.start")
+        model.force(place, (0.2, 0.5, 0.8), until=0.0)
+        model.moment(place, (0.1, 0.2, 0.0), until=0.2)
+        return model.simulate(0.5, time_step=0.01).history(place).values
+
+    whole = vr.Model()
+    whole.add("a", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=4, order=3))
+    halves = vr.Model()
+    halves.add("a", vr.Rod.straight((0, 0, 0), (0.5, 0, 0), section=section, elements=2, order=3))
+    halves.add(
+        "b", vr.Rod.straight((0.5, 0, 0), (1, 0, 0), section=section, elements=2, order=3, d1=(0, 1, 1))
+    )
+    halves.attach("a.end", "b.start")
+    assert tip(halves, "b.end") == pytest.approx(tip(whole, "a.end"), abs=1e-9)

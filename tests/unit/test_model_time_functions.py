@@ -1,0 +1,140 @@
+"""Functions of time: values, derivatives against differences, limits from the left, breakpoints."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from viscorod.errors import InputError
+from viscorod.model.time_function import Constant, Ramp, Sine, SpinUp, Until
+from viscorod.model.time_table import Function, Table, time_function
+
+WAVY = ([0.0, 0.5, 1.2, 2.0, 3.0], [1.0, -1.0, 2.0, 0.5, 0.0])
+FUNCTIONS = [
+    Constant(3.0),
+    Until(1.0),
+    Ramp(0.5, 2.0, 4.0),
+    Sine(0.7, 2.0, 0.3, 1.0),
+    SpinUp(6.0, 2.5),
+    Table(*WAVY),
+    Table(*WAVY, "cubic"),
+    Table([0.0, 1.0, 1.0, 2.0], [1.0, 2.0, -1.0, 0.0]),
+    Table([0.0, 0.5, 1.0, 1.0, 2.0, 2.5, 3.0], [1.0, 2.0, -1.0, 0.0, 3.0, 1.0, 2.0], "cubic"),
+    Function(lambda t: t**3, lambda t: 3 * t**2, lambda t: 6 * t),
+]
+
+
+@pytest.mark.parametrize("f", FUNCTIONS, ids=lambda f: f.kind)
+def test_derivatives(f):
+    h = 1e-5
+    for t in np.linspace(-0.6, 3.7, 44):
+        if any(abs(t - b) < 2 * h for b in f.breakpoints):
+            continue
+        assert f.rate(t) == pytest.approx((f.value(t + h) - f.value(t - h)) / (2 * h), abs=1e-6)
+        assert f.acceleration(t) == pytest.approx((f.rate(t + h) - f.rate(t - h)) / (2 * h), abs=1e-3)
+
+
+@pytest.mark.parametrize("f", FUNCTIONS, ids=lambda f: f.kind)
+def test_limits_from_the_left(f):
+    for t in [*f.breakpoints, 0.3]:
+        near = math.nextafter(t, -1.0)
+        assert f.value(t, before=True) == pytest.approx(f.value(near), abs=1e-12)
+        assert f.rate(t, before=True) == pytest.approx(f.rate(near), abs=1e-12)
+        assert f.acceleration(t, before=True) == pytest.approx(f.acceleration(near), abs=1e-12)
+        if t not in f.jumps:
+            assert f.value(t, before=True) == pytest.approx(f.value(t), abs=1e-12)
+    assert set(f.jumps) <= set(f.breakpoints)
+    assert list(f.breakpoints) == sorted(f.breakpoints)
+
+
+def test_until():
+    f = Until(0.0, 2.0)
+    assert (f.value(-1.0), f.value(0.0, before=True), f.value(0.0), f.value(1.0)) == (2.0, 2.0, 0.0, 0.0)
+    assert f.jumps == f.breakpoints == (0.0,)
+
+
+def test_ramp():
+    f = Ramp(1.0, 3.0)
+    assert [f.value(t) for t in (0.0, 1.0, 1.5, 3.0, 9.0)] == [0.0, 0.0, 0.25, 1.0, 1.0]
+    assert f.breakpoints == (1.0, 3.0)
+    assert f.jumps == ()
+
+
+def test_spin_up_is_the_manoeuvre_of_the_literature():
+    """psi = 6/15 [t^2/2 + (15/2pi)^2 (cos(2 pi t/15) - 1)] until 15 s, 6 t - 45 after (Simo and Vu-Quoc 1986)."""
+    f = SpinUp(6.0, 15.0)
+    for t in (0.0, 1.0, 4.0, 11.3, 15.0):
+        angle = 6 / 15 * (t**2 / 2 + (15 / (2 * math.pi)) ** 2 * (math.cos(2 * math.pi * t / 15) - 1))
+        assert f.value(t) == pytest.approx(angle, abs=1e-13)
+    assert f.value(20.0) == pytest.approx(75.0, rel=1e-15)
+    assert f.rate(20.0) == pytest.approx(6.0, rel=1e-15)
+    assert f.acceleration(7.5) == pytest.approx(0.8, rel=1e-14)
+
+
+def test_linear_table():
+    f = Table([0.0, 1.0, 1.0, 3.0], [0.0, 2.0, 5.0, 7.0])
+    assert [f.value(t) for t in (-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0)] == [0.0, 0.0, 1.0, 5.0, 6.0, 7.0, 7.0]
+    assert f.value(1.0, before=True) == 2.0
+    assert (f.rate(1.0, before=True), f.rate(1.0), f.rate(3.0, before=True), f.rate(3.0)) == (2.0, 1.0, 1.0, 0.0)
+    assert f.breakpoints == (0.0, 1.0, 3.0)
+    assert f.jumps == (1.0,)
+
+
+def test_cubic_table_is_the_spline():
+    f, spline = Table(*WAVY, "cubic"), CubicSpline(*WAVY)
+    for t in np.linspace(0.0, 2.99, 30):
+        assert f.value(t) == pytest.approx(spline(t), abs=1e-13)
+        assert f.acceleration(t) == pytest.approx(spline(t, 2), abs=1e-12)
+    assert f.breakpoints == (0.0, 3.0)
+
+
+def test_repeated_time_with_one_value_is_a_corner_not_a_jump():
+    f = Table([0.0, 1.0, 1.0, 2.0], [0.0, 1.0, 1.0, 0.0], "cubic")
+    assert f.jumps == ()
+    assert f.breakpoints == (0.0, 1.0, 2.0)
+
+
+def test_python_functions():
+    f = time_function(lambda t: 2.0 * t)
+    assert isinstance(f, Function)
+    assert f.value(3.0) == 6.0
+    with pytest.raises(InputError, match="needs its velocity and acceleration"):
+        f.rate(1.0)
+    with pytest.raises(InputError, match=r"at t = 1 s: the number must be finite"):
+        Function(lambda t: math.nan).value(1.0)
+    step = Function(lambda t: float(t >= 1.0), breakpoints=[1.0, 0.5])
+    assert step.breakpoints == (0.5, 1.0)
+    assert step.jumps == (1.0,)
+
+
+def test_numbers_and_tables_are_functions_of_time():
+    assert time_function(2) == Constant(2.0)
+    assert time_function({"kind": "ramp", "start": 0, "end": 1}) == Ramp(0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("build", "path", "text"),
+    [
+        (lambda: Ramp(1.0, 1.0), "Ramp.end", "after its start"),
+        (lambda: Sine(0.0), "Sine.frequency", "> 0"),
+        (lambda: Sine(-1.0), "Sine.frequency", "> 0"),
+        (lambda: SpinUp(6.0, 0.0), "SpinUp.duration", "> 0"),
+        (lambda: Until(math.nan), "Until.time", "finite"),
+        (lambda: Table([0.0, 1.0], [1.0]), "Table.values", "2"),
+        (lambda: Table([0.0, 1.0], [1.0, 2.0, 3.0]), "Table.values", "as many"),
+        (lambda: Table([0.0], [1.0]), "Table.times", "at least 2"),
+        (lambda: Table([0.0, -1.0], [1.0, 1.0]), "Table.times[1]", "not decrease"),
+        (lambda: Table([0, 1, 1, 1], [1, 2, 3, 4]), "Table.times[3]", "three times"),
+        (lambda: Table([0, "x"], [1, 2]), "Table.times[1]", "number"),
+        (lambda: Table([0, 1], [1, 2], "quadratic"), "Table.interpolation", "'linear', 'cubic'"),
+        (lambda: Table([0, 1e-300], [1e300, -1e300]), "Table", "change the units"),
+        (lambda: time_function("ramp"), "", "function of time"),
+        (lambda: time_function(True), "", "function of time"),
+        (lambda: time_function({"kind": "rmap"}), "kind", "did you mean 'ramp'"),
+    ],
+)
+def test_refused(build, path, text):
+    with pytest.raises(InputError, match=text) as caught:
+        build()
+    assert caught.value.problems[0].where == path
