@@ -10,6 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from viscorod.check import CheckReport, check
 from viscorod.errors import InputError, SolveError
 from viscorod.mechanics import geometric
 from viscorod.mechanics.compiled import announce_compilation
@@ -32,11 +33,13 @@ from viscorod.solve.system import State, System
 from viscorod.solve.time_step import chosen_time_step
 from viscorod.solve.transient import Transient
 
+__all__ = ["Case", "CheckReport", "Model", "as_model", "check", "run_case"]
+
 Progress = Callable[[float, float], None]
 
 
 class Model(ModelDescription):
-    """Rods, supports and loads, and what can be computed of them; see :class:`ModelDescription` for how to describe them."""
+    """Rods, supports and loads (see :class:`ModelDescription`), and what can be computed of them."""
 
     def equilibrium(
         self,
@@ -98,11 +101,12 @@ class Model(ModelDescription):
             "spectral_radius": spectral_radius,
             "output_interval": output_interval,
         }
-        settings = SimulateSettings(**given, **{k: v for k, v in optional.items() if v is not None})
+        given |= {name: value for name, value in optional.items() if value is not None}
+        settings = SimulateSettings(**given)
         return _Workplace.of(self).simulate(settings, progress, self._attrs(title))
 
     def modes(self, count: int = 6, *, about: str = "equilibrium") -> Modes:
-        """Find the slowest small vibrations, damped, about the equilibrium under the loads at t = 0- or the reference shape.
+        """Find the slowest small damped vibrations about the equilibrium at t = 0- or about the reference shape.
 
         Args:
             count: number of modes.
@@ -118,7 +122,7 @@ class Model(ModelDescription):
         work = _Workplace.of(self)
         state = work.reference()
         if about == "equilibrium":
-            work.settle(state, self._attrs(""))
+            work.settle(state)
         linear = small_motion.linearise(work.static, state, scale=1.0 if about == "equilibrium" else 0.0)
         return small_motion.complex_modes(work.static, state, linear, count)
 
@@ -132,7 +136,7 @@ class Case(Protocol):
     """What a case file holds: a described model, the settings of one analysis, a title."""
 
     @property
-    def model(self) -> ModelDescription:
+    def description(self) -> ModelDescription:
         """The described model."""
 
     @property
@@ -146,7 +150,7 @@ class Case(Protocol):
 
 def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibrium:
     """Do what a case file asks for."""
-    model = as_model(case.model)
+    model = as_model(case.description)
     given = {name: getattr(case.settings, name) for name in case.settings.model_fields_set}
     if isinstance(case.settings, EquilibriumSettings):
         return model.equilibrium(**given, progress=progress, title=case.title)
@@ -217,13 +221,17 @@ class _Workplace:
         }
         if path.outcome is not Outcome.COMPLETED:
             message = self._static_failure(path)
-            partial = Equilibrium(self._dataset("equilibrium", attrs | {"message": message})) if path.factors else None
+            partial = (
+                Equilibrium(self._dataset("equilibrium", attrs | {"message": message}))
+                if path.factors
+                else None
+            )
             raise SolveError(message, partial)
         tangent = self.static.tangent(state, scale=factor)
         attrs["negative_eigenvalues"] = small_motion.negative_eigenvalues(tangent)
         return Equilibrium(self._dataset("equilibrium", attrs))
 
-    def settle(self, state: State, attrs: dict[str, Any]) -> None:
+    def settle(self, state: State) -> None:
         """Move ``state`` to the equilibrium at t = 0-; the reference shape itself if nothing acts."""
         self.supports.update(0.0, True)
         loads = self.static.loads.at(0.0, True)
@@ -242,7 +250,7 @@ class _Workplace:
     def simulate(self, settings: SimulateSettings, progress: Progress | None, attrs: dict[str, Any]) -> Run:
         state = self.reference()
         if settings.initial == "equilibrium":
-            self.settle(state, attrs)
+            self.settle(state)
         state.twist[:] = self.problem.initial_twist(state.r, state.q)
         step = settings.time_step
         if step is None:
@@ -274,7 +282,8 @@ class _Workplace:
             assert result.report is not None
             message = (
                 f"The motion could not be followed beyond t = {integrator.t:.6g} s (a step to {result.failed_at:.6g} s "
-                f"failed): {result.outcome.value}.{self._where(result.report)}"
+                f"failed): {result.outcome.value}.{self._where(result.report)} "
+                f"What to try: {result.outcome.advice(static=False)}."
             )
             raise SolveError(message, Run(self._dataset("simulate", attrs | {"message": message})))
         return Run(self._dataset("simulate", attrs))
@@ -292,7 +301,7 @@ class _Workplace:
         reached = path.factors[-1] if path.factors else 0.0
         text = (
             f"No equilibrium beyond {reached:.6g} of the loads (tried {path.load_level:.6g}): {path.outcome.value}."
-            f"{self._where(path.report)}"
+            f"{self._where(path.report)} What to try: {path.outcome.advice(static=True)}."
         )
         free = free_motions(self.problem)
         if free:

@@ -101,9 +101,7 @@ def whirled(time_step):
     model.clamp("rod.start", motion={"uy": vr.Sine(1.0, amplitude=0.1), "rz": vr.Sine(0.5, amplitude=0.8)})
     model.support("rod.end", ("ux",), motion={"uz": vr.Sine(0.8, amplitude=0.15)})
     run = model.simulate(0.8, time_step=time_step, initial="reference")
-    return np.concatenate(
-        [run.history("rod@0.6").values[-1], run.history("rod.end").values[-1]]
-    ), run
+    return np.concatenate([run.history("rod@0.6").values[-1], run.history("rod.end").values[-1]]), run
 
 
 def test_order_in_time_with_prescribed_motion_and_partial_support():

@@ -8,7 +8,7 @@ import viscorod as vr
 
 
 def stiff(ga, ea, ei, gj, mass=1.0, rotary=(1e-3, 1e-3, 2e-3), damping=None):
-    """A straight-laced section: shear, axial, bending and torsional stiffness, line mass, rotary inertia (d1, d2, d3)."""
+    """A section without couplings; rotary inertia about (d1, d2, d3)."""
     stiffness = [ga, ga, ea, ei, ei, gj]
     given = {} if damping is None else {"damping": list(damping * np.array(stiffness))}
     return vr.StiffnessSection(stiffness, [mass, mass, mass, *rotary], **given)

@@ -75,9 +75,7 @@ def flying_rod(elements, order, time_step, duration, spectral_radius=1.0):
     triangle = vr.Table([0, 2.5, 5], [0, 1, 0])
     model.force("rod.end", (20, 0, 0), time=triangle, until=5.0)
     model.moment("rod.end", (0, 200, 100), time=triangle, until=5.0)
-    return model.simulate(
-        duration, time_step=time_step, spectral_radius=spectral_radius, initial="reference"
-    )
+    return model.simulate(duration, time_step=time_step, spectral_radius=spectral_radius, initial="reference")
 
 
 # t: displacement of the near and of the loaded end, kinetic and elastic energy (independent, 160 cells of second order)

@@ -70,9 +70,7 @@ def test_timoshenko_frequencies(order):
     """C2 at r/L = 1/20: exact Timoshenko frequencies, all four digits-complete."""
     inertia = 1 / 1600
     ea, ga = 1 / inertia, 0.9 / inertia / 2.6
-    section = vr.StiffnessSection(
-        [ga, ga, ea, 1.0, 1.0, 1e3], [1, 1, 1, inertia, inertia, 2 * inertia]
-    )
+    section = vr.StiffnessSection([ga, ga, ea, 1.0, 1.0, 1e3], [1, 1, 1, inertia, inertia, 2 * inertia])
     elements = {2: 40, 5: 6}[order]
     found = 2 * np.pi * cantilever(section, elements=elements, order=order).modes(8).frequencies[::2]
     assert found[:3] == pytest.approx(TIMOSHENKO[:3], rel={2: 2e-5, 5: 2e-8}[order])
@@ -106,8 +104,10 @@ def test_axial_frequencies_converge():
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
 def test_unequal_times_of_a_slender_rod(nu):
-    """Own derivation: in a slender rod each family has one modulus, so zeta = tau w/2 with tau_E for stretch and bending
-    (tau_E = [(1-2nu) tau_B + 2(1+nu) tau_S]/3, LLT 4) and tau_S for torsion.
+    """Own derivation: in a slender rod each family of modes has one modulus.
+
+    So zeta = tau w/2, with tau_S for torsion and, for stretch and bending,
+    tau_E = [(1-2nu) tau_B + 2(1+nu) tau_S]/3 (LLT 4).
 
     Bending couples to shear: the Timoshenko correction of zeta is of order (w r/c)^2 = 1e-4 here.
     """

@@ -22,7 +22,10 @@ def swing(tau, modulus=1e6, duration=24.0, time_step=0.01):
     )
     model = vr.Model()
     section = vr.Rectangle(0.01, 0.01)
-    model.add("beam", vr.Rod.straight((0, 0, 0), (LENGTH, 0, 0), section=section, material=rubber, elements=2, order=5))
+    model.add(
+        "beam",
+        vr.Rod.straight((0, 0, 0), (LENGTH, 0, 0), section=section, material=rubber, elements=2, order=5),
+    )
     model.clamp("beam.start")
     model.force("beam.end", (0, FORCE * modulus / 1e6, 0), until=0.0)
     return model.simulate(duration, time_step=time_step)
@@ -33,7 +36,10 @@ def first_frequency(modulus=1e6):
     rubber = vr.Material(modulus, poissons_ratio=0.3, density=1000.0)
     model = vr.Model()
     section = vr.Rectangle(0.01, 0.01)
-    model.add("beam", vr.Rod.straight((0, 0, 0), (LENGTH, 0, 0), section=section, material=rubber, elements=2, order=5))
+    model.add(
+        "beam",
+        vr.Rod.straight((0, 0, 0), (LENGTH, 0, 0), section=section, material=rubber, elements=2, order=5),
+    )
     model.clamp("beam.start")
     return 2 * np.pi * model.modes(1).frequencies[0]
 
@@ -43,7 +49,9 @@ def test_small_amplitude_damping_ratio_is_omega_tau_over_two(tau):
     """Within 0.5 %: cycles whose amplitude is below 0.04 L, where the nonlinear part of the frequency is below 1e-3."""
     omega = first_frequency()
     assert omega == pytest.approx(FIRST * np.sqrt(1e6 * 1e-4 / 12 / 1000) / LENGTH**2, rel=2e-3)
-    decay = swing(tau, duration={0.01: 90.0, 0.02: 45.0, 0.04: 24.0}[tau], time_step=0.02).decrement("beam.end", axis="y")
+    decay = swing(tau, duration={0.01: 90.0, 0.02: 45.0, 0.04: 24.0}[tau], time_step=0.02).decrement(
+        "beam.end", axis="y"
+    )
     small = decay.damping_ratio[np.abs(decay.amplitude[: len(decay.damping_ratio)]) < 0.04 * LENGTH]
     assert len(small) >= 2
     assert small == pytest.approx(omega * tau / 2, rel=5e-3)
@@ -63,7 +71,7 @@ def test_damping_ratios_scale_one_two_four():
 
 @pytest.mark.parametrize("tau", [0.01, 0.02, 0.04])
 def test_damping_is_weaker_at_large_amplitude(tau):
-    """The ratio of the first cycle is clearly below, and ratios rise with every cycle while the amplitude exceeds L/5."""
+    """The first ratio is clearly below, and ratios rise with every cycle while the amplitude exceeds L/5."""
     decay = swing(tau).decrement("beam.end", axis="y")
     small = first_frequency() * tau / 2
     assert decay.damping_ratio[0] < 0.9 * small
@@ -72,7 +80,7 @@ def test_damping_is_weaker_at_large_amplitude(tau):
 
 
 def test_nearly_linear_from_the_fifth_period():
-    """LLT: linear behaviour from about the fifth period, amplitude about L/3: within 7 % of the small-amplitude ratio."""
+    """LLT: linear from about the fifth period, amplitude about L/3: within 7 % of the small-amplitude ratio."""
     decay = swing(0.02).decrement("beam.end", axis="y")
     assert decay.amplitude[4] == pytest.approx(LENGTH / 3, rel=0.15)
     assert decay.damping_ratio[4] == pytest.approx(first_frequency() * 0.02 / 2, rel=0.07)

@@ -138,9 +138,7 @@ def test_right_angle_frame_buckles_sideways(torsion, critical):
 def test_initially_curved_rod_stays_as_built():
     """No load, no motion: a coarse mesh of a twisted helix is free of stress as built."""
     model = vr.Model()
-    rod = vr.Rod.helix(
-        1.0, 0.5, 2.0, section=stiff(1e3, 1e3, 1.0, 1.0), elements=6, order=2, twist=3.0
-    )
+    rod = vr.Rod.helix(1.0, 0.5, 2.0, section=stiff(1e3, 1e3, 1.0, 1.0), elements=6, order=2, twist=3.0)
     model.add("spring", rod)
     model.clamp("spring.start")
     model.force("spring.end", (0, 0, 0))

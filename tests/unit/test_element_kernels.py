@@ -229,7 +229,9 @@ def test_station_load_is_work_conjugate_and_its_tangent_right(order, links):
         velocity = (shape[0] @ r).imag / 1e-40
         spin = matrix(shape[0] @ q).imag / 1e-40 @ frame.T  # skew matrix of the global angular velocity
         spin = np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
-        power.append((dead[:3] + frame @ following[:3]) @ velocity + (dead[3:] + frame @ following[3:]) @ spin)
+        power.append(
+            (dead[:3] + frame @ following[:3]) @ velocity + (dead[3:] + frame @ following[3:]) @ spin
+        )
     assert force == pytest.approx(np.array(power), abs=1e-11)
 
 

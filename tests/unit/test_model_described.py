@@ -41,7 +41,9 @@ def test_a_misspelt_key_explains_the_missing_one():
 
 
 def test_a_missing_key_is_told_with_its_unit():
-    with pytest.raises(InputError, match=r"Inner\.height: this key is required and missing; add height \(m\)"):
+    with pytest.raises(
+        InputError, match=r"Inner\.height: this key is required and missing; add height \(m\)"
+    ):
         Inner(1)
 
 

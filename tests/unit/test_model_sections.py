@@ -91,7 +91,9 @@ def test_torsion_of_very_flat_rectangles():
 
 def test_torsion_of_round_sections_is_polar():
     for section in (Circle(0.3), Annulus(0.3, 0.1)):
-        assert section.torsion() == pytest.approx(section.second_moment_1 + section.second_moment_2, rel=1e-15)
+        assert section.torsion() == pytest.approx(
+            section.second_moment_1 + section.second_moment_2, rel=1e-15
+        )
     assert Ellipse(0.3, 0.3).torsion() == pytest.approx(Circle(0.3).torsion(), rel=1e-14)
     assert Annulus(0.3, 1e-9).torsion() == pytest.approx(Circle(0.3).torsion(), rel=1e-14)
 
@@ -132,7 +134,10 @@ def cowper(inside_points, boundary, normals, area, second_moment, other_moment, 
     )
     integral = (weights * points[:, 0] * (chi + points[:, 0] * points[:, 1] ** 2)).sum()
     return (
-        2 * (1 + nu) * second_moment / (nu / 2 * (other_moment - second_moment) - area / second_moment * integral)
+        2
+        * (1 + nu)
+        * second_moment
+        / (nu / 2 * (other_moment - second_moment) - area / second_moment * integral)
     )
 
 
@@ -178,7 +183,13 @@ def test_shear_factors_of_rectangles_by_cowpers_integral(sides, nu):
     normals = np.vstack([np.tile([1.0, 0.0], (40, 1)), np.tile([0.0, 1.0], (40, 1))])
     section = Rectangle(width, height)
     k = cowper(
-        (points, weights), boundary, normals, section.area, section.second_moment_2, section.second_moment_1, nu
+        (points, weights),
+        boundary,
+        normals,
+        section.area,
+        section.second_moment_2,
+        section.second_moment_1,
+        nu,
     )
     # Harmonic polynomials approach the corners slowly.
     assert section.shear_factors(nu)[0] == pytest.approx(k, rel=1e-4)

@@ -55,7 +55,9 @@ def test_indefinite_matrices_are_refused_with_their_eigenvalue(seed, which):
 def test_the_direction_of_a_negative_eigenvalue_is_told_in_words():
     stiffness = np.eye(6)
     stiffness[2, 5] = stiffness[5, 2] = 1.5
-    with pytest.raises(InputError, match=r"eigenvalue of -0\.5.*1 stretch [-+] 1 twist|- 1 stretch \+ 1 twist"):
+    with pytest.raises(
+        InputError, match=r"eigenvalue of -0\.5.*1 stretch [-+] 1 twist|- 1 stretch \+ 1 twist"
+    ):
         StiffnessSection(stiffness, ONES)
     with pytest.raises(InputError, match="diagonal entry -2 for bend_1"):
         StiffnessSection((1, 1, 1, -2, 1, 1), ONES)
@@ -80,7 +82,9 @@ def test_couplings_of_an_off_centre_mass_are_accepted():
     """Mass 2 kg/m at xi = (0.1, 0.2): M = [[m 1, -m xi~], [m xi~, J]] is positive definite."""
     x, y = 0.1, 0.2
     tilde = np.array([[0, 0, y], [0, 0, -x], [-y, x, 0]])
-    inertia = np.block([[2.0 * np.eye(3), -2.0 * tilde], [2.0 * tilde, 0.01 * np.eye(3) - 2.0 * tilde @ tilde]])
+    inertia = np.block(
+        [[2.0 * np.eye(3), -2.0 * tilde], [2.0 * tilde, 0.01 * np.eye(3) - 2.0 * tilde @ tilde]]
+    )
     assert StiffnessSection(ONES, inertia).matrices()[2] == pytest.approx(inertia)
 
 

@@ -76,7 +76,12 @@ def test_linear_table():
     f = Table([0.0, 1.0, 1.0, 3.0], [0.0, 2.0, 5.0, 7.0])
     assert [f.value(t) for t in (-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0)] == [0.0, 0.0, 1.0, 5.0, 6.0, 7.0, 7.0]
     assert f.value(1.0, before=True) == 2.0
-    assert (f.rate(1.0, before=True), f.rate(1.0), f.rate(3.0, before=True), f.rate(3.0)) == (2.0, 1.0, 1.0, 0.0)
+    assert (f.rate(1.0, before=True), f.rate(1.0), f.rate(3.0, before=True), f.rate(3.0)) == (
+        2.0,
+        1.0,
+        1.0,
+        0.0,
+    )
     assert f.breakpoints == (0.0, 1.0, 3.0)
     assert f.jumps == (1.0,)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 
@@ -14,8 +14,8 @@ Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
 def kernel(function: Kernel) -> Kernel:
     """Compile ``function`` with Numba at its first call and keep the machine code on disk."""
-    compiled: Kernel = numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})(function)
-    return compiled
+    compiled: Any = numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})(function)
+    return cast(Kernel, compiled)
 
 
 def announce_compilation(largest: Any) -> None:

@@ -1,6 +1,7 @@
 """Geometric element: positions and rotations at Gauss-Lobatto nodes, strains at Gauss points.
 
-With ``r = sum N_k r_k`` and ``q~ = sum N_k q_k`` the strains are ``V = R(q~)^T r'`` and ``U = 2 vec(conj(q~) q~')/|q~|^2``
+With ``r = sum N_k r_k`` and ``q~ = sum N_k q_k`` the strains are ``V = R(q~)^T r'`` and ``U = 2 vec(conj(q~)
+q~')/|q~|^2``
 (Lang, Linn and Arnold 2011 for order 1; the element is objective for every order). All derivatives are taken in
 coordinates carried by the Gauss point: with ``p_k = conj(q~) q_k/|q~|^2`` and the flat increments
 
@@ -10,7 +11,8 @@ where ``L_k th = p_k (0, th)/2``, the strains vary by (``z = conj(q~) q~'/|q~|^2
 
     dV = c + 2 V x yv          dU = 2 bv - y0 U - 2 z0 yv + U x yv
 
-and to second order by quadratic forms in (c, y, b) that are written out below. Nodal increments ``(a_k, th_k)`` and twists
+and to second order by quadratic forms in (c, y, b) that are written out below. Nodal increments ``(a_k, th_k)``
+and twists
 ``(v_k, w_k)`` are in the node's body frame.
 """
 
@@ -36,7 +38,8 @@ def element_poses(
 ) -> None:
     """Gather the poses of one element's nodes, with constant relative poses applied and one hemisphere throughout.
 
-    ``links[k] >= 0`` names the constant pose of the element's node in the frame of the shared node (a rigid attachment).
+    ``links[k] >= 0`` names the constant pose of the element's node in the frame of the shared node (a rigid
+    attachment).
     """
     offset = np.empty(3)
     for k in range(nodes.shape[0]):
@@ -121,7 +124,7 @@ def half_products(p: Floats, L: Floats) -> None:
 def strain_operator(
     shape: Floats, slope: Floats, V: Floats, U: Floats, z0: float, p: Floats, Q: Floats, L: Floats, B: Floats
 ) -> None:
-    """Write ``B`` (6, 6 m), the strain per nodal body increment, with the maps ``Q = R^T R_k`` and ``L`` of every node."""
+    """Write ``B`` (6, 6 m), the strain per nodal increment, with ``Q = R^T R_k`` and ``L`` of every node."""
     for k in range(p.shape[0]):
         rotation_matrix(p[k], Q[k])
         half_products(p[k], L[k])
@@ -155,7 +158,7 @@ def strain_rate_operator(
     twist: Floats,
     E: Floats,
 ) -> None:
-    """Write ``E`` (6, 6 m): the change of the strain rate ``B x1`` per nodal body increment at constant twists ``(m, 6)``."""
+    """Write ``E`` (6, 6 m), the change of the strain rate ``B x1`` per nodal increment at constant ``twist (m, 6)``."""
     m = p.shape[0]
     c = np.zeros(3)
     y = np.zeros(4)
@@ -177,7 +180,9 @@ def strain_rate_operator(
     for i in range(3):
         i1, i2 = (i + 1) % 3, (i + 2) % 3
         Vy[i, 0] = 2.0 * (yv[i1] * V[i2] - yv[i2] * V[i1])
-        Uy[i, 0] = -2.0 * bv[i] + 2.0 * y[0] * U[i] + 4.0 * z0 * yv[i] + 2.0 * (yv[i1] * U[i2] - yv[i2] * U[i1])
+        Uy[i, 0] = (
+            -2.0 * bv[i] + 2.0 * y[0] * U[i] + 4.0 * z0 * yv[i] + 2.0 * (yv[i1] * U[i2] - yv[i2] * U[i1])
+        )
         Ub[i, 0] = -2.0 * yv[i]
         for j in range(3):
             Vy[i, 1 + j] = -4.0 * V[i] * yv[j] + 2.0 * yv[i] * V[j]
@@ -248,7 +253,7 @@ def add_geometric_stiffness(
     S: Floats,
     KT: Floats,
 ) -> None:
-    """Add ``weight`` times the derivative of ``B^T S`` at constant section force ``S`` to ``KT`` (transposed, 6 m x 6 m)."""
+    """Add ``weight`` times the derivative of ``B^T S`` at constant ``S`` to ``KT`` (transposed, 6 m x 6 m)."""
     m = p.shape[0]
     N = S[0:3]
     M = S[3:6]
@@ -270,9 +275,7 @@ def add_geometric_stiffness(
         Hyy[1 + i, 1 + i] -= 4.0 * NV + 2.0 * MU
         Hby[1 + i, 0] = -2.0 * M[i]
         Hby[0, 1 + i] = -2.0 * M[i]
-        F[1 + i] = (
-            2.0 * (N[i1] * V[i2] - N[i2] * V[i1]) - 2.0 * z0 * M[i] + M[i1] * U[i2] - M[i2] * U[i1]
-        )
+        F[1 + i] = 2.0 * (N[i1] * V[i2] - N[i2] * V[i1]) - 2.0 * z0 * M[i] + M[i1] * U[i2] - M[i2] * U[i1]
     add_skew(M, -2.0, Hby[1:4, 1:4])
     Gy = np.empty((4, 3))
     Gb = np.empty((4, 3))
@@ -298,14 +301,14 @@ def add_geometric_stiffness(
         for k in range(m):
             sk, nk = slope[k], shape[k]
             for i in range(3):
-                for l in range(3):
+                for c in range(3):
                     turn = 0.0
                     for a in range(4):
-                        turn += L[k, a, l] * (nk * Gy[a, i] + sk * Gb[a, i])
-                    KT[6 * j + 3 + i, 6 * k + 3 + l] += turn
-                    push = sk * (Q[k, 0, l] * Gc[0, i] + Q[k, 1, l] * Gc[1, i] + Q[k, 2, l] * Gc[2, i])
-                    KT[6 * j + 3 + i, 6 * k + l] += push
-                    KT[6 * k + l, 6 * j + 3 + i] += push
+                        turn += L[k, a, c] * (nk * Gy[a, i] + sk * Gb[a, i])
+                    KT[6 * j + 3 + i, 6 * k + 3 + c] += turn
+                    push = sk * (Q[k, 0, c] * Gc[0, i] + Q[k, 1, c] * Gc[1, i] + Q[k, 2, c] * Gc[2, i])
+                    KT[6 * j + 3 + i, 6 * k + c] += push
+                    KT[6 * k + c, 6 * j + 3 + i] += push
     for k in range(m):
         # the nodal frame in which the force is measured turns with the node
         s, n = slope[k] * weight, shape[k] * weight
@@ -440,8 +443,10 @@ def assemble(
         rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``; read only if ``damped and moving``.
         force: ``(n, 6)``, internal force in body frames is added.
         band: ``(6 n, columns)``, row j holds column j of the matrix, entry (i, j) at ``band[j, diagonal + i - j]``.
-        strain, strain_rate, section_force: outputs ``(elements, points, 6)``: (V, U) - reference, its rate, C eps + D eps_t.
-        operator: output ``(elements, points, 6, 6 m)``, change of the section force per nodal increment (with the tangent).
+        strain, strain_rate, section_force: outputs ``(elements, points, 6)``: (V, U) - reference, its rate, C eps
+            + D eps_t.
+        operator: output ``(elements, points, 6, 6 m)``, change of the section force per nodal increment (with the
+            tangent).
 
     model.md section 4: ``f = sum_g w_g B^T (C eps + D eps_t)``.
     """
@@ -568,14 +573,14 @@ def assemble(
             for i in range(6):
                 force[n, i] += fe[6 * k + i]
             if with_tangent:
-                for l in range(m):
-                    first = diagonal + 6 * (nodes[e, l] - n)
+                for other in range(m):
+                    first = diagonal + 6 * (nodes[e, other] - n)
                     for j in range(6):
                         target = band[6 * n + j]
                         material = KT[6 * k + j]
                         turned = GT[6 * k + j]
                         for i in range(6):
-                            target[first - j + i] += material[6 * l + i] + turned[6 * l + i]
+                            target[first - j + i] += material[6 * other + i] + turned[6 * other + i]
 
 
 @kernel

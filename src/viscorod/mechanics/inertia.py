@@ -108,7 +108,7 @@ def add_momentum_rate(
 
 @kernel
 def add_coriolis(mass: Floats, twist: Floats, out: Floats) -> None:
-    """Add ``L1(x1) M x1`` of every node to ``out`` (model.md section 2: the inertial force left at zero acceleration)."""
+    """Add ``L1(x1) M x1`` of every node to ``out`` (the inertial force at zero acceleration)."""
     p = np.empty(6)
     for k in range(twist.shape[0]):
         for i in range(6):

@@ -36,7 +36,8 @@ def add_nodal_loads(
         nodes: the loaded nodes.
         q: unit quaternions of all nodes.
         dead: wrenches in global axes ``(n, 6)`` [N, N m]; following: in body axes ``(n, 6)``.
-        gravity: acceleration, global axes [m/s^2], acting on the nodal ``mass`` ``(n, 6, 6)``, off-centre mass included.
+        gravity: acceleration, global axes [m/s^2], acting on the nodal ``mass`` ``(n, 6, 6)``, off-centre mass
+            included.
         external: ``(n, 6)``, body components, added to.
     """
     f = np.empty(3)
@@ -87,7 +88,8 @@ def add_station_load(
     """Add one concentrated wrench inside an element to ``external`` and subtract its derivative from the band.
 
     The nodal forces are work-conjugate to the interpolated displacement and to the body rotation of the interpolated
-    frame, ``sum N_k A_k theta_k`` with ``A_k = 2 L_k`` (vector rows, see ``geometric``). Arguments as in ``geometric.assemble``; ``dead`` (6) global, ``following`` (6) in
+    frame, ``sum N_k A_k theta_k`` with ``A_k = 2 L_k`` (vector rows, see ``geometric``). Arguments as in
+    ``geometric.assemble``; ``dead`` (6) global, ``following`` (6) in
     the section's axes.
     """
     n = nodes.shape[0]
@@ -149,16 +151,16 @@ def add_station_load(
                     turned = 2.0 * (following[c] * y[1 + b] - following[b] * y[1 + c])
                     couple = -2.0 * (m[a] * y[0] + m[b] * y[1 + c] - m[c] * y[1 + b])
                     couple += 4.0 * (md[b] * y[1 + c] - md[c] * y[1 + b])
-                    for l in range(3):
-                        K[l, i] += shape[k] * Q[k, a, l] * turned
-                        K[3 + l, i] += shape[k] * L[k, 1 + a, l] * couple
-                for l in range(3):
-                    K[3 + l, i] -= 2.0 * shape[k] * L[k, 0, l] * dot
+                    for row in range(3):
+                        K[row, i] += shape[k] * Q[k, a, row] * turned
+                        K[3 + row, i] += shape[k] * L[k, 1 + a, row] * couple
+                for row in range(3):
+                    K[3 + row, i] -= 2.0 * shape[k] * L[k, 0, row] * dot
             if links[j] >= 0:
                 map_columns(block, 0, X[j])
             if links[k] >= 0:
                 map_rows(block, 0, X[k])
             first = diagonal + 6 * (nodes[k] - nodes[j])
             for i in range(6):
-                for l in range(6):
-                    band[6 * nodes[j] + i, first + l - i] -= block[l, i]
+                for row in range(6):
+                    band[6 * nodes[j] + i, first + row - i] -= block[row, i]

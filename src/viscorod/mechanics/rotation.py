@@ -1,7 +1,8 @@
 """Rotations and rigid motions: quaternions, exponential maps and their tangents.
 
 A pose is a position ``r`` (global) and a unit quaternion ``q = (q0, q1, q2, q3)`` whose matrix ``R`` takes body
-components to global ones. Increments ``(a, theta)`` act from the right, in the body frame: they are logarithms on SE(3).
+components to global ones. Increments ``(a, theta)`` act from the right, in the body frame: they are logarithms on
+SE(3).
 """
 
 from __future__ import annotations
@@ -80,7 +81,9 @@ def quaternion_product(p: Floats, q: Floats, out: Floats) -> None:
 def versine_coefficients(phi2: float) -> tuple[float, float]:
     """Return ``(1 - cos phi)/phi^2`` and ``(phi - sin phi)/phi^3`` for ``phi2 = phi^2``."""
     if phi2 < 0.04:
-        a = 0.5 - phi2 * (1 / 24 - phi2 * (1 / 720 - phi2 * (1 / 40320 - phi2 * (1 / 3628800 - phi2 / 479001600))))
+        a = 0.5 - phi2 * (
+            1 / 24 - phi2 * (1 / 720 - phi2 * (1 / 40320 - phi2 * (1 / 3628800 - phi2 / 479001600)))
+        )
         b = 1 / 6 - phi2 * (
             1 / 120 - phi2 * (1 / 5040 - phi2 * (1 / 362880 - phi2 * (1 / 39916800 - phi2 / 6227020800)))
         )
@@ -95,7 +98,8 @@ def inverse_coefficients(phi2: float) -> tuple[float, float]:
     """Return ``c = (1 - (phi/2) cot(phi/2))/phi^2`` and ``c'(phi)/phi`` for ``phi2 = phi^2`` (below ``4 pi^2``)."""
     if phi2 < 0.09:
         c = 1 / 12 + phi2 * (
-            1 / 720 + phi2 * (1 / 30240 + phi2 * (1 / 1209600 + phi2 * (1 / 47900160 + phi2 * 691 / 1307674368000)))
+            1 / 720
+            + phi2 * (1 / 30240 + phi2 * (1 / 1209600 + phi2 * (1 / 47900160 + phi2 * 691 / 1307674368000)))
         )
         d = 1 / 360 + phi2 * (
             1 / 7560 + phi2 * (1 / 201600 + phi2 * (1 / 5987520 + phi2 * 691 / 130767436800))
@@ -212,7 +216,8 @@ def inverse_motion_tangent(increment: Floats, scale: float, out: Floats) -> None
     """Write ``scale`` times the inverse right tangent of the exponential on SE(3) into ``out``.
 
     With ``H(t) = H0 exp(X(t))`` the body twist is ``x1 = T(X) X_t``; this is ``T(X)^-1``, node by node. SE(3) being the
-    dual-number extension of SO(3), its off-diagonal block is the derivative of the rotational one along the translation.
+    dual-number extension of SO(3), its off-diagonal block is the derivative of the rotational one along the
+    translation.
 
     Args:
         increment: ``(n, 6)``, translation [m] and rotation [rad].
@@ -233,13 +238,21 @@ def inverse_motion_tangent(increment: Floats, scale: float, out: Floats) -> None
 
 
 @kernel
+def add_mapped(maps: Floats, x: Floats, factor: float, out: Floats) -> None:
+    """Add ``factor`` times the product of every map ``(n, 6, 6)`` with its vector ``x (n, 6)`` to ``out``."""
+    for k in range(x.shape[0]):
+        for i in range(6):
+            total = 0.0
+            for j in range(6):
+                total += maps[k, i, j] * x[k, j]
+            out[k, i] += factor * total
+
+
+@kernel
 def rotation_vector(q: Floats, out: Floats) -> None:
     """Write the rotation vector of the unit quaternion ``q`` (the shorter way round, |out| <= pi) into ``out``."""
     sign = 1.0 if q[0] >= 0.0 else -1.0
     s = math.sqrt(q[1] ** 2 + q[2] ** 2 + q[3] ** 2)
-    if s < 1e-8:
-        factor = 2.0 * sign
-    else:
-        factor = 2.0 * math.atan2(s, sign * q[0]) * sign / s
+    factor = 2.0 * sign if s < 1e-8 else 2.0 * math.atan2(s, sign * q[0]) * sign / s
     for i in range(3):
         out[i] = factor * q[1 + i]

@@ -1,8 +1,10 @@
 """Supports: prescribed or fixed displacements and rotations of a node, imposed exactly on the rows of the node.
 
-A support measures, along constant axes ``A = [e1 e2 e3]`` (global), the displacement ``u = A^T (r - r0)`` and the rotation
+A support measures, along constant axes ``A = [e1 e2 e3]`` (global), the displacement ``u = A^T (r - r0)`` and the
+rotation
 vector ``eta = A^T R0 psi`` with ``R = R0 exp(psi)``. With ``T`` the tangent of the exponential, body increments change
-them by ``G = [A^T R, A^T R0 T^-1]``; the dual directions are ``Z = [R^T A, T R0^T A]``. Free components keep the balance
+them by ``G = [A^T R, A^T R0 T^-1]``; the dual directions are ``Z = [R^T A, T R0^T A]``. Free components keep the
+balance
 projected on their dual direction, the others are replaced by ``G dx = target - value``; reactions are what the
 projected balance leaves. This is Newton's method for the saddle-point system with the reactions eliminated.
 """
@@ -38,9 +40,17 @@ def relative_rotation(q0: Floats, q: Floats, out: Floats) -> None:
 
 @kernel
 def support_directions(
-    axes: Floats, r0: Floats, q0: Floats, r: Floats, q: Floats, value: Floats, G: Floats, Z: Floats, psi: Floats
+    axes: Floats,
+    r0: Floats,
+    q0: Floats,
+    r: Floats,
+    q: Floats,
+    value: Floats,
+    G: Floats,
+    Z: Floats,
+    psi: Floats,
 ) -> None:
-    """Write the six measured components ``value``, their derivative ``G`` (rows) and dual directions ``Z`` (columns)."""
+    """Write the measured components ``value``, their derivative ``G`` (rows) and dual directions ``Z`` (columns)."""
     R = np.empty((3, 3))
     R0 = np.empty((3, 3))
     T = np.empty((3, 3))

@@ -266,9 +266,10 @@ class Rod(Described):
     def _usable(self, s: float, section: AnySection) -> None:
         """Refuse sections whose stiffness or mass is not a positive number in double precision."""
         try:
-            stiffness, damping, inertia = section.matrices(
-                self.material if isinstance(section, MaterialSection) else None
-            )
+            with np.errstate(all="ignore"):
+                stiffness, damping, inertia = section.matrices(
+                    self.material if isinstance(section, MaterialSection) else None
+                )
         except (OverflowError, ZeroDivisionError):
             stiffness = damping = inertia = np.full((6, 6), math.nan)
         except InputError as error:

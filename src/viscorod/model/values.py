@@ -18,6 +18,9 @@ from viscorod.model.described import Described, RefusedError, nearest, show
 NOT_GIVEN = math.nan
 """Default of a number that is worked out from others when it is not given (a user's NaN is refused)."""
 
+LARGEST = 1e60
+"""Numbers beyond it, or positive ones below 1/LARGEST, are refused: their products leave double precision."""
+
 Triple: TypeAlias = tuple[float, float, float]
 
 
@@ -31,6 +34,8 @@ def number(value: Any) -> float:
         converted = math.inf
     if not math.isfinite(converted):
         raise RefusedError("the number must be finite", "give a plain number such as 0.25")
+    if abs(converted) > LARGEST:
+        raise RefusedError("larger than any quantity in SI units", f"give a number below {LARGEST:g}")
     return converted
 
 
@@ -39,6 +44,8 @@ def _bounded(allowed: str, holds: Callable[[float], bool]) -> Callable[[Any], fl
         converted = number(value)
         if not holds(converted):
             raise RefusedError("outside what is allowed", f"give a number {allowed}")
+        if 0.0 < abs(converted) < 1.0 / LARGEST:
+            raise RefusedError("smaller than any quantity in SI units", f"give a number above {1.0 / LARGEST:g}")
         return converted
 
     return check
@@ -97,6 +104,8 @@ def direction(value: Any) -> Triple:
         raise RefusedError(
             "this vector has no direction", "give three numbers that are not all zero, such as [0, 0, 1]"
         )
+    if abs(size - 1.0) <= 4e-16:  # a unit vector read back from a file stays what it is
+        return x, y, z
     return x / size, y / size, z / size
 
 

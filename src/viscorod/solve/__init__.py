@@ -1,1 +1,1 @@
-"""How it is computed: discretisation, linear algebra, statics, transients, modes. Nothing here knows a formulation's formulas."""
+"""How it is computed: discretisation, linear algebra, statics, transients, modes."""

@@ -104,11 +104,13 @@ def _node(mesh: Mesh, place: Place) -> tuple[int, int] | None:
 
 def _supports(model: ModelDescription, mesh: Mesh) -> SupportSet:
     resolved: dict[int, list[ResolvedSupport]] = {}
+    places: dict[int, dict[str, None]] = {}
     for index, support in enumerate(model.supports):
         place = find_place(support.at, model.rods)
         found = _node(mesh, place)
         assert found is not None  # places of supports are element ends
         frame = model.rods[place.rod].frames([place.s])[1][0]
+        places.setdefault(found[0], {})[support.at] = None
         resolved.setdefault(found[0], []).append(support.resolve(f"supports[{index}]", place, frame))
     nodes = np.array(sorted(resolved), dtype=np.int64)
     axes = np.empty((len(nodes), 3, 3))
@@ -118,20 +120,20 @@ def _supports(model: ModelDescription, mesh: Mesh) -> SupportSet:
     for k, node in enumerate(nodes):
         group = resolved[int(node)]
         axes[k] = group[0].axes
-        names.append(" + ".join(s.label for s in group))
-        for support in group:
-            if np.abs(support.axes - axes[k]).max() > 1e-9:
+        names.append(" + ".join(places[node]))
+        for held in group:
+            if np.abs(held.axes - axes[k]).max() > 1e-9:
                 raise InputError(
                     Fault(
-                        support.path,
-                        support.label,
+                        held.path,
+                        held.label,
                         f"its axes differ from those of {group[0].label}, which holds the same place",
                         "hold the place by one support, or give both the same axes",
                     )
                 )
-            for word in support.held:
+            for word in held.held:
                 fixed[k, MOTIONS.index(word)] = 1.0
-            motions.extend((k, MOTIONS.index(word), motion) for word, motion in support.motion.items())
+            motions.extend((k, MOTIONS.index(word), motion) for word, motion in held.motion.items())
     return SupportSet(nodes, np.ascontiguousarray(axes), fixed, tuple(names), tuple(motions))
 
 
@@ -204,7 +206,7 @@ def _distributed(load: DistributedForce | DistributedMoment, name: str, mesh: Me
 def _times(
     model: ModelDescription, supports: SupportSet
 ) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
-    """Times at which loads or motions are not smooth, those at which the integrator must start anew, and load periods."""
+    """Times that steps must hit, those at which the integrator must start anew, and load periods."""
     corners: set[float] = set()
     jumps: set[float] = set()
     functions: list[TimeFunction | None] = [load.time for load in model.loads]

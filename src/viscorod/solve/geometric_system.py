@@ -180,7 +180,9 @@ class GeometricSystem:
             return np.concatenate(arrays)[self._order]
 
         rate = gather("strain_rate")
-        damping = np.concatenate([p.elements.damping[p.elements.section].reshape(-1, 6, 6) for p in self.parts])
+        damping = np.concatenate(
+            [p.elements.damping[p.elements.section].reshape(-1, 6, 6) for p in self.parts]
+        )
         dissipation = np.einsum("gi,gij,gj->g", rate, damping[self._order], rate)
         return GaussPoints(gather("strain"), rate, gather("section_force"), dissipation)
 
@@ -196,10 +198,6 @@ class GeometricSystem:
             return f"node {node}"
         rod = int(stations.rod[at[0]])
         s = float(stations.s[at[0]])
-        starts = np.sort(
-            np.concatenate([p.elements.start[p.elements.rod == rod] for p in self.parts])
-        )
+        starts = np.sort(np.concatenate([p.elements.start[p.elements.rod == rod] for p in self.parts]))
         element = int(np.searchsorted(starts, s, side="right"))
         return f"rod '{self.problem.rods[rod]}', element {element}, s = {s:.6g} m"
-
-

@@ -45,7 +45,9 @@ class ExternalLoads:
         self.problem = problem
         self._factors: tuple[float, ...] | None = None
         self._state: LoadState | None = None
-        self.last: LoadState = LoadState(np.empty(0, dtype=np.int64), np.empty((0, 6)), np.empty((0, 6)), np.zeros(3))
+        self.last: LoadState = LoadState(
+            np.empty(0, dtype=np.int64), np.empty((0, 6)), np.empty((0, 6)), np.zeros(3)
+        )
 
     def at(self, t: float, before: bool = False, scale: float = 1.0) -> LoadState:
         """Return the loads at time ``t`` [s] times ``scale``; ``before`` takes the limit from the left at jumps."""

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.spatial.transform import Rotation
 
-from viscorod.errors import InputError, Problem as Fault
+from viscorod.errors import InputError
+from viscorod.errors import Problem as Fault
 from viscorod.mechanics.basis import gauss, lagrange, lobatto
 from viscorod.mechanics.geometric import link_map
 from viscorod.model.rod import Rod
@@ -70,7 +73,8 @@ def quaternions_of(frames: Floats) -> Floats:
 def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> RodMesh:
     """Divide a rod into elements.
 
-    Elements end at ``breaks`` (sections change, supports, attachments); if the program chooses their number, at ``wishes``
+    Elements end at ``breaks`` (sections change, supports, attachments); if the program chooses their number, at
+    ``wishes``
     (point loads) too. The chosen mesh turns at most a quarter circle per element.
 
     Raises:
@@ -81,7 +85,7 @@ def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> Rod
     corners = _distinct([0.0, *breaks, *(wishes if rod.elements is None else []), length], length)
     spans = np.diff(corners)
     if rod.elements is None:
-        counts = np.array([_chosen(rod, a, b, order) for a, b in zip(corners[:-1], corners[1:], strict=True)])
+        counts = np.array([_chosen(rod, a, b, order) for a, b in pairwise(corners)])
         if len(counts) == 1:
             counts[0] = max(counts[0], 2)
     elif rod.elements < len(spans):
@@ -96,7 +100,13 @@ def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> Rod
     else:
         counts = _distribute(spans, rod.elements)
     ends = np.concatenate(
-        [[0.0], *(np.linspace(a, b, n + 1)[1:] for a, b, n in zip(corners[:-1], corners[1:], counts, strict=True))]
+        [
+            [0.0],
+            *(
+                np.linspace(a, b, n + 1)[1:]
+                for a, b, n in zip(corners[:-1], corners[1:], counts, strict=True)
+            ),
+        ]
     )
     inner = 0.5 * (lobatto(order)[0] + 1.0)
     s = (ends[:-1, None] + np.diff(ends)[:, None] * inner[None, :-1]).ravel()
@@ -107,7 +117,7 @@ def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> Rod
 
 def _distinct(stations: list[float], length: float) -> Floats:
     ordered = np.sort(np.clip(stations, 0.0, length))
-    return ordered[np.concatenate([[True], np.diff(ordered) > 1e-9 * length])]
+    return np.asarray(ordered[np.concatenate([[True], np.diff(ordered) > 1e-9 * length])])
 
 
 def _chosen(rod: Rod, a: float, b: float, order: int) -> int:
@@ -115,7 +125,9 @@ def _chosen(rod: Rod, a: float, b: float, order: int) -> int:
     samples = np.linspace(a, b, 65)
     for _ in range(3):
         _, frames = rod.frames(samples)
-        cosine = np.clip(np.einsum("nii->n", np.swapaxes(frames[:-1], 1, 2) @ frames[1:]) - 1.0, -2.0, 2.0) / 2.0
+        cosine = (
+            np.clip(np.einsum("nii->n", np.swapaxes(frames[:-1], 1, 2) @ frames[1:]) - 1.0, -2.0, 2.0) / 2.0
+        )
         angles = np.arccos(cosine)
         if angles.max() < 0.5:
             break
@@ -149,7 +161,8 @@ def join(rods: list[RodMesh], attachments: list[tuple[tuple[int, int], tuple[int
         root[root == high] = low
     keep, number = np.unique(root, return_inverse=True)
     links = -np.ones(total, dtype=np.int64)
-    offsets, turns = [], []
+    offsets: list[Floats] = []
+    turns: list[Floats] = []
     for k in np.flatnonzero(root != np.arange(total)):
         back = Rotation.from_quat(np.roll(quaternions[root[k]], -1)).inv()
         turn = back * Rotation.from_quat(np.roll(quaternions[k], -1))
@@ -230,7 +243,7 @@ def element_sets(mesh: Mesh) -> tuple[tuple[ElementSet, ...], Floats]:
     sets = []
     for order in sorted({m.order for m in mesh.rods}):
         table = SectionTable()
-        columns: dict[str, list[Floats]] = {k: [] for k in ("nodes", "links", "rod", "start", "half", "section")}
+        columns: dict[str, list[Any]] = {k: [] for k in ("nodes", "links", "rod", "start", "half", "section")}
         points, weights = gauss(order)
         lumps = lobatto(order)[1]
         for i, rod_mesh in enumerate(mesh.rods):
@@ -249,7 +262,9 @@ def element_sets(mesh: Mesh) -> tuple[tuple[ElementSet, ...], Floats]:
             else:
                 for e in range(len(start)):
                     for g in range(order):
-                        section[e, g] = table.add(*rod_mesh.rod.matrices_at(middle[e] + half[e] * points[g])[:2])
+                        section[e, g] = table.add(
+                            *rod_mesh.rod.matrices_at(middle[e] + half[e] * points[g])[:2]
+                        )
                     for k in range(order + 1):
                         # just inside the element: the section may change at its end
                         inside = middle[e] + half[e] * lobatto(order)[0][k] * (1.0 - 1e-9)
@@ -262,7 +277,9 @@ def element_sets(mesh: Mesh) -> tuple[tuple[ElementSet, ...], Floats]:
             ):
                 columns[key].append(column)
         shapes, slopes = lagrange(order, points)
-        joined = {key: np.ascontiguousarray(np.concatenate(value)) for key, value in columns.items()}
+        joined: dict[str, Any] = {
+            key: np.ascontiguousarray(np.concatenate(value)) for key, value in columns.items()
+        }
         sets.append(
             ElementSet(
                 order=order,

@@ -1,6 +1,7 @@
 """Small vibrations about an equilibrium: natural frequencies, damping ratios and shapes.
 
-The pencil ``s^2 M + s D + K`` is solved for ``1/(s - s0)``, so that the slow modes come out to full relative accuracy however
+The pencil ``s^2 M + s D + K`` is solved for ``1/(s - s0)``, so that the slow modes come out to full relative
+accuracy however
 stiff the fast ones are.
 """
 
@@ -79,7 +80,7 @@ def linearise(
 
 
 def natural_frequencies(linear: Linearisation, count: int) -> Floats:
-    """Return the ``count`` lowest undamped angular frequencies [rad/s]; rigid motions and unstable directions count as 0."""
+    """Return the ``count`` lowest undamped angular frequencies [rad/s]; rigid and unstable motions count as 0."""
     size = linear.mass.shape[0]
     count = min(count, size)
     K = 0.5 * (linear.stiffness + linear.stiffness.T)
@@ -93,9 +94,7 @@ def natural_frequencies(linear: Linearisation, count: int) -> Floats:
     else:
         solve = scipy.sparse.linalg.splu(shifted).solve
         operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=lambda x: solve(linear.mass @ x))
-        inverse = np.sort(
-            np.real(scipy.sparse.linalg.eigs(operator, count, return_eigenvectors=False))
-        )[::-1]
+        inverse = np.sort(np.real(scipy.sparse.linalg.eigs(operator, count, return_eigenvectors=False)))[::-1]
     values = 1.0 / inverse[:count] - shift
     values[values < 1e-4 * shift] = 0.0
     return np.asarray(np.sqrt(np.maximum(values, 0.0)))

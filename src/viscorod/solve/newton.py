@@ -12,25 +12,30 @@ from viscorod.typing import Floats
 
 
 class Outcome(Enum):
-    """How an iteration or a run ended; the value says what it means and what to try."""
+    """How an iteration or a run ended; the value says what it means."""
 
     CONVERGED = "converged"
     COMPLETED = "completed"
-    DIVERGED = (
-        "Newton's method diverged. Apply the load in smaller steps, refine the mesh where it bends most, "
-        "or check the size of the load against the stiffness"
-    )
-    SLOW = (
-        "Newton's method did not converge in the allowed iterations. Apply the load in smaller steps, "
-        "or check whether the structure buckles at this load"
-    )
-    SINGULAR = (
-        "the tangent matrix is singular. The structure can move freely or has reached a limit or bifurcation load: "
-        "add a support, or reduce the load"
-    )
-    NOT_FINITE = (
-        "a force became infinite or undefined. Check the magnitudes of loads, motions and stiffnesses"
-    )
+    DIVERGED = "Newton's method diverged"
+    SLOW = "Newton's method did not converge in the allowed iterations"
+    SINGULAR = "the tangent matrix is singular"
+    NOT_FINITE = "a force became infinite or undefined"
+
+    def advice(self, *, static: bool) -> str:
+        """What to try."""
+        if self is Outcome.NOT_FINITE:
+            return "check the magnitudes of loads, motions and stiffnesses, and what functions of time return"
+        if not static:
+            return (
+                "try a smaller time_step, a lower spectral_radius (more numerical damping of the highest frequencies), "
+                "or more elements where it bends most"
+            )
+        if self is Outcome.SINGULAR:
+            return "the structure moves freely, or this is a limit or bifurcation load: add a support, reduce the load"
+        return (
+            "give more load_steps, refine the mesh where it bends most, check the load against the stiffness, "
+            "or look for buckling below this load"
+        )
 
 
 @dataclass(frozen=True)
@@ -60,7 +65,8 @@ class NewtonReport:
 class Convergence:
     """Decides after each increment whether to stop: small increments of displacements (over the length) and rotations.
 
-    A residual test would ask for more digits than a slender rod has: the axial force of exact positions rounded to double
+    A residual test would ask for more digits than a slender rod has: the axial force of exact positions rounded to
+    double
     precision is EA times 1e-16, which may exceed any bending force. The increment is free of that, because the noise is
     balanced by displacements of the size of the rounding itself.
     """
@@ -75,7 +81,10 @@ class Convergence:
     def judge(self, increment: Floats, count: int) -> tuple[Outcome | None, float]:
         """Return the verdict (None: go on) and the size of ``increment`` (n, 6) after ``count`` iterations."""
         size = float(
-            max(np.abs(increment[:, :3]).max(initial=0.0) / self.length, np.abs(increment[:, 3:]).max(initial=0.0))
+            max(
+                np.abs(increment[:, :3]).max(initial=0.0) / self.length,
+                np.abs(increment[:, 3:]).max(initial=0.0),
+            )
         )
         if not np.isfinite(size):
             return Outcome.NOT_FINITE, size

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from viscorod.model.time_function import TimeFunction
 from viscorod.typing import Floats, Integers
 
 TimeFactor = Callable[[float, bool], float]
@@ -43,7 +44,7 @@ class SupportSet:
     axes: Floats
     fixed: Floats
     names: tuple[str, ...]
-    motions: tuple[tuple[int, int, object], ...]  # (support, component, time function)
+    motions: tuple[tuple[int, int, TimeFunction], ...]  # (support, component, time function)
 
     @property
     def complete(self) -> Integers:
@@ -70,7 +71,7 @@ class NodalLoad:
 
 @dataclass(frozen=True)
 class StationLoad:
-    """A concentrated wrench at an arc length of a rod, which may move; ``position(t)`` outside the rod means no load."""
+    """A concentrated wrench at an arc length of a rod, which may move; outside the rod it does not act."""
 
     name: str
     rod: int

@@ -145,7 +145,9 @@ class StaticSolver:
         residual = self.system.internal - self.system.external
         self.supports.impose(state, residual, self.system.band, tangent=False)
 
-    def tangent(self, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0) -> sparse.csr_array:
+    def tangent(
+        self, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0
+    ) -> sparse.csr_array:
         """Return the tangent stiffness at an equilibrium, restricted to the motions that the supports leave free.
 
         At an equilibrium of a conservative system it is symmetric; the number of its negative eigenvalues counts the

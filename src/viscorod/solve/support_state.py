@@ -35,9 +35,9 @@ class SupportState:
     def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
         """Evaluate all prescribed motions and their derivatives at time ``t`` [s]."""
         for k, component, motion in self.set.motions:
-            self.target[k, component] = scale * motion.value(t, before)  # type: ignore[attr-defined]
-            self.rate[k, component] = scale * motion.rate(t, before)  # type: ignore[attr-defined]
-            self.acceleration[k, component] = scale * motion.acceleration(t, before)  # type: ignore[attr-defined]
+            self.target[k, component] = scale * motion.value(t, before)
+            self.rate[k, component] = scale * motion.rate(t, before)
+            self.acceleration[k, component] = scale * motion.acceleration(t, before)
 
     def prescribe(self, state: State) -> None:
         """Put fully supported nodes at their prescribed pose and twist."""

@@ -25,7 +25,8 @@ def distinct(frequencies: Floats, tolerance: float = 0.01) -> Floats:
 def chosen_time_step(problem: Problem, frequencies: Floats, duration: float) -> float:
     """Return a step [s] that resolves the motion.
 
-    It is the smallest of 1/200 of the longest natural period, 1/20 of the third distinct one, 1/50 of the period of a harmonic
+    It is the smallest of 1/200 of the longest natural period, 1/20 of the third distinct one, 1/50 of the period
+    of a harmonic
     load or motion and 1/100 of the run.
 
     Args:

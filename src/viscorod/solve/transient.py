@@ -106,7 +106,7 @@ class Transient:
                 result.report = report
                 if not report.converged:
                     result.rejected += 1
-                    if level == HALVINGS or report.outcome is Outcome.NOT_FINITE and level > 4:
+                    if level == HALVINGS or (report.outcome is Outcome.NOT_FINITE and level > 4):
                         result.outcome, result.failed_at = report.outcome, target
                         return result
                     if level == 0:
@@ -133,7 +133,7 @@ class Transient:
         return result
 
     def _begin(self, t: float, state: State) -> None:
-        """Start or restart the integrator; the work of an impulse at a velocity jump of a support counts as external."""
+        """Start or restart the integrator; the impulse of a support whose velocity jumps counts as external work."""
         before = self.integrator.kinetic
         self.integrator.start(t, state)
         if t > 0.0:

@@ -11,9 +11,11 @@ from viscorod.solve.system import State
 class Integrator(Protocol):
     """Advances a :class:`~viscorod.solve.system.System` in time.
 
-    1. ``start(t, state)`` takes over a state, with the velocities of supports just after ``t``; it is called at the beginning
+    1. ``start(t, state)`` takes over a state, with the velocities of supports just after ``t``; it is called at
+    the beginning
        and after every instant at which a load or a prescribed motion jumps.
-    2. ``step(h)`` tries one step from ``t`` to ``t + h``. When it converges, ``t`` and ``state`` have moved and system and
+    2. ``step(h)`` tries one step from ``t`` to ``t + h``. When it converges, ``t`` and ``state`` have moved and
+    system and
        supports hold the forces and reactions there; otherwise nothing has changed.
     3. ``kinetic`` is the kinetic energy [J] at ``t``.
     """

@@ -1,14 +1,17 @@
 """Generalised-alpha on the Lie group, in poses and spatial momenta.
 
-The equations of motion are first order in the poses ``H`` (with ``H_t = H x1``) and the spatial momenta ``pi`` (with ``pi_t``
+The equations of motion are first order in the poses ``H`` (with ``H_t = H x1``) and the spatial momenta ``pi``
+(with ``pi_t``
 = resultant wrench about the origin). Both are advanced by the generalised-alpha method for first-order systems (Jansen,
 Whiting and Hulbert 2000), the poses on SE(3) by the exponential (as Bruels and Cardona 2010 do for the second-order
 method):
 
     D/h  = (1-g) xi_n + g xi_n+1      (1-am) xi_n+1 + am xi_n = (1-af) x1_n+1 + af x1_n       H_n+1 = H_n exp(D)
 
-and the same for ``pi`` with the wrenches in place of the twists. It is of second order, dissipates only high frequencies,
-``rho`` being the spectral radius at infinity, and keeps linear and angular momentum of a free body to round-off, because
+and the same for ``pi`` with the wrenches in place of the twists. It is of second order, dissipates only high
+frequencies,
+``rho`` being the spectral radius at infinity, and keeps linear and angular momentum of a free body to round-off,
+because
 internal forces have no spatial resultant and the scheme is linear in the momenta.
 """
 
@@ -19,8 +22,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from viscorod.mechanics import inertia
-from viscorod.mechanics.rotation import inverse_motion_tangent, retract
-from viscorod.solve.loads import ExternalLoads
+from viscorod.mechanics.rotation import add_mapped, inverse_motion_tangent, retract
+from viscorod.solve.loads import ExternalLoads, LoadState
 from viscorod.solve.newton import Convergence, NewtonReport, Outcome, SingularMatrixError, worst_node
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
@@ -37,8 +40,10 @@ class Coefficients:
 
     @classmethod
     def of(cls, rho: float) -> Coefficients:
-        """Second order and optimal dissipation (Jansen, Whiting and Hulbert 2000, in the convention of Bruels and Cardona)."""
-        return cls(mass=(3.0 * rho - 1.0) / (2.0 * (1.0 + rho)), force=rho / (1.0 + rho), gamma=1.0 / (1.0 + rho))
+        """Second order with optimal dissipation (Jansen et al. 2000, in the convention of Bruels and Cardona)."""
+        return cls(
+            mass=(3.0 * rho - 1.0) / (2.0 * (1.0 + rho)), force=rho / (1.0 + rho), gamma=1.0 / (1.0 + rho)
+        )
 
 
 @dataclass(frozen=True)
@@ -87,7 +92,9 @@ class GeneralizedAlpha:
         self.iterations = iterations
         n = system.problem.size
         self.t = 0.0
-        self.state = State(system.problem.positions.copy(), system.problem.quaternions.copy(), np.zeros((n, 6)))
+        self.state = State(
+            system.problem.positions.copy(), system.problem.quaternions.copy(), np.zeros((n, 6))
+        )
         self.kinetic = 0.0
         self._twist_mean: Floats = np.zeros((n, 6))  # xi
         self._momentum: Floats = np.zeros((n, 6))
@@ -177,31 +184,45 @@ class GeneralizedAlpha:
         count, imbalance, node = 0, 0.0, 0
         verdict: Outcome | None = None
         while verdict is None:
-            self._reach(new, increment, relation)
-            inverse_motion_tangent(increment, relation.slope, self._map)
-            self._map[self._held] = 0.0
-            system.assemble(new, loads, self._map, tangent=True, moving=True)
-            residual = self._residual(new, relation, tangent=True)
-            supports.impose(new, residual, system.band, tangent=True)
             try:
-                system.band.factorise()
+                residual, change = self.iterate(new, increment, relation, loads)
             except SingularMatrixError as error:
                 verdict, size, node = Outcome.SINGULAR, 0.0, error.row // 6
                 break
-            change = system.band.solve(-residual)
             count += 1
             verdict, size = convergence.judge(change, count)
             if verdict not in (None, Outcome.CONVERGED):
                 imbalance, node = worst_node(residual, system.problem.length)
-                break
-            increment += np.einsum("nij,nj->ni", self._map, change) / relation.slope
-            system.carry_stress(change)
         report = NewtonReport(verdict, count, size, imbalance, node)
         if report.converged:
             self._reach(new, increment, relation)
         else:
             self._undo()
         return Solution(report, new, increment, self._momentum)
+
+    def iterate(
+        self, new: State, increment: Floats, relation: Relation, loads: LoadState
+    ) -> tuple[Floats, Floats]:
+        """Do one Newton iteration: assemble where ``increment`` leads, factorise, solve, update ``increment``.
+
+        Returns:
+            the residual before and the change of the nodal poses, body frame, each ``(n, 6)``.
+
+        Raises:
+            SingularMatrixError: the matrix is singular.
+        """
+        system = self.system
+        self._reach(new, increment, relation)
+        inverse_motion_tangent(increment, relation.slope, self._map)
+        self._map[self._held] = 0.0
+        system.assemble(new, loads, self._map, tangent=True, moving=True)
+        residual = self._residual(new, relation, tangent=True)
+        self.supports.impose(new, residual, system.band, tangent=True)
+        system.band.factorise()
+        change = system.band.solve(-residual)
+        add_mapped(self._map, change, 1.0 / relation.slope, increment)
+        system.carry_stress(change)
+        return residual, change
 
     def _reach(self, new: State, increment: Floats, relation: Relation) -> None:
         """Poses and twists that belong to an increment."""

@@ -1,0 +1,155 @@
+"""What a model is before it is solved: sizes, stiffness and damping, first modes, doubts about validity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viscorod.mechanics import geometric
+from viscorod.mechanics.compiled import announce_compilation
+from viscorod.model.description import ModelDescription
+from viscorod.model.rod import Rod
+from viscorod.model.section import MaterialSection
+from viscorod.solve.discretise import discretise
+from viscorod.solve.formulations import FORMULATIONS
+from viscorod.solve.modes import complex_modes, linearise
+from viscorod.solve.problem import Problem
+from viscorod.solve.rigid import free_motions
+from viscorod.solve.static import StaticSolver
+from viscorod.solve.support_state import SupportState
+from viscorod.solve.system import State
+from viscorod.typing import Floats
+
+MODES = 6
+THICK = 0.1
+"""Half width times curvature above which a rod is no slender rod any more (LLT 2.2: much smaller than 1)."""
+QUICK = 0.5
+"""First angular frequency times retardation time above which Kelvin-Voigt is doubtful (LLT 2.6)."""
+
+COMPONENTS = ("shear 1", "shear 2", "stretch", "bend 1", "bend 2", "twist")
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """The model in tables.
+
+    Attributes:
+        rods: name, length [m], mass [kg], elements, order of every rod.
+        sections: stiffness [N, N m^2] and retardation time [s] of every strain, at the start of every rod and
+            where it changes.
+        frequencies: of the first small vibrations about the unloaded shape [Hz]; damping_ratios: of the same.
+        warnings: doubts, one sentence each.
+        nodes, unknowns: size of the discretised model.
+    """
+
+    rods: list[dict[str, object]]
+    sections: list[dict[str, object]]
+    frequencies: Floats
+    damping_ratios: Floats
+    warnings: list[str]
+    nodes: int
+    unknowns: int
+
+
+def check(model: ModelDescription) -> CheckReport:
+    """Validate a model and describe it.
+
+    Raises:
+        InputError: the model is inconsistent.
+    """
+    problem = discretise(model)
+    announce_compilation(geometric.assemble)
+    system = FORMULATIONS["geometric"](problem)
+    solver = StaticSolver(system, SupportState(problem))
+    n = problem.size
+    state = State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((n, 6)))
+    modes = complex_modes(solver, state, linearise(solver, state, scale=0.0), 2 * MODES)
+    moving = modes.frequencies > 1e-6 * modes.frequencies.max(initial=0.0)
+    frequencies, ratios = modes.frequencies[moving][:MODES], modes.damping_ratios[moving][:MODES]
+    warnings = [text for name, rod in model.rods.items() for text in _rod_warnings(name, rod)]
+    warnings += _motion_warnings(problem, model, frequencies)
+    return CheckReport(
+        rods=[_rod_row(problem, name, rod) for name, rod in model.rods.items()],
+        sections=[row for name, rod in model.rods.items() for row in _section_rows(name, rod)],
+        frequencies=frequencies,
+        damping_ratios=ratios,
+        warnings=warnings,
+        nodes=n,
+        unknowns=6 * n - int(problem.supports.fixed.sum()),
+    )
+
+
+def _rod_row(problem: Problem, name: str, rod: Rod) -> dict[str, object]:
+    index = problem.rods.index(name)
+    part = next(s for s in problem.sets if (s.rod == index).any())
+    elements = int(np.count_nonzero(part.rod == index))
+    stations = np.linspace(0.0, rod.length, 201)
+    inner = np.clip(stations, 1e-9 * rod.length, (1 - 1e-9) * rod.length)
+    line_mass = np.array([rod.matrices_at(float(s))[2][0, 0] for s in inner])
+    return {
+        "rod": name,
+        "length [m]": rod.length,
+        "mass [kg]": float(np.trapezoid(line_mass, stations)),
+        "elements": elements,
+        "order": part.order,
+    }
+
+
+def _section_rows(name: str, rod: Rod) -> list[dict[str, object]]:
+    rows = []
+    for s in (0.0, *rod.section_breaks):
+        C, D, M = rod.matrices_at(s)
+        row: dict[str, object] = {"section": f"{name}@{s:.6g}", "mass per length [kg/m]": float(M[0, 0])}
+        for i, component in enumerate(COMPONENTS):
+            row[f"{component} stiffness [{'N' if i < 3 else 'N m2'}]"] = float(C[i, i])
+        for i, component in enumerate(COMPONENTS):
+            row[f"{component} time [s]"] = float(D[i, i] / C[i, i])
+        rows.append(row)
+    return rows
+
+
+def _rod_warnings(name: str, rod: Rod) -> list[str]:
+    """Slenderness of the reference shape: half width times curvature (LLT 2.2)."""
+    s = np.linspace(0.0, rod.length, 201)
+    _, frames = rod.frames(s)
+    tangents = frames[:, :, 2]
+    curvature = np.linalg.norm(np.diff(tangents, axis=0), axis=1) / np.diff(s)
+    warnings = []
+    section = rod.section_at(0.0)
+    half = section.half_width if isinstance(section, MaterialSection) else None
+    if half is not None:
+        worst = float(half * curvature.max())
+        if worst > THICK:
+            warnings.append(
+                f"rod {name}: half width times curvature of the reference shape is {worst:.2g}; "
+                "a rod model is meant for values much smaller than 1"
+            )
+        if half > 0.1 * rod.length:
+            warnings.append(
+                f"rod {name}: its half width is {half / rod.length:.2g} of its length; "
+                "a rod model is meant for slender bodies"
+            )
+    if isinstance(section, MaterialSection):
+        warnings.extend(f"rod {name}: {remark}" for remark in section.remarks())
+    return warnings
+
+
+def _motion_warnings(problem: Problem, model: ModelDescription, frequencies: Floats) -> list[str]:
+    """Retardation times against the slowest motion (LLT 2.6), and motions that nothing holds."""
+    warnings = [
+        f"nothing holds the model against {motion.text}: "
+        "it has no static equilibrium under loads that drive this motion"
+        for motion in free_motions(problem)
+    ]
+    if len(frequencies):
+        omega = 2 * np.pi * float(frequencies[0])
+        for name, rod in model.rods.items():
+            C, D, _ = rod.matrices_at(0.0)
+            time = float(np.max(np.diag(D) / np.diag(C)))
+            if omega * time > QUICK:
+                warnings.append(
+                    f"rod {name}: first angular frequency times longest retardation time is {omega * time:.2g}; "
+                    "Kelvin-Voigt damping is meant for motions much slower than the material's relaxation"
+                )
+    return warnings

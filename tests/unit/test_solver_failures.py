@@ -1,0 +1,144 @@
+"""What happens when no solution is found: messages say where and why, results up to there are kept."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+
+
+def rod(**given):
+    section = vr.StiffnessSection([1e3, 1e3, 1e3, 1, 1, 1], [1, 1, 1, 1e-2, 1e-2, 2e-2])
+    return vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=2, order=3, **given)
+
+
+def model_of(*supports):
+    model = vr.Model()
+    model.add("beam", rod())
+    for support in supports:
+        model.support("beam.start", support)
+    return model
+
+
+def test_free_rod_has_no_equilibrium():
+    model = model_of()
+    model.force("beam.end", (1, 0, 0))
+    with pytest.raises(vr.InputError) as error:
+        model.equilibrium()
+    for motion in (
+        "translation along x", "translation along y", "translation along z",
+        "rotation about x", "rotation about y", "rotation about z",
+    ):  # fmt: skip
+        assert motion in str(error.value)
+    assert "initial = 'reference'" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("fixed", "free"),
+    [
+        (("ux", "uy", "uz"), ["rotation about x", "rotation about y", "rotation about z"]),
+        (("ux", "uy", "uz", "rx", "ry"), ["rotation about z through (0, 0, 0)"]),
+        (("uy", "uz", "rx", "ry", "rz"), ["translation along x"]),
+    ],
+)
+def test_free_motions_are_named(fixed, free):
+    model = model_of(fixed)
+    model.force("beam.end", (1, 1, 0))
+    with pytest.raises(vr.InputError) as error:
+        model.equilibrium()
+    for motion in free:
+        assert motion in str(error.value)
+    assert str(error.value).count("translation") + str(error.value).count("rotation about") == len(free)
+
+
+def test_free_rod_of_an_assembly_is_named():
+    model = model_of(("ux", "uy", "uz", "rx", "ry", "rz"))
+    section = vr.StiffnessSection([1e3, 1e3, 1e3, 1, 1, 1], [1, 1, 1, 1e-2, 1e-2, 2e-2])
+    model.add("loose", vr.Rod.straight((0, 2, 0), (1, 2, 0), section=section))
+    with pytest.raises(vr.InputError, match="translation along x of loose"):
+        model.equilibrium()
+
+
+def test_simulation_of_a_free_rod_needs_no_equilibrium():
+    """Without load the reference shape is an equilibrium; with a load that drives a free motion there is none."""
+    assert model_of().simulate(0.1, time_step=0.05).outcome == "completed"
+    model = model_of()
+    model.force("beam.end", (1, 0, 0), until=0.0)
+    with pytest.raises(vr.InputError, match="translation along x"):
+        model.simulate(0.1)
+
+
+def test_hanging_pendulum_is_held_by_its_weight():
+    """A rod that hangs from a pin is in equilibrium: gravity does no work on the rotations that the pin leaves free."""
+    model = vr.Model()
+    section = vr.StiffnessSection([1e3, 1e3, 1e3, 1, 1, 1], [1, 1, 1, 1e-2, 1e-2, 2e-2])
+    model.add("rod", vr.Rod.straight((0, 0, 0), (0, 0, -1), section=section, elements=2, order=3))
+    model.support("rod.start", ("ux", "uy", "uz", "rz"))
+    model.gravity((0, 0, -10.0))
+    run = model.simulate(0.2, time_step=0.02)
+    stretch = 10.0 / 2 / 1e3
+    assert run.history("rod.end", "displacement").values[0] == pytest.approx([0, 0, -stretch], abs=1e-9)
+    assert run.history("rod.end", "displacement").values[-1] == pytest.approx([0, 0, -stretch], abs=1e-9)
+
+
+def test_static_failure_tells_load_place_and_advice():
+    """A following end force beyond any equilibrium that load steps can reach: partial results are kept."""
+    model = model_of(("ux", "uy", "uz", "rx", "ry", "rz"))
+    model.distributed_force("beam", lambda s: (0.0, 4e4 * s, 0.0))
+    model.moment("beam.end", (3e5, 0, 2e5))
+    with pytest.raises(vr.SolveError) as error:
+        model.equilibrium()
+    text = str(error.value)
+    assert "of the loads" in text
+    assert "rod 'beam', element" in text
+    assert "s = " in text
+    assert "load_steps" in text
+    partial = error.value.run
+    assert partial is None or np.isfinite(partial.data["position"].values).all()
+    if partial is not None:
+        assert float(partial.load_factor[-1]) < 1.0
+
+
+def test_transient_failure_keeps_what_was_computed(tmp_path):
+    """A load that explodes: the message names the time, and the run up to there can be saved and read."""
+    model = model_of(("ux", "uy", "uz", "rx", "ry", "rz"))
+    model.force("beam.end", (0, 1.0, 0), time=lambda t: 1.0 if t < 0.5 else 1e12 * (t - 0.5))
+    with pytest.raises(vr.SolveError) as error:
+        model.simulate(1.0, time_step=0.01)
+    assert "t = 0.5" in str(error.value)
+    assert "time_step" in str(error.value)
+    run = error.value.run
+    assert run.outcome != "completed"
+    assert run.time[-1] >= 0.49
+    again = vr.load(run.save(tmp_path / "run.nc"))
+    assert np.isfinite(again.data["position"].values).all()
+    assert again.report()
+
+
+def test_undefined_load_is_reported_at_its_time():
+    model = model_of(("ux", "uy", "uz", "rx", "ry", "rz"))
+    model.force("beam.end", (0, 1.0, 0), time=lambda t: 0.0 if t < 0.3 else float("nan"))
+    with pytest.raises((vr.SolveError, vr.InputError)) as error:
+        model.simulate(1.0, time_step=0.01, initial="reference")
+    assert "0.3" in str(error.value)
+
+
+def test_halved_steps_are_reported():
+    """A hard shock: steps are halved until they converge and the run says so."""
+    model = model_of(("ux", "uy", "uz", "rx", "ry", "rz"))
+    model.moment("beam.end", (0, 0, 60.0), time=vr.Table([0, 0.2, 0.2], [0, 0, 1]), following=True)
+    run = model.simulate(0.6, time_step=0.2, initial="reference")
+    assert run.outcome == "completed"
+    assert run.data.attrs["rejected"] > 0
+    assert "halved" in run.report()
+
+
+def test_too_few_elements_for_the_supports():
+    model = vr.Model()
+    section = vr.StiffnessSection([1e3, 1e3, 1e3, 1, 1, 1], [1, 1, 1, 1e-2, 1e-2, 2e-2])
+    model.add("beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=1))
+    model.clamp("beam.start")
+    model.support("beam@0.4", ("uy",))
+    with pytest.raises(vr.InputError, match=r"rods.beam.elements: 1: too few.*at least 2"):
+        model.equilibrium()
