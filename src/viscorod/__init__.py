@@ -12,7 +12,7 @@ from viscorod.errors import InputError, SolveError
 
 if TYPE_CHECKING:
     from viscorod.analysis import Model
-    from viscorod.cases import load_case
+    from viscorod.cases.case import load_case
     from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
     from viscorod.model.material import KelvinVoigt, Material
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 # Where each name lives; the imports above tell type checkers the same.
 _HOMES = {
     "analysis": ("Model",),
-    "cases": ("load_case",),
+    "cases.case": ("load_case",),
     "model.centreline": ("Arc", "Curve", "Helix", "Points", "Straight"),
     "model.load": ("DistributedForce", "DistributedMoment", "Force", "Gravity", "Moment", "MovingForce"),
     "model.material": ("KelvinVoigt", "Material"),

@@ -61,13 +61,13 @@ def run(
     with _readable_errors():
         from viscorod.analysis import check as check_model
         from viscorod.analysis import run_case
-        from viscorod.cases import load_case
+        from viscorod.cases.case import load_case
         from viscorod.model.settings import SimulateSettings
         from viscorod.progress import reporting
 
         loaded = load_case(_existing(case))
         folder = output or Path("out") / case.stem
-        for warning in check_model(loaded.model).warnings:
+        for warning in check_model(loaded.description).warnings:
             typer.echo(f"warning: {warning}", err=True)
         settings = loaded.settings
         static = not isinstance(settings, SimulateSettings)
@@ -90,10 +90,10 @@ def check(case: CaseFile) -> None:
     """Validate a case and print its model: sizes, sections, first modes, doubts about validity."""
     with _readable_errors():
         from viscorod.analysis import check as check_model
-        from viscorod.cases import load_case
+        from viscorod.cases.case import load_case
 
         loaded = load_case(_existing(case))
-        typer.echo(_check_text(check_model(loaded.model)))
+        typer.echo(_check_text(check_model(loaded.description)))
 
 
 @app.command()
@@ -168,7 +168,7 @@ def _write(result: Run | Equilibrium, folder: Path) -> list[Path]:
 
 def _check_text(report: CheckReport) -> str:
     modes = [
-        {"mode": str(number), "frequency [Hz]": frequency, "damping ratio": ratio}
+        {"mode": str(number), "frequency [Hz]": frequency, "damping ratio": round(ratio, 10) + 0.0}
         for number, (frequency, ratio) in enumerate(
             zip(report.frequencies, report.damping_ratios, strict=True), 1
         )

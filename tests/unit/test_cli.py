@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import viscorod as vr
 import viscorod.analysis
-import viscorod.cases
+import viscorod.cases.case
 from synthetic import rolled_up, swing
 from viscorod.cases.shipped import shipped_case
 from viscorod.cli import app
@@ -49,8 +49,8 @@ def solving(monkeypatch):
                 raise outcome
             return outcome
 
-        case = SimpleNamespace(model=None, settings=settings)
-        monkeypatch.setattr(viscorod.cases, "load_case", lambda path: case)
+        case = SimpleNamespace(description=None, settings=settings)
+        monkeypatch.setattr(viscorod.cases.case, "load_case", lambda path: case)
         monkeypatch.setattr(viscorod.analysis, "check", lambda model: REPORT)
         monkeypatch.setattr(viscorod.analysis, "run_case", run_case)
 

@@ -133,7 +133,7 @@ def test_numbers_and_tables_are_functions_of_time():
         (lambda: Table([0, 1, 1, 1], [1, 2, 3, 4]), "Table.times[3]", "three times"),
         (lambda: Table([0, "x"], [1, 2]), "Table.times[1]", "number"),
         (lambda: Table([0, 1], [1, 2], "quadratic"), "Table.interpolation", "'linear', 'cubic'"),
-        (lambda: Table([0, 1e-300], [1e300, -1e300]), "Table", "change the units"),
+        (lambda: Table([0, 1e-280], [1e59, -1e59]), "Table", "change the units"),
         (lambda: time_function("ramp"), "", "function of time"),
         (lambda: time_function(True), "", "function of time"),
         (lambda: time_function({"kind": "rmap"}), "kind", "did you mean 'ramp'"),

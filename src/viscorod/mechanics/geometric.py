@@ -18,11 +18,17 @@ and twists
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
 from viscorod.mechanics.compiled import kernel
 from viscorod.mechanics.rotation import add_skew, quaternion_product, rotate, rotation_matrix
 from viscorod.typing import Floats, Integers
+
+RateWork: TypeAlias = tuple[Floats, Floats, Floats, Floats, Floats, Floats, Floats]
+StiffnessWork: TypeAlias = tuple[Floats, Floats, Floats, Floats, Floats, Floats, Floats, Floats]
+"""Scratch arrays, allocated once per assembly."""
 
 
 @kernel
@@ -156,13 +162,15 @@ def strain_rate_operator(
     Q: Floats,
     L: Floats,
     twist: Floats,
+    work: RateWork,
     E: Floats,
 ) -> None:
     """Write ``E`` (6, 6 m), the change of the strain rate ``B x1`` per nodal increment at constant ``twist (m, 6)``."""
     m = p.shape[0]
-    c = np.zeros(3)
-    y = np.zeros(4)
-    b = np.zeros(4)
+    c, y, b, Vy, Uy, Ub, W = work
+    c[:] = 0.0
+    y[:] = 0.0
+    b[:] = 0.0
     for k in range(m):
         for i in range(3):
             for j in range(3):
@@ -174,9 +182,6 @@ def strain_rate_operator(
     yv = y[1:4]
     bv = b[1:4]
     dot = yv[0] * V[0] + yv[1] * V[1] + yv[2] * V[2]
-    Vy = np.zeros((3, 4))
-    Uy = np.zeros((3, 4))
-    Ub = np.zeros((3, 4))
     for i in range(3):
         i1, i2 = (i + 1) % 3, (i + 2) % 3
         Vy[i, 0] = 2.0 * (yv[i1] * V[i2] - yv[i2] * V[i1])
@@ -187,6 +192,7 @@ def strain_rate_operator(
         for j in range(3):
             Vy[i, 1 + j] = -4.0 * V[i] * yv[j] + 2.0 * yv[i] * V[j]
             Uy[i, 1 + j] = -2.0 * U[i] * yv[j]
+            Ub[i, 1 + j] = 0.0
         Vy[i, 1 + i] += 2.0 * dot
         Uy[i, 1 + i] += 4.0 * z0 * y[0] - 2.0 * b[0]
         Ub[i, 1 + i] = -2.0 * y[0]
@@ -195,7 +201,6 @@ def strain_rate_operator(
     add_skew(U, -2.0 * y[0], Uy[:, 1:4])
     add_skew(bv, 2.0, Uy[:, 1:4])
     add_skew(yv, -2.0, Ub[:, 1:4])
-    W = np.empty((4, 3))
     for k in range(m):
         s, n = slope[k], shape[k]
         col = 6 * k
@@ -251,6 +256,7 @@ def add_geometric_stiffness(
     Q: Floats,
     L: Floats,
     S: Floats,
+    work: StiffnessWork,
     KT: Floats,
 ) -> None:
     """Add ``weight`` times the derivative of ``B^T S`` at constant ``S`` to ``KT`` (transposed, 6 m x 6 m)."""
@@ -259,9 +265,8 @@ def add_geometric_stiffness(
     M = S[3:6]
     MU = M[0] * U[0] + M[1] * U[1] + M[2] * U[2]
     NV = N[0] * V[0] + N[1] * V[1] + N[2] * V[2]
-    Hyy = np.zeros((4, 4))
-    Hby = np.zeros((4, 4))
-    F = np.zeros(4)
+    Hyy, Hby, F, Gy, Gb, Gc, f, g = work
+    Hby[:, :] = 0.0
     Hyy[0, 0] = 2.0 * MU
     F[0] = -MU
     for i in range(3):
@@ -277,11 +282,6 @@ def add_geometric_stiffness(
         Hby[0, 1 + i] = -2.0 * M[i]
         F[1 + i] = 2.0 * (N[i1] * V[i2] - N[i2] * V[i1]) - 2.0 * z0 * M[i] + M[i1] * U[i2] - M[i2] * U[i1]
     add_skew(M, -2.0, Hby[1:4, 1:4])
-    Gy = np.empty((4, 3))
-    Gb = np.empty((4, 3))
-    Gc = np.empty((3, 3))
-    f = np.empty(3)
-    g = np.empty(4)
     for j in range(m):
         sj, nj = slope[j] * weight, shape[j] * weight
         for a in range(4):
@@ -469,6 +469,25 @@ def assemble(
     KT = np.empty((size, size))  # transposed element matrix: material part, then geometric part
     GT = np.empty((size, size))
     X = np.empty((m, 6, 6))
+    rate_work = (
+        np.empty(3),
+        np.empty(4),
+        np.empty(4),
+        np.empty((3, 4)),
+        np.empty((3, 4)),
+        np.empty((3, 4)),
+        np.empty((4, 3)),
+    )
+    stiffness_work = (
+        np.empty((4, 4)),
+        np.empty((4, 4)),
+        np.empty(4),
+        np.empty((4, 3)),
+        np.empty((4, 3)),
+        np.empty((3, 3)),
+        np.empty(3),
+        np.empty(4),
+    )
     viscous = damped and moving
     for e in range(nodes.shape[0]):
         element_poses(nodes[e], links[e], link_positions, link_quaternions, r, q, re, qe)
@@ -540,7 +559,7 @@ def assemble(
                         for j in range(size):
                             A[i, j] += c * B[a, j]
             if viscous:
-                strain_rate_operator(shape, slope, V, U, z0, p, Q, L, te, E)
+                strain_rate_operator(shape, slope, V, U, z0, p, Q, L, te, rate_work, E)
                 for k in range(m):
                     col = 6 * k
                     if links[e, k] >= 0:
@@ -562,7 +581,7 @@ def assemble(
                     t = weight * A[a, j]
                     for i in range(size):
                         KT[j, i] += t * B[a, i]
-            add_geometric_stiffness(weight, shape, slope, V, U, z0, p, Q, L, stress[e, g], GT)
+            add_geometric_stiffness(weight, shape, slope, V, U, z0, p, Q, L, stress[e, g], stiffness_work, GT)
         if linked and with_tangent:
             for k in range(m):
                 if links[e, k] >= 0:

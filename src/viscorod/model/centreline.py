@@ -339,13 +339,15 @@ class Points(_Parametric):
 
         points = np.array(self.points)
         chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        knots = np.concatenate([[0.0], np.cumsum(chords)])
-        if not np.isfinite(knots).all() or not (np.diff(knots) > 1e-9 * knots[-1]).all():
+        if chords.min() < 1e-6 * chords.max():
+            index = int(chords.argmin()) + 1
             raise RefusedError(
-                "some points are closer than a billionth of the length of the curve, or too far apart",
-                "leave some of them out",
-                at=("points",),
+                "this point is closer to the one before than a millionth of the longest distance",
+                "leave one of the two out",
+                found=show(self.points[index]),
+                at=("points", index),
             )
+        knots = np.concatenate([[0.0], np.cumsum(chords / chords.mean())])
         spline = CubicSpline(knots, points)
         first, second = spline.derivative(), spline.derivative(2)
         return SmoothCurve(lambda u: (spline(u), first(u), second(u)), knots)

@@ -44,11 +44,19 @@ def _bounded(allowed: str, holds: Callable[[float], bool]) -> Callable[[Any], fl
         converted = number(value)
         if not holds(converted):
             raise RefusedError("outside what is allowed", f"give a number {allowed}")
-        if 0.0 < abs(converted) < 1.0 / LARGEST:
-            raise RefusedError("smaller than any quantity in SI units", f"give a number above {1.0 / LARGEST:g}")
         return converted
 
     return check
+
+
+def positive(value: Any) -> float:
+    """`value` as a float > 0 that is not absurdly small."""
+    converted = number(value)
+    if converted <= 0.0:
+        raise RefusedError("outside what is allowed", "give a number > 0")
+    if converted < 1.0 / LARGEST:
+        raise RefusedError("smaller than any quantity in SI units", f"give a number above {1.0 / LARGEST:g}")
+    return converted
 
 
 def whole_number(low: int, high: int) -> Callable[[Any], int]:
@@ -187,15 +195,13 @@ def choose(
 
 
 Number = Annotated[float, BeforeValidator(number)]
-Positive = Annotated[float, BeforeValidator(_bounded("> 0", lambda x: x > 0.0))]
+Positive = Annotated[float, BeforeValidator(positive)]
 NonNegative = Annotated[float, BeforeValidator(_bounded(">= 0", lambda x: x >= 0.0))]
 UnitInterval = Annotated[float, BeforeValidator(_bounded("from 0 to 1", lambda x: 0.0 <= x <= 1.0))]
 PoissonsRatio = Annotated[
     float, BeforeValidator(_bounded("> -1 and <= 0.5 (0.5 is incompressible)", lambda x: -1.0 < x <= 0.5))
 ]
-OptionalPositive = Annotated[
-    float | None, BeforeValidator(optional(_bounded("> 0, or leave the key out", lambda x: x > 0.0)))
-]
+OptionalPositive = Annotated[float | None, BeforeValidator(optional(positive))]
 OptionalNonNegative = Annotated[
     float | None, BeforeValidator(optional(_bounded(">= 0, or leave the key out", lambda x: x >= 0.0)))
 ]
