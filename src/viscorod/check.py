@@ -13,7 +13,7 @@ from viscorod.model.rod import Rod
 from viscorod.model.section import MaterialSection
 from viscorod.solve.discretise import discretise
 from viscorod.solve.formulations import FORMULATIONS
-from viscorod.solve.modes import complex_modes, linearise
+from viscorod.solve.modes import complex_modes, linearise, natural_frequencies
 from viscorod.solve.problem import Problem
 from viscorod.solve.rigid import free_motions
 from viscorod.solve.static import StaticSolver
@@ -58,26 +58,49 @@ def check(model: ModelDescription) -> CheckReport:
     Raises:
         InputError: the model is inconsistent.
     """
-    problem = discretise(model)
-    announce_compilation(geometric.assemble)
-    system = FORMULATIONS["geometric"](problem)
-    solver = StaticSolver(system, SupportState(problem))
+    problem, solver, state = _prepared(model)
     n = problem.size
-    state = State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((n, 6)))
     modes = complex_modes(solver, state, linearise(solver, state, scale=0.0), 2 * MODES)
     moving = modes.frequencies > 1e-6 * modes.frequencies.max(initial=0.0)
     frequencies, ratios = modes.frequencies[moving][:MODES], modes.damping_ratios[moving][:MODES]
-    warnings = [text for name, rod in model.rods.items() for text in _rod_warnings(name, rod)]
-    warnings += _motion_warnings(problem, model, frequencies)
     return CheckReport(
         rods=[_rod_row(problem, name, rod) for name, rod in model.rods.items()],
         sections=[row for name, rod in model.rods.items() for row in _section_rows(name, rod)],
         frequencies=frequencies,
         damping_ratios=ratios,
-        warnings=warnings,
+        warnings=_doubts(model, problem, frequencies),
         nodes=n,
         unknowns=6 * n - int(problem.supports.fixed.sum()),
     )
+
+
+def doubts(model: ModelDescription) -> list[str]:
+    """Return the warnings of :func:`check` without the rest, quickly.
+
+    Raises:
+        InputError: the model is inconsistent.
+    """
+    problem, solver, state = _prepared(model)
+    linear = linearise(solver, state, scale=0.0)
+    frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
+    return _doubts(model, problem, frequencies[frequencies > 0.0])
+
+
+def _prepared(model: ModelDescription) -> tuple[Problem, StaticSolver, State]:
+    problem = discretise(model)
+    announce_compilation(geometric.assemble)
+    solver = StaticSolver(FORMULATIONS["geometric"](problem), SupportState(problem))
+    return (
+        problem,
+        solver,
+        State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((problem.size, 6))),
+    )
+
+
+def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats) -> list[str]:
+    """Doubts about the rods, and about motions of the given frequencies [Hz, increasing]."""
+    warnings = [text for name, rod in model.rods.items() for text in _rod_warnings(name, rod)]
+    return warnings + _motion_warnings(problem, model, frequencies)
 
 
 def _rod_row(problem: Problem, name: str, rod: Rod) -> dict[str, object]:

@@ -59,15 +59,15 @@ def run(
 ) -> None:
     """Compute a case; write data and pictures, print a report."""
     with _readable_errors():
-        from viscorod.analysis import check as check_model
         from viscorod.analysis import run_case
         from viscorod.cases.case import load_case
+        from viscorod.check import doubts
         from viscorod.model.settings import SimulateSettings
         from viscorod.progress import reporting
 
         loaded = load_case(_existing(case))
         folder = output or Path("out") / case.stem
-        for warning in check_model(loaded.description).warnings:
+        for warning in doubts(loaded.description):
             typer.echo(f"warning: {warning}", err=True)
         settings = loaded.settings
         static = not isinstance(settings, SimulateSettings)

@@ -69,6 +69,13 @@ def rotate_back(q: Floats, a: Floats, out: Floats) -> None:
 
 
 @kernel
+def rotate_rows(q: Floats, vectors: Floats, out: Floats) -> None:
+    """Write ``R(q_k) a_k`` for every row into ``out (n, 3)``."""
+    for k in range(q.shape[0]):
+        rotate(q[k], vectors[k], out[k])
+
+
+@kernel
 def quaternion_product(p: Floats, q: Floats, out: Floats) -> None:
     """Write the quaternion product ``p q`` into ``out`` (which must be neither)."""
     out[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]

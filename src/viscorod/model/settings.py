@@ -32,7 +32,7 @@ class SimulateSettings(Described):
         "equilibrium"
     )
     integrator: Annotated[Literal["generalized_alpha"], one_of("generalized_alpha")] = "generalized_alpha"
-    spectral_radius: UnitInterval = 0.9
+    spectral_radius: UnitInterval = 0.6
     output_interval: OptionalPositive = None
 
     @model_validator(mode="after")

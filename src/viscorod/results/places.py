@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results.quaternion import mean
+from viscorod.mechanics.quaternion import mean
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:

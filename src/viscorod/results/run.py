@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.mechanics.quaternion import conjugate, product, rotation_vector
 from viscorod.results.decrement import Decrement, decrement, hermite
 from viscorod.results.energy import Energy
-from viscorod.results.quaternion import conjugate, product, rotation_vector
 from viscorod.results.result import Result
 from viscorod.results.schema import AXES
 from viscorod.typing import Floats

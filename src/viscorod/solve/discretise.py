@@ -9,6 +9,7 @@ import numpy as np
 from viscorod.errors import InputError
 from viscorod.errors import Problem as Fault
 from viscorod.mechanics.basis import gauss, lagrange
+from viscorod.mechanics.quaternion import matrices
 from viscorod.model.description import ModelDescription
 from viscorod.model.load import (
     AnyLoad,
@@ -22,7 +23,6 @@ from viscorod.model.load import (
 from viscorod.model.place import Place, find_place
 from viscorod.model.support import MOTIONS, ResolvedSupport
 from viscorod.model.time_function import Sine, TimeFunction
-from viscorod.solve.history import matrices
 from viscorod.solve.mesh import Mesh, divide, element_nodes, element_sets, join, link_matrix, stations_of
 from viscorod.solve.problem import NodalLoad, Problem, StationLoad, SupportSet
 from viscorod.typing import Floats, Integers

@@ -8,7 +8,8 @@ import numpy as np
 
 from viscorod.mechanics import inertia
 from viscorod.mechanics.geometric import link_map
-from viscorod.mechanics.rotation import rotation_matrix
+from viscorod.mechanics.quaternion import product
+from viscorod.mechanics.rotation import rotate_rows
 from viscorod.solve.problem import Problem
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
@@ -37,29 +38,15 @@ class StationReader:
         r, q, twist = state.r[self.nodes], state.q[self.nodes], state.twist[self.nodes]
         if self._linked:
             r = r + _rotate(q, self._offset)
-            q = _product(q, self._turn)
+            q = product(q, self._turn)
             twist = np.einsum("nij,nj->ni", self._map, twist)
-        return r, q, _rotate(q, twist[:, :3]), twist[:, 3:].copy()
+        return r, q, _rotate(q, np.ascontiguousarray(twist[:, :3])), twist[:, 3:].copy()
 
 
 def _rotate(q: Floats, a: Floats) -> Floats:
     """Rotate body vectors ``a (n, 3)`` by unit quaternions ``q (n, 4)``."""
-    t = 2.0 * np.cross(q[:, 1:], a)
-    return np.asarray(a + q[:, :1] * t + np.cross(q[:, 1:], t))
-
-
-def _product(p: Floats, q: Floats) -> Floats:
-    """Quaternion products row by row."""
-    scalar = p[:, :1] * q[:, :1] - np.sum(p[:, 1:] * q[:, 1:], axis=1, keepdims=True)
-    vector = p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + np.cross(p[:, 1:], q[:, 1:])
-    return np.concatenate([scalar, vector], axis=1)
-
-
-def matrices(q: Floats) -> Floats:
-    """Rotation matrices ``(n, 3, 3)`` of unit quaternions ``(n, 4)``."""
-    out = np.empty((len(q), 3, 3))
-    for k in range(len(q)):
-        rotation_matrix(q[k], out[k])
+    out = np.empty_like(a)
+    rotate_rows(q, a, out)
     return out
 
 

@@ -7,14 +7,12 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
-from scipy.spatial.transform import Rotation
 
 from viscorod.errors import InputError
 from viscorod.errors import Problem as Fault
 from viscorod.mechanics.basis import gauss, lagrange, lobatto
 from viscorod.mechanics.geometric import link_map
+from viscorod.mechanics.quaternion import conjugate, from_matrices, matrices, product
 from viscorod.model.rod import Rod
 from viscorod.model.section import MaterialSection
 from viscorod.model.stiffness_section import StiffnessSection
@@ -65,11 +63,6 @@ class Mesh:
         return next(i for i, mesh in enumerate(self.rods) if mesh.name == name)
 
 
-def quaternions_of(frames: Floats) -> Floats:
-    """Unit quaternions (w, x, y, z) of rotation matrices ``(n, 3, 3)``."""
-    return np.ascontiguousarray(np.roll(Rotation.from_matrix(frames).as_quat(), 1, axis=-1))
-
-
 def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> RodMesh:
     """Divide a rod into elements.
 
@@ -112,7 +105,7 @@ def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> Rod
     s = (ends[:-1, None] + np.diff(ends)[:, None] * inner[None, :-1]).ravel()
     s = np.append(s, length)
     positions, frames = rod.frames(s)
-    return RodMesh(name, rod, order, ends, s, positions, quaternions_of(frames))
+    return RodMesh(name, rod, order, ends, s, positions, from_matrices(frames))
 
 
 def _distinct(stations: list[float], length: float) -> Floats:
@@ -164,11 +157,10 @@ def join(rods: list[RodMesh], attachments: list[tuple[tuple[int, int], tuple[int
     offsets: list[Floats] = []
     turns: list[Floats] = []
     for k in np.flatnonzero(root != np.arange(total)):
-        back = Rotation.from_quat(np.roll(quaternions[root[k]], -1)).inv()
-        turn = back * Rotation.from_quat(np.roll(quaternions[k], -1))
+        back = conjugate(quaternions[root[k]])
         links[k] = len(offsets)
-        offsets.append(back.apply(positions[k] - positions[root[k]]))
-        turns.append(np.roll(turn.as_quat(), 1))
+        offsets.append(matrices(back[None, :])[0] @ (positions[k] - positions[root[k]]))
+        turns.append(product(back, quaternions[k]))
     order, reach = _narrow(rods, [number[first[i] : first[i + 1]] for i in range(len(rods))], len(keep))
     number = order[number]
     place = np.empty(len(keep), dtype=np.int64)
@@ -197,6 +189,9 @@ def _narrow(rods: list[RodMesh], numbers: list[Integers], count: int) -> tuple[I
     identity = np.arange(count)
     if len(rods) == 1 and np.array_equal(numbers[0], identity):
         return identity, rods[0].order
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import reverse_cuthill_mckee
+
     graph = csr_array((np.ones(len(row)), (row, col)), shape=(count, count))
     new = np.empty(count, dtype=np.int64)
     new[reverse_cuthill_mckee(graph, symmetric_mode=True)] = identity

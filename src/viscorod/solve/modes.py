@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
-import scipy.sparse.linalg
 from scipy import sparse
 
 from viscorod.solve.history import StationReader
@@ -81,6 +80,8 @@ def linearise(
 
 def natural_frequencies(linear: Linearisation, count: int) -> Floats:
     """Return the ``count`` lowest undamped angular frequencies [rad/s]; rigid and unstable motions count as 0."""
+    import scipy.sparse.linalg as spla
+
     size = linear.mass.shape[0]
     count = min(count, size)
     K = 0.5 * (linear.stiffness + linear.stiffness.T)
@@ -92,9 +93,9 @@ def natural_frequencies(linear: Linearisation, count: int) -> Floats:
         except np.linalg.LinAlgError:
             return np.zeros(count)
     else:
-        solve = scipy.sparse.linalg.splu(shifted).solve
-        operator = scipy.sparse.linalg.LinearOperator((size, size), matvec=lambda x: solve(linear.mass @ x))
-        inverse = np.sort(np.real(scipy.sparse.linalg.eigs(operator, count, return_eigenvectors=False)))[::-1]
+        solve = spla.splu(shifted).solve
+        operator = spla.LinearOperator((size, size), matvec=lambda x: solve(linear.mass @ x))
+        inverse = np.sort(np.real(spla.eigs(operator, count, return_eigenvectors=False)))[::-1]
     values = 1.0 / inverse[:count] - shift
     values[values < 1e-4 * shift] = 0.0
     return np.asarray(np.sqrt(np.maximum(values, 0.0)))
@@ -102,10 +103,12 @@ def natural_frequencies(linear: Linearisation, count: int) -> Floats:
 
 def negative_eigenvalues(tangent: sparse.csr_array) -> int:
     """Return the number of negative eigenvalues of the symmetric part of a tangent stiffness."""
+    import scipy.sparse.linalg as spla
+
     symmetric = sparse.csc_array(0.5 * (tangent + tangent.T))
     # Sylvester's law of inertia: without row exchanges the signs of the pivots are those of the eigenvalues, and unlike
     # the eigenvalues themselves they do not drown in the round-off of the stiffest directions
-    factor = scipy.sparse.linalg.splu(
+    factor = spla.splu(
         symmetric, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
     )
     return int(np.count_nonzero(factor.U.diagonal() < 0.0))
@@ -113,17 +116,19 @@ def negative_eigenvalues(tangent: sparse.csr_array) -> int:
 
 def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, count: int) -> Modes:
     """Return the ``count`` slowest damped modes about ``state``."""
+    import scipy.sparse.linalg as spla
+
     size = linear.mass.shape[0]
     K, D, M = linear.stiffness, linear.damping, linear.mass
     shift = 0.0
     diagonal = np.abs(K.diagonal())
-    factor = scipy.sparse.linalg.splu(sparse.csc_array(K + sparse.eye_array(size) * 1e-300))
+    factor = spla.splu(sparse.csc_array(K + sparse.eye_array(size) * 1e-300))
     pivots = np.abs(factor.U.diagonal())
     if pivots.min() < 1e-13 * pivots.max() * (diagonal.min() / diagonal.max()):
         shift = 1e-3 * float(np.sqrt(diagonal.sum() / M.diagonal().sum()))
     Ks = sparse.csc_array(K + shift * D + shift**2 * M)
     Ds = sparse.csr_array(D + 2.0 * shift * M)
-    factor = scipy.sparse.linalg.splu(Ks)
+    factor = spla.splu(Ks)
     if size <= DENSE:
         lower = np.hstack([-factor.solve(M.toarray()), -factor.solve(Ds.toarray())])
         companion = np.vstack([np.hstack([np.zeros((size, size)), np.eye(size)]), lower])
@@ -133,8 +138,8 @@ def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, cou
         def apply(x: Floats) -> Floats:
             return np.concatenate([x[size:], -factor.solve(M @ x[:size] + Ds @ x[size:])])
 
-        operator = scipy.sparse.linalg.LinearOperator((2 * size, 2 * size), matvec=apply)
-        values, vectors = scipy.sparse.linalg.eigs(operator, min(2 * count + 6, 2 * size - 2))
+        operator = spla.LinearOperator((2 * size, 2 * size), matvec=apply)
+        values, vectors = spla.eigs(operator, min(2 * count + 6, 2 * size - 2))
     kept = np.flatnonzero(np.abs(values) > 1e-14 * np.abs(values).max())
     s = shift + 1.0 / values[kept]
     kept, s = kept[s.imag >= -1e-12 * np.abs(s)], s[s.imag >= -1e-12 * np.abs(s)]

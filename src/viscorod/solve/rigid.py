@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
-from viscorod.solve.history import matrices
+from viscorod.mechanics.quaternion import matrices
 from viscorod.solve.problem import Problem
 from viscorod.typing import Floats
 
@@ -63,8 +61,13 @@ def free_motions(problem: Problem) -> list[FreeMotion]:
 
 
 def _assemblies(problem: Problem) -> tuple[int, np.ndarray]:
+    if len(problem.rods) == 1:
+        return 1, np.zeros(problem.size, dtype=np.int64)
     rows = np.concatenate([s.nodes[:, :-1].ravel() for s in problem.sets])
     cols = np.concatenate([s.nodes[:, 1:].ravel() for s in problem.sets])
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
     graph = csr_array((np.ones(len(rows)), (rows, cols)), shape=(problem.size, problem.size))
     count, labels = connected_components(graph, directed=False)
     return int(count), labels

@@ -1,0 +1,48 @@
+"""Start-up: import, a warm and a cold run of the demo, each as whole processes.
+
+    python bench/startup.py [--rounds 3]
+
+The cold run uses an empty cache of compiled kernels.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+CASE = Path(__file__).parents[1] / "examples" / "cantilever_swing.toml"
+
+
+def seconds(command: list[str], **environment: str) -> float:
+    start = time.perf_counter()
+    subprocess.run(command, check=True, capture_output=True, env=os.environ | environment)
+    return time.perf_counter() - start
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rounds", type=int, default=3)
+    rounds = parser.parse_args().rounds
+    bare = [sys.executable, "-c", "pass"]
+    imports = [sys.executable, "-c", "import viscorod as vr; vr.Model, vr.Rod, vr.Material"]
+    with tempfile.TemporaryDirectory() as folder:
+        run = [sys.executable, "-m", "viscorod", "run", str(CASE), "-o", folder]
+        seconds(run)  # kernels are on disk from here on
+        rows = {
+            "python alone": [seconds(bare) for _ in range(rounds)],
+            "import viscorod and its model": [seconds(imports) for _ in range(rounds)],
+            "warm run of the demo": [seconds(run) for _ in range(rounds)],
+            "cold run of the demo": [seconds(run, NUMBA_CACHE_DIR=f"{folder}/numba")],
+        }
+    print(f"{'':32s}{'best [s]':>9s}{'worst [s]':>10s}")
+    for name, values in rows.items():
+        print(f"{name:32s}{min(values):9.2f}{max(values):10.2f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,5 @@
+"""``python -m viscorod``: the command line."""
+
+from viscorod.cli import main
+
+main()
