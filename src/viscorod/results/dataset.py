@@ -34,7 +34,7 @@ def dataset(
     along = DIMENSION[kind]
     reader = StationReader(problem)
     r0, q0, _, _ = reader.read(State(problem.positions, problem.quaternions, np.zeros((problem.size, 6))))
-    point_rod, point_s, point_weight = system.gauss_positions()
+    gauss = system.gauss_positions()
     names = np.array(problem.rods)
     states = (along, "station")
     points = (along, "point")
@@ -45,6 +45,7 @@ def dataset(
         "rotation": ((*states, "quaternion"), _continuous(np.array(history.rotation))),
         "strain": ((*points, "component"), np.array(history.strain)),
         "section_force": ((*points, "component"), np.array(history.section_force)),
+        "half_width": ("point", gauss.half_width),
         "iterations": (along, np.array(history.iterations, dtype=np.int64)),
     }
     energy = np.array(history.energy)
@@ -69,9 +70,9 @@ def dataset(
         "component": list(COMPONENTS),
         "station_rod": ("station", names[problem.stations.rod]),
         "station_s": ("station", problem.stations.s),
-        "point_rod": ("point", names[point_rod]),
-        "point_s": ("point", point_s),
-        "point_weight": ("point", point_weight),
+        "point_rod": ("point", names[gauss.rod]),
+        "point_s": ("point", gauss.s),
+        "point_weight": ("point", gauss.length),
     }
     if problem.supports.names:
         variables["reaction"] = ((along, "support", "motion"), np.array(history.reaction))

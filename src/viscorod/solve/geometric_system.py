@@ -9,8 +9,8 @@ from viscorod.mechanics.basis import lobatto
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.loads import LoadState
 from viscorod.solve.problem import ElementSet, Problem
-from viscorod.solve.system import GaussPoints, State
-from viscorod.typing import Floats
+from viscorod.solve.system import GaussPoints, GaussPositions, State
+from viscorod.typing import Floats, Integers
 
 
 class _Part:
@@ -55,18 +55,24 @@ class GeometricSystem:
         self.band = BandMatrix(problem.size, problem.reach)
         self.parts = [_Part(problem, elements) for elements in problem.sets]
         self._no_map = np.zeros((problem.size, 6, 6))
-        rods = np.concatenate([np.repeat(p.elements.rod, p.elements.section.shape[1]) for p in self.parts])
-        s, lengths = [], []
+        self._order, self._positions = self._gauss_positions()
+
+    def _gauss_positions(self) -> tuple[Integers, GaussPositions]:
+        """Order of the Gauss points by rod and arc length, and their places in that order."""
+        rod, s, length, half_width = [], [], [], []
         for part in self.parts:
             e = part.elements
-            middle = e.start + e.half_lengths
-            points = e.shapes @ lobatto(e.order)[0]
-            s.append((middle[:, None] + e.half_lengths[:, None] * points[None, :]).ravel())
-            lengths.append((e.half_lengths[:, None] * e.weights[None, :]).ravel())
-        self._s = np.concatenate(s)
-        self._lengths = np.concatenate(lengths)
-        self._rods = rods
-        self._order = np.lexsort((self._s, rods))
+            count = e.section.shape[1]
+            inside = e.shapes @ lobatto(e.order)[0]  # xi of the points
+            rod.append(np.repeat(e.rod, count))
+            s.append((e.start[:, None] + e.half_lengths[:, None] * (1.0 + inside)).ravel())
+            length.append((e.half_lengths[:, None] * e.weights).ravel())
+            half_width.append(e.half_widths.ravel())
+        rods, places = np.concatenate(rod), np.concatenate(s)
+        order = np.lexsort((places, rods))
+        return order, GaussPositions(
+            rods[order], places[order], np.concatenate(length)[order], np.concatenate(half_width)[order]
+        )
 
     def assemble(
         self, state: State, loads: LoadState, rate_map: Floats | None, *, tangent: bool, moving: bool
@@ -186,9 +192,9 @@ class GeometricSystem:
         dissipation = np.einsum("gi,gij,gj->g", rate, damping[self._order], rate)
         return GaussPoints(gather("strain"), rate, gather("section_force"), dissipation)
 
-    def gauss_positions(self) -> tuple[np.ndarray, Floats, Floats]:
+    def gauss_positions(self) -> GaussPositions:
         """See :class:`~viscorod.solve.system.System`."""
-        return self._rods[self._order], self._s[self._order], self._lengths[self._order]
+        return self._positions
 
     def worst_place(self, node: int) -> str:
         """See :class:`~viscorod.solve.system.System`."""

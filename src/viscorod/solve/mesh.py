@@ -238,7 +238,9 @@ def element_sets(mesh: Mesh) -> tuple[tuple[ElementSet, ...], Floats]:
     sets = []
     for order in sorted({m.order for m in mesh.rods}):
         table = SectionTable()
-        columns: dict[str, list[Any]] = {k: [] for k in ("nodes", "links", "rod", "start", "half", "section")}
+        columns: dict[str, list[Any]] = {
+            k: [] for k in ("nodes", "links", "rod", "start", "half", "section", "width")
+        }
         points, weights = gauss(order)
         lumps = lobatto(order)[1]
         for i, rod_mesh in enumerate(mesh.rods):
@@ -248,18 +250,20 @@ def element_sets(mesh: Mesh) -> tuple[tuple[ElementSet, ...], Floats]:
             nodes = element_nodes(mesh.shared[i], order)
             links = element_nodes(mesh.links[i], order)
             section = np.empty((len(start), order), dtype=np.int64)
+            widths = np.empty((len(start), order))
             lumped = np.empty((len(start), order + 1, 6, 6))
             middle = start + half
             if isinstance(rod_mesh.rod.section, MaterialSection | StiffnessSection):
                 C, D, M = rod_mesh.rod.matrices_at(0.0)
                 section[:] = table.add(C, D)
+                widths[:] = rod_mesh.rod.section_at(0.0).half_width or 0.0
                 lumped[:] = half[:, None, None, None] * lumps[:, None, None] * M
             else:
                 for e in range(len(start)):
                     for g in range(order):
-                        section[e, g] = table.add(
-                            *rod_mesh.rod.matrices_at(middle[e] + half[e] * points[g])[:2]
-                        )
+                        s = middle[e] + half[e] * points[g]
+                        section[e, g] = table.add(*rod_mesh.rod.matrices_at(s)[:2])
+                        widths[e, g] = rod_mesh.rod.section_at(s).half_width or 0.0
                     for k in range(order + 1):
                         # just inside the element: the section may change at its end
                         inside = middle[e] + half[e] * lobatto(order)[0][k] * (1.0 - 1e-9)
@@ -268,7 +272,7 @@ def element_sets(mesh: Mesh) -> tuple[tuple[ElementSet, ...], Floats]:
                 lumped[e, k] = _moved(lumped[e, k], mesh, int(links[e, k]))
             np.add.at(mass, nodes, lumped)
             for key, column in zip(
-                columns, (nodes, links, np.full(len(start), i), start, half, section), strict=True
+                columns, (nodes, links, np.full(len(start), i), start, half, section, widths), strict=True
             ):
                 columns[key].append(column)
         shapes, slopes = lagrange(order, points)
@@ -287,6 +291,7 @@ def element_sets(mesh: Mesh) -> tuple[tuple[ElementSet, ...], Floats]:
                 slopes=slopes,
                 weights=weights,
                 section=joined["section"],
+                half_widths=joined["width"],
                 stiffness=np.array(table.stiffness),
                 damping=np.array(table.damping),
             )

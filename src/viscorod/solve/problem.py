@@ -15,7 +15,10 @@ TimeFactor = Callable[[float, bool], float]
 
 @dataclass(frozen=True)
 class ElementSet:
-    """All elements of one polynomial order, as arrays for the kernels (see ``mechanics.geometric.assemble``)."""
+    """All elements of one polynomial order, as arrays for the kernels (see ``mechanics.geometric.assemble``).
+
+    ``half_widths (elements, points)`` [m] are the largest distances of the section from the centre line, 0 if unknown.
+    """
 
     order: int
     nodes: Integers
@@ -27,6 +30,7 @@ class ElementSet:
     slopes: Floats
     weights: Floats
     section: Integers
+    half_widths: Floats
     stiffness: Floats
     damping: Floats
 

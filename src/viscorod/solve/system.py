@@ -10,12 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.loads import LoadState
 from viscorod.solve.problem import Problem
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
 
 @dataclass
@@ -43,6 +41,16 @@ class GaussPoints:
     strain_rate: Floats
     section_force: Floats
     dissipation: Floats
+
+
+@dataclass(frozen=True)
+class GaussPositions:
+    """Rod index, arc length [m], quadrature length [m] and half width of the section [m] of every Gauss point."""
+
+    rod: Integers
+    s: Floats
+    length: Floats
+    half_width: Floats
 
 
 class System(Protocol):
@@ -76,8 +84,8 @@ class System(Protocol):
     def gauss_points(self) -> GaussPoints:
         """Return the Gauss-point fields of the last assembly."""
 
-    def gauss_positions(self) -> tuple[np.ndarray, Floats, Floats]:
-        """Return rod index, arc length [m] and quadrature length [m] of every Gauss point, in the same order."""
+    def gauss_positions(self) -> GaussPositions:
+        """Return where the Gauss points are, in the same order."""
 
     def worst_place(self, node: int) -> str:
         """Describe a node for messages: rod, element and arc length."""
