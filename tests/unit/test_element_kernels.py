@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from derivatives import slope_of
 from viscorod.mechanics import geometric, loading
 from viscorod.mechanics.basis import gauss, lagrange
 from viscorod.mechanics.rotation import inverse_motion_tangent, retract
@@ -107,18 +108,6 @@ class Element:
             if k > 0 and (q[k].real @ q[k - 1].real) < 0:
                 q[k] = -q[k]
         return r, q
-
-
-def slope_of(function, size, h=1e-3):
-    """Fourth-order central differences of a vector function of ``size`` variables at 0."""
-    columns = []
-    for j in range(size):
-        step = np.zeros(size)
-        step[j] = h
-        columns.append(
-            (8 * (function(step) - function(-step)) - (function(2 * step) - function(-2 * step))) / (12 * h)
-        )
-    return np.array(columns).T
 
 
 @pytest.mark.parametrize("links", [False, True])

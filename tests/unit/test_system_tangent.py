@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from derivatives import slope_of
 from viscorod.mechanics import supports as kernels
 from viscorod.mechanics.rotation import inverse_motion_tangent, retract
 from viscorod.solve.discretise import discretise
@@ -84,17 +85,6 @@ class Workplace:
         return self.increment + np.einsum("nij,nj->ni", T, x.reshape(self.n, 6))
 
 
-def slope_of(function, size, h=2e-4):
-    columns = []
-    for j in range(size):
-        step = np.zeros(size)
-        step[j] = h
-        columns.append(
-            (8 * (function(step) - function(-step)) - (function(2 * step) - function(-2 * step))) / (12 * h)
-        )
-    return np.array(columns).T
-
-
 def test_residual_and_tangent_with_inertia_and_all_loads():
     """The derivative along increments of the pose; the map from increments to body changes is T^-1."""
     work = Workplace(loaded_frame())
@@ -102,12 +92,12 @@ def test_residual_and_tangent_with_inertia_and_all_loads():
     work.system.reset_stress()
     work.residual(work.increment, tangent=True)
     K = work.system.band.sparse().toarray()
-    reference = slope_of(lambda x: work.residual(work.moved(x))[1].ravel(), 6 * work.n)
+    reference = slope_of(lambda x: work.residual(work.moved(x))[1].ravel(), 6 * work.n, h=2e-4)
     assert K == pytest.approx(reference, abs=3e-7 * np.abs(reference).max())
 
 
 def test_supports_replace_rows_consistently():
-    """Free rows are the derivative of Z^T (residual - G^T reaction) with Z and the reaction frozen; fixed rows are G."""
+    """Free rows are the derivative of Z^T (residual - G^T reaction), Z and reaction frozen; fixed rows are G."""
     work = Workplace(loaded_frame())
     work.residual(work.increment)
     work.system.reset_stress()
@@ -121,9 +111,8 @@ def test_supports_replace_rows_consistently():
     def directions(state, k):
         node = s.set.nodes[k]
         value, G, Z, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)
-        kernels.support_directions(
-            s.set.axes[k], s.r0[k], s.q0[k], state.r[node], state.q[node], value, G, Z, psi
-        )
+        pose = state.r[node], state.q[node]
+        kernels.support_directions(s.set.axes[k], s.r0[k], s.q0[k], *pose, value, G, Z, psi)
         return value, G, Z
 
     frozen = [directions(new, k)[2] for k in range(len(s.set.nodes))]
@@ -140,7 +129,7 @@ def test_supports_replace_rows_consistently():
         return balance.ravel()
 
     assert rows(np.zeros(6 * work.n)) == pytest.approx(held.ravel(), abs=1e-10)
-    reference = slope_of(rows, 6 * work.n)
+    reference = slope_of(rows, 6 * work.n, h=2e-4)
     assert K == pytest.approx(reference, abs=3e-7 * np.abs(reference).max())
 
 

@@ -4,16 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from viscorod.mechanics.attachment import link_map, map_columns, map_rows
 from viscorod.mechanics.compiled import kernel
-from viscorod.mechanics.geometric import (
-    element_poses,
-    gauss_point,
-    half_products,
-    link_map,
-    map_columns,
-    map_rows,
-)
 from viscorod.mechanics.rotation import add_skew, rotate_back, rotation_matrix
+from viscorod.mechanics.strain import element_poses, gauss_point, half_products
 from viscorod.typing import Floats, Integers
 
 
@@ -88,7 +82,7 @@ def add_station_load(
     """Add one concentrated wrench inside an element to ``external`` and subtract its derivative from the band.
 
     The nodal forces are work-conjugate to the interpolated displacement and to the body rotation of the interpolated
-    frame, ``sum N_k A_k theta_k`` with ``A_k = 2 L_k`` (vector rows, see ``geometric``). Arguments as in
+    frame, ``sum N_k A_k theta_k`` with ``A_k = 2 L_k`` (vector rows, see ``strain``). Arguments as in
     ``geometric.assemble``; ``dead`` (6) global, ``following`` (6) in
     the section's axes.
     """

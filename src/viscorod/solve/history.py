@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from viscorod.mechanics import inertia
-from viscorod.mechanics.geometric import link_map
+from viscorod.mechanics.attachment import link_map
 from viscorod.mechanics.quaternion import product
 from viscorod.mechanics.rotation import rotate_rows
 from viscorod.solve.problem import Problem

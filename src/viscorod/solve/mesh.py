@@ -10,8 +10,8 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.errors import Problem as Fault
+from viscorod.mechanics.attachment import link_map
 from viscorod.mechanics.basis import gauss, lagrange, lobatto
-from viscorod.mechanics.geometric import link_map
 from viscorod.mechanics.quaternion import conjugate, from_matrices, matrices, product
 from viscorod.model.rod import Rod
 from viscorod.model.section import MaterialSection
