@@ -16,6 +16,7 @@ import numpy as np
 from viscorod.mechanics.compiled import kernel
 from viscorod.mechanics.rotation import (
     add_skew,
+    cross,
     inverse_coefficients,
     inverse_rotation_tangent,
     retract,
@@ -79,6 +80,78 @@ def support_directions(
 
 
 @kernel
+def step_to_target(
+    axes: Floats, r0: Floats, q0: Floats, target: Floats, r: Floats, q: Floats, out: Floats
+) -> None:
+    """Write the body increment ``(6,)`` that takes a pose to the fully prescribed one, for any number of turns."""
+    R = np.empty((3, 3))
+    rotation_matrix(q0, R)
+    step = np.zeros((1, 6))
+    for a in range(3):
+        for i in range(3):
+            for b in range(3):
+                step[0, 3 + a] += R[b, a] * axes[b, i] * target[3 + i]
+    origin = np.zeros((1, 3))
+    reached = np.empty((1, 4))
+    retract(origin, q0.reshape((1, 4)), step, origin, reached)
+    turn = np.empty(3)
+    relative_rotation(q, reached[0], turn)
+    gap = np.empty(3)
+    rotation_matrix(q, R)
+    for i in range(3):
+        gap[i] = 0.0
+        for a in range(3):
+            distance = r0[a] - r[a]
+            for b in range(3):
+                distance += axes[a, b] * target[b]
+            gap[i] += R[a, i] * distance
+    # the translation of the logarithm on SE(3): the inverse of the left tangent, which is that of -turn
+    Ti = np.empty((3, 3))
+    inverse_rotation_tangent(-turn, Ti)
+    for i in range(3):
+        out[i] = Ti[i, 0] * gap[0] + Ti[i, 1] * gap[1] + Ti[i, 2] * gap[2]
+        out[3 + i] = turn[i]
+
+
+@kernel
+def reaction_stiffness(G: Floats, psi: Floats, reaction: Floats, out: Floats) -> None:
+    """Write the derivative of ``G^T reaction`` per body increment ``(6, 6)`` at constant reaction components.
+
+    The force turns with the node, ``d(R^T f) = (R^T f) x theta``; the moment is ``T^-T m`` with m constant in the
+    reference frame and ``T^-T m = m - psi x m/2 + c psi x (psi x m)``.
+    """
+    T = np.empty((3, 3))
+    Ti = np.empty((3, 3))
+    D = np.zeros((3, 3))
+    f = np.zeros(3)
+    m = np.zeros(3)
+    rotation_tangent(psi, T)
+    inverse_rotation_tangent(psi, Ti)
+    for i in range(3):
+        for a in range(3):
+            f[i] += G[a, i] * reaction[a]
+            for j in range(3):
+                m[i] += T[j, i] * G[3 + a, 3 + j] * reaction[3 + a]
+    c, slope = inverse_coefficients(psi[0] ** 2 + psi[1] ** 2 + psi[2] ** 2)
+    once = np.empty(3)
+    twice = np.empty(3)
+    cross(psi, m, once)
+    cross(psi, once, twice)
+    add_skew(m, 0.5, D)
+    add_skew(once, -c, D)
+    for i in range(3):
+        for j in range(3):
+            D[i, j] += slope * twice[i] * psi[j] - c * m[i] * psi[j]
+        D[i, i] += c * (psi[0] * m[0] + psi[1] * m[1] + psi[2] * m[2])
+    out[:, :] = 0.0
+    add_skew(f, 1.0, out[0:3, 3:6])
+    for i in range(3):
+        for j in range(3):
+            for a in range(3):
+                out[3 + i, 3 + j] += D[i, a] * Ti[a, j]
+
+
+@kernel
 def impose(
     nodes: Integers,
     fixed: Floats,
@@ -100,7 +173,8 @@ def impose(
     Args:
         nodes: supported nodes ``(m,)``; fixed: 1.0 where a component is fixed or prescribed ``(m, 6)``.
         axes: ``(m, 3, 3)`` columns; r0, q0: reference poses; target: prescribed values ``(m, 6)`` [m, rad].
-        residual: ``(n, 6)``; on return free rows hold the projected balance, fixed rows ``value - target``.
+        r, q: present poses of all nodes; with_tangent: whether the band is changed too.
+        residual: ``(n, 6)``; on return free rows hold the projected balance, fixed rows what is to be undone.
         reaction: output ``(m, 6)``, force and moment components along the axes that the support exerts.
         band: transposed band; reach: number of neighbouring nodes within the band on either side.
     """
@@ -109,103 +183,37 @@ def impose(
     Z = np.empty((6, 6))
     psi = np.empty(3)
     old = np.empty((6, 6))
-    balance = np.empty(6)
+    step = np.empty(6)
     block = np.empty((6, 6))
-    f = np.empty(3)
-    d = np.empty(3)
-    t = np.empty(3)
-    M = np.empty((3, 3))
-    Ti = np.empty((3, 3))
-    n = r.shape[0]
     for s in range(nodes.shape[0]):
         k = nodes[s]
         support_directions(axes[s], r0[s], q0[s], r[k], q[k], value, G, Z, psi)
-        everything = True
-        for i in range(6):
-            balance[i] = residual[k, i]
-            if fixed[s, i] == 0.0:
-                everything = False
+        complete = True
         for i in range(6):
             reaction[s, i] = 0.0
             for j in range(6):
-                reaction[s, i] += Z[j, i] * balance[j]
-            if everything:
-                continue
+                reaction[s, i] += Z[j, i] * residual[k, j]
             if fixed[s, i] == 0.0:
-                residual[k, i] = reaction[s, i]
-                reaction[s, i] = 0.0
-            else:
-                residual[k, i] = value[i] - target[s, i]
-        if everything:
-            # the whole pose is known: the increment that reaches it, valid for any number of turns
-            step = np.zeros((1, 6))
-            for i in range(3):
-                d[i] = 0.0
-                f[i] = r0[s, i] - r[k, i]
-                for j in range(3):
-                    f[i] += axes[s, i, j] * target[s, j]
-            rotation_matrix(q0[s], Ti)
-            for a in range(3):
-                for i in range(3):
-                    for b in range(3):
-                        step[0, 3 + a] += Ti[b, a] * axes[s, b, i] * target[s, 3 + i]
-            qt = np.empty((1, 4))
-            rt = np.zeros((1, 3))
-            retract(rt, q0[s : s + 1], step, rt, qt)
-            relative_rotation(q[k], qt[0], t)
-            for i in range(3):
-                psi[i] = -t[i]
-            inverse_rotation_tangent(psi, M)
-            rotation_matrix(q[k], Ti)
-            for i in range(3):
-                for j in range(3):
-                    d[i] += Ti[j, i] * f[j]
-            for i in range(3):
-                residual[k, i] = 0.0
-                for j in range(3):
-                    residual[k, i] -= M[i, j] * d[j]
-                residual[k, 3 + i] = -t[i]
+                complete = False
+        if complete:
+            step_to_target(axes[s], r0[s], q0[s], target[s], r[k], q[k], step)
+            for i in range(6):
+                residual[k, i] = -step[i]
+        else:
+            for i in range(6):
+                if fixed[s, i] == 0.0:
+                    residual[k, i] = reaction[s, i]
+                    reaction[s, i] = 0.0
+                else:
+                    residual[k, i] = value[i] - target[s, i]
         if not with_tangent:
             continue
-        if not everything:
-            # the directions in which the reactions act turn with the node: - d(G^T reaction)
-            block[:, :] = 0.0
-            for i in range(3):
-                f[i] = 0.0
-                d[i] = 0.0
-                for j in range(3):
-                    f[i] += G[j, i] * reaction[s, j]
-            add_skew(f, -1.0, block[0:3, 3:6])
-            inverse_rotation_tangent(psi, Ti)
-            # moment m in the reference frame with T^-T m = G^T reaction
-            rotation_tangent(psi, M)
-            for i in range(3):
-                for j in range(3):
-                    for a in range(3):
-                        d[i] += M[j, i] * G[3 + a, 3 + j] * reaction[s, 3 + a]
-            c, c1 = inverse_coefficients(psi[0] ** 2 + psi[1] ** 2 + psi[2] ** 2)
-            t[0] = psi[1] * d[2] - psi[2] * d[1]
-            t[1] = psi[2] * d[0] - psi[0] * d[2]
-            t[2] = psi[0] * d[1] - psi[1] * d[0]
-            f[0] = psi[1] * t[2] - psi[2] * t[1]
-            f[1] = psi[2] * t[0] - psi[0] * t[2]
-            f[2] = psi[0] * t[1] - psi[1] * t[0]
-            dot = psi[0] * d[0] + psi[1] * d[1] + psi[2] * d[2]
-            M[:, :] = 0.0
-            add_skew(d, 0.5, M)
-            add_skew(t, -c, M)
-            for i in range(3):
-                for j in range(3):
-                    M[i, j] += c1 * f[i] * psi[j] - c * d[i] * psi[j]
-                M[i, i] += c * dot
-            for i in range(3):
-                for j in range(3):
-                    for a in range(3):
-                        block[3 + i, 3 + j] -= M[i, a] * Ti[a, j]
+        if not complete:
+            reaction_stiffness(G, psi, reaction[s], block)
             for j in range(6):
                 for i in range(6):
-                    band[6 * k + j, diagonal + i - j] += block[i, j]
-        for other in range(max(0, k - reach), min(n, k + reach + 1)):
+                    band[6 * k + j, diagonal + i - j] -= block[i, j]
+        for other in range(max(0, k - reach), min(r.shape[0], k + reach + 1)):
             offset = diagonal + 6 * (k - other)
             for j in range(6):
                 column = band[6 * other + j]
@@ -213,9 +221,8 @@ def impose(
                     old[i, j] = column[offset + i - j]
                 for i in range(6):
                     new = 0.0
-                    if everything:
-                        if other == k and i == j:
-                            new = 1.0
+                    if complete:
+                        new = 1.0 if other == k and i == j else 0.0
                     elif fixed[s, i] == 0.0:
                         for a in range(6):
                             new += Z[a, i] * old[a, j]

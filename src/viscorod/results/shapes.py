@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 _FLAT = 1e-3  # a motion whose extent across a plane is below this part of the largest is drawn in that plane
 _FINE = 12  # drawn points between neighbouring stations
 _AZIMUTH, _ELEVATION = math.radians(-60.0), math.radians(25.0)  # of the eye, z upwards
+_COILED = 2.5  # a rod longer than this multiple of its extent hides what is drawn over it
+_GAP = 1.25  # from picture to picture in a strip, as a multiple of their width
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,12 @@ class View:
         up = (-math.sin(e) * math.cos(a), -math.sin(e) * math.sin(a), math.cos(e))
         floor = float(points[:, 2].min()) - 0.1 * largest
         return cls(np.array([right, up]), None, floor, scale, unit)
+
+    def strip(self, positions: Floats) -> Floats:
+        """Return shifts ``(count, 3)`` [m] that set states ``(count, station, 3)`` side by side on paper."""
+        right = self.projection[0]
+        shift: Floats = _GAP * float(np.ptp(positions @ right)) * np.arange(len(positions))[:, None] * right
+        return shift
 
     @property
     def name(self) -> str:
@@ -108,7 +116,8 @@ class View:
             va="top",
             fontsize=SMALL,
         )
-        axes.set_ylim(bottom - 3.0 * gap, None)
+        axes.update_datalim([(right, bottom - 3.0 * gap)])  # room for the text
+        axes.autoscale_view()
 
 
 class Curves:
@@ -116,6 +125,7 @@ class Curves:
 
     def __init__(self, result: Result) -> None:
         self._matrices = []
+        self._shadow = "shadow below, seen from above"
         sites = result.sites
         count = int(result.data.sizes["station"])
         arc = np.asarray(result.data["station_s"].values, dtype=float)
@@ -135,9 +145,17 @@ class Curves:
             if view.plane is None:
                 shadow = points.copy()
                 shadow[:, 2] = view.floor
-                axes.plot(*view.on_paper(shadow), color=LIGHT, linewidth=1.0, zorder=1)
+                axes.plot(*view.on_paper(shadow), color=LIGHT, linewidth=1.0, zorder=1, label=self._shadow)
+                self._shadow = "_"
             axes.plot(*view.on_paper(points), **line)
             line.pop("label", None)
+
+    def coiled(self, positions: Floats) -> bool:
+        """Whether some rod is so coiled at station positions ``(station, 3)`` that states hide each other."""
+        curves = [matrix @ positions for matrix in self._matrices]
+        lengths = (float(np.sum(np.linalg.norm(np.diff(curve, axis=0), axis=1))) for curve in curves)
+        extents = (float(np.linalg.norm(np.ptp(curve, axis=0))) for curve in curves)
+        return any(length > _COILED * extent for length, extent in zip(lengths, extents, strict=True))
 
 
 def mark_supports(axes: Axes, view: View, result: Result, positions: Floats) -> None:

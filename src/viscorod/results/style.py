@@ -29,6 +29,9 @@ def figure(width: float, height: float) -> Figure:
 
     result = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(result)
+    engine = result.get_layout_engine()
+    if engine is not None:
+        engine.set(w_pad=0.1, h_pad=0.08)
     return result
 
 
