@@ -49,6 +49,7 @@ docs: $(VENV)/.stamp-test
 
 bench: $(VENV)/.stamp-test
 	$(BIN)/python bench/newton_iteration.py
+	$(BIN)/python bench/mesh_accuracy.py
 	$(BIN)/python bench/startup.py
 
 clean:

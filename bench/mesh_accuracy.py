@@ -2,8 +2,8 @@
 
     python bench/mesh_accuracy.py
 
-Tip deviation over length, largest over 10 s, against 4 elements of order 8 with the same time step; a second table shows the
-error of the time step on the default mesh against a step eight times smaller than the smallest.
+Tip deviation over length, largest over 10 s, against 4 elements of order 8 with the same time step. A second table
+shows the error of the time step on the default mesh, against a step eight times smaller than the smallest.
 """
 
 from __future__ import annotations

@@ -46,8 +46,8 @@ def integrator_of(elements: int, order: int) -> GeneralizedAlpha:
     integrator = GeneralizedAlpha(system, SupportState(problem))
     n = problem.size
     integrator.start(0.0, State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((n, 6))))
-    for _ in range(3):
-        assert integrator.step(1e-3, before=False).converged
+    for k in range(1, 4):
+        assert integrator.step(1e-3 * k, before=False).converged
     return integrator
 
 

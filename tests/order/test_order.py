@@ -115,3 +115,16 @@ def test_order_in_time_with_prescribed_motion_and_partial_support():
     assert run.history("rod.end", "velocity").values[:, 0] == pytest.approx(0 * t, abs=1e-9)
     errors = [np.abs(whirled(h)[0] - exact).max() for h in steps]
     assert slope(steps, errors) == pytest.approx(2.0, abs=0.2)
+
+
+@pytest.mark.parametrize("jump", [0.3, 0.1 + 0.2, 1 / 3, 0.7])
+def test_no_step_straddles_a_jump(jump):
+    """The load is on up to its jump and off from it on, whatever the rounding of the times of steps."""
+    model = curved(2, 3, damping=0.02)
+    model.force("rod.end", (0, 0, 1.0), until=jump)
+    run = model.simulate(1.0, time_step=0.01)
+    k = int(np.argmin(np.abs(run.time - jump)))
+    assert run.time[k] == pytest.approx(jump, abs=1e-12)
+    held = run.history("rod.end").values[: k + 1]
+    assert np.abs(held - held[0]).max() < 1e-9  # at rest in its equilibrium until the jump
+    assert np.abs(run.history("rod.end").values[k + 1] - held[0]).max() > 1e-6

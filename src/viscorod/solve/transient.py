@@ -86,8 +86,7 @@ class Transient:
             )
 
         record(0.0, 0)
-        corners = [t for t in self.problem.breakpoints if 0.0 < t < duration] + [duration]
-        jumps = set(self.problem.jumps)
+        corners, jumps = self._corners(duration)
         next_output = output_interval or 0.0
         begin = 0.0
         for corner in corners:
@@ -101,7 +100,7 @@ class Transient:
                 h = full * size / parts
                 last = done + 1 == count and whole + size == parts
                 target = corner if last else begin + full * (done + (whole + size) / parts)
-                report = integrator.step(target - integrator.t, before=last)
+                report = integrator.step(target, before=last)
                 result.iterations += report.iterations
                 result.report = report
                 if not report.converged:
@@ -128,9 +127,26 @@ class Transient:
                     if output_interval is not None:
                         next_output = output_interval * (np.floor(integrator.t / output_interval + 1e-9) + 1)
             begin = corner
-            if corner in jumps and corner < duration:
+            if corner in jumps:
                 self._begin(corner, integrator.state)
         return result
+
+    def _corners(self, duration: float) -> tuple[list[float], set[float]]:
+        """Instants that steps must hit, and those among them after which the integrator starts anew.
+
+        Instants that only rounding keeps apart are one; the later stands for both.
+        """
+        corners: list[float] = []
+        jumps: set[float] = set()
+        for t in [t for t in self.problem.breakpoints if 0.0 < t < duration] + [duration]:
+            jumped = t in self.problem.jumps and t < duration
+            if corners and t - corners[-1] < 1e-12 * duration:
+                jumped = jumped or corners[-1] in jumps
+                corners.pop()
+            corners.append(t)
+            if jumped:
+                jumps.add(t)
+        return corners, jumps
 
     def _begin(self, t: float, state: State) -> None:
         """Start or restart the integrator; the impulse of a support whose velocity jumps counts as external work."""

@@ -14,7 +14,7 @@ class Integrator(Protocol):
     1. ``start(t, state)`` takes over a state, with the velocities of supports just after ``t``; it is called at
     the beginning
        and after every instant at which a load or a prescribed motion jumps.
-    2. ``step(h)`` tries one step from ``t`` to ``t + h``. When it converges, ``t`` and ``state`` have moved and
+    2. ``step(end)`` tries one step from ``t`` to ``end``. When it converges, ``t`` and ``state`` have moved and
     system and
        supports hold the forces and reactions there; otherwise nothing has changed.
     3. ``kinetic`` is the kinetic energy [J] at ``t``.
@@ -27,5 +27,5 @@ class Integrator(Protocol):
     def start(self, t: float, state: State) -> None:
         """Begin at time ``t`` [s] from ``state``."""
 
-    def step(self, h: float, *, before: bool) -> NewtonReport:
-        """Try one step of ``h`` [s]; ``before`` takes loads at its end as limits from the left."""
+    def step(self, end: float, *, before: bool) -> NewtonReport:
+        """Try one step to the time ``end`` [s]; ``before`` takes loads there as limits from the left."""

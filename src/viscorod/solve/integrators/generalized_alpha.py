@@ -123,10 +123,11 @@ class GeneralizedAlpha:
         self.t = t
         self.state = state
 
-    def step(self, h: float, *, before: bool) -> NewtonReport:
+    def step(self, end: float, *, before: bool) -> NewtonReport:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         if self._fresh:
-            return self._first_step(h, before=before)
+            return self._first_step(end, before=before)
+        h = end - self.t
         c, old = self.coefficients, self.state
         slope = (1.0 - c.mass) / ((1.0 - c.force) * c.gamma * h)
         lag = c.mass / (1.0 - c.force) - (1.0 - c.gamma) * slope * h
@@ -136,21 +137,22 @@ class GeneralizedAlpha:
             lag * self._twist_mean - keep * old.twist,
             lag * self._wrench_mean - keep * self._wrench - slope * self._momentum,
         )
-        solution = self._solve(self.t + h, before, relation, h * old.twist + 0.5 * h * h * self._rate)
+        solution = self._solve(end, before, relation, h * old.twist + 0.5 * h * h * self._rate)
         if solution.report.converged:
-            self._accept(solution, relation, h)
+            self._accept(solution, relation, end)
             mean, c1 = self._wrench_mean, 1.0 - c.gamma
             self._wrench_mean = ((self._momentum - solution.momentum_before) / h - c1 * mean) / c.gamma
             self._twist_mean = (solution.increment / h - c1 * self._twist_mean) / c.gamma
             self._settle()
         return solution.report
 
-    def _first_step(self, h: float, *, before: bool) -> NewtonReport:
+    def _first_step(self, end: float, *, before: bool) -> NewtonReport:
         """Start with the two-stage, second-order, L-stable method SDIRK2 (Alexander 1977).
 
         It needs no initial accelerations: those after a sudden load live in the fastest modes and would ring on.
         """
         g = 1.0 - np.sqrt(0.5)
+        h = end - self.t
         old = self.state
         slope = 1.0 / (g * h)
         first = Relation(slope, np.zeros_like(old.twist), -slope * self._momentum)
@@ -163,10 +165,10 @@ class GeneralizedAlpha:
         wrench = slope * momentum + first.history
         ratio = (1.0 - g) / g
         second = Relation(slope, -ratio * new.twist, -slope * self._momentum - ratio * wrench)
-        solution = self._solve(self.t + h, before, second, h * new.twist)
+        solution = self._solve(end, before, second, h * new.twist)
         report = replace(solution.report, iterations=stage.report.iterations + solution.report.iterations)
         if report.converged:
-            self._accept(solution, second, h)
+            self._accept(solution, second, end)
             self._wrench_mean, self._twist_mean = self._wrench.copy(), self.state.twist.copy()
             self._settle()
             self._rate[:] = 0.0  # the first difference still holds the jump
@@ -249,7 +251,7 @@ class GeneralizedAlpha:
         )
         return residual
 
-    def _accept(self, solution: Solution, relation: Relation, h: float) -> None:
+    def _accept(self, solution: Solution, relation: Relation, end: float) -> None:
         """Take a solution as the new state; leaves forces and reactions there in system and supports."""
         system, supports, new = self.system, self.supports, solution.state
         system.assemble(new, self.loads.last, None, tangent=False, moving=True)
@@ -259,9 +261,9 @@ class GeneralizedAlpha:
         self.kinetic = inertia.momenta(system.problem.mass, new.r, new.q, new.twist, momentum)
         self._momentum = momentum
         self._wrench = relation.slope * momentum + relation.history
-        self._rate = (new.twist - self.state.twist) / h
+        self._rate = (new.twist - self.state.twist) / (end - self.t)
         self.state = new
-        self.t += h
+        self.t = end
 
     def _settle(self) -> None:
         """Make the velocities of partly supported nodes exactly those of their supports."""
