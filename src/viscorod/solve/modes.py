@@ -108,9 +108,12 @@ def negative_eigenvalues(tangent: sparse.csr_array) -> int:
     symmetric = sparse.csc_array(0.5 * (tangent + tangent.T))
     # Sylvester's law of inertia: without row exchanges the signs of the pivots are those of the eigenvalues, and unlike
     # the eigenvalues themselves they do not drown in the round-off of the stiffest directions
-    factor = spla.splu(
-        symmetric, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
+    try:
+        factor = spla.splu(
+            symmetric, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+    except RuntimeError:  # exactly singular: a neutral direction, which is not a negative one
+        return int(np.count_nonzero(scipy.linalg.eigvalsh(symmetric.toarray()) < 0.0))
     return int(np.count_nonzero(factor.U.diagonal() < 0.0))
 
 
