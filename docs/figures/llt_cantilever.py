@@ -1,6 +1,6 @@
 """Draw the figure of docs/explanation/llt_cantilever.md and print its table.
 
-    python docs/figures/llt_cantilever.py
+python docs/figures/llt_cantilever.py
 """
 
 from __future__ import annotations
@@ -63,11 +63,15 @@ def main() -> None:
     shape, ratio = bottom.subplots(1, 2, width_ratios=(1.0, 1.25))
     first = runs[0.02]
     times = np.linspace(0.0, 0.88, 8)
+    places = [first.sites.at(f"beam@{s:.6f}") for s in np.linspace(0.0, LENGTH, 41)]
     for k, time in enumerate(times):
-        points = first.snapshot(float(time))["beam"] / LENGTH
+        stations = first.positions_at(float(time)) / LENGTH
+        points = np.array([place.of(stations) for place in places])
         shape.plot(points[:, 0], points[:, 1], color=str(0.05 + 0.09 * k), lw=1.5)
         shape.annotate(f"{time:.2f}", points[-1, :2], fontsize=7, xytext=(3, 0), textcoords="offset points")
-    shape.set(xlabel="x / length", ylabel="y / length", xlim=(-0.05, 1.18), title="first half period, τ = 0.02 s")
+    shape.set(
+        xlabel="x / length", ylabel="y / length", xlim=(-0.05, 1.18), title="first half period, τ = 0.02 s"
+    )
     shape.set_aspect("equal")
     shape.title.set_fontsize(10)
 

@@ -60,22 +60,32 @@ def check(model: ModelDescription) -> CheckReport:
     """
     problem, solver, state = _prepared(model)
     n = problem.size
-    modes = complex_modes(solver, state, linearise(solver, state, scale=0.0), 2 * MODES)
-    moving = modes.frequencies > 1e-6 * modes.frequencies.max(initial=0.0)
+    linear = linearise(solver, state, scale=0.0)
+    undamped = natural_frequencies(linear, 4 * MODES)
+    rigid = int(np.count_nonzero(undamped == 0.0))
+    modes = complex_modes(
+        solver, state, linear, MODES + 2 * rigid
+    )  # a rigid motion is two modes of frequency 0
+    lowest = float(undamped[undamped > 0.0].min(initial=np.inf)) / (2.0 * np.pi)
+    moving = modes.frequencies > 1e-3 * lowest
     frequencies, ratios = modes.frequencies[moving][:MODES], modes.damping_ratios[moving][:MODES]
     return CheckReport(
         rods=[_rod_row(problem, name, rod) for name, rod in model.rods.items()],
         sections=[row for name, rod in model.rods.items() for row in _section_rows(name, rod)],
         frequencies=frequencies,
         damping_ratios=ratios,
-        warnings=_doubts(model, problem, frequencies),
+        warnings=_doubts(model, problem, frequencies, settled=True),
         nodes=n,
         unknowns=6 * n - int(problem.supports.fixed.sum()),
     )
 
 
-def doubts(model: ModelDescription) -> list[str]:
+def doubts(model: ModelDescription, *, settled: bool) -> list[str]:
     """Return the warnings of :func:`check` without the rest, quickly.
+
+    Args:
+        model: the model.
+        settled: whether a static equilibrium is wanted, so that motions which nothing holds matter.
 
     Raises:
         InputError: the model is inconsistent.
@@ -83,7 +93,7 @@ def doubts(model: ModelDescription) -> list[str]:
     problem, solver, state = _prepared(model)
     linear = linearise(solver, state, scale=0.0)
     frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
-    return _doubts(model, problem, frequencies[frequencies > 0.0])
+    return _doubts(model, problem, frequencies[frequencies > 0.0], settled=settled)
 
 
 def _prepared(model: ModelDescription) -> tuple[Problem, StaticSolver, State]:
@@ -97,10 +107,16 @@ def _prepared(model: ModelDescription) -> tuple[Problem, StaticSolver, State]:
     )
 
 
-def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats) -> list[str]:
+def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, settled: bool) -> list[str]:
     """Doubts about the rods, and about motions of the given frequencies [Hz, increasing]."""
     warnings = [text for name, rod in model.rods.items() for text in _rod_warnings(name, rod)]
-    return warnings + _motion_warnings(problem, model, frequencies)
+    free = free_motions(problem) if settled else []
+    if free:
+        motions = "; ".join(motion.text for motion in free)
+        warnings.append(
+            f"nothing holds the model against {motions}: no static equilibrium under loads that drive them"
+        )
+    return warnings + _speed_warnings(model, frequencies)
 
 
 def _rod_row(problem: Problem, name: str, rod: Rod) -> dict[str, object]:
@@ -158,21 +174,18 @@ def _rod_warnings(name: str, rod: Rod) -> list[str]:
     return warnings
 
 
-def _motion_warnings(problem: Problem, model: ModelDescription, frequencies: Floats) -> list[str]:
-    """Retardation times against the slowest motion (LLT 2.6), and motions that nothing holds."""
-    warnings = [
-        f"nothing holds the model against {motion.text}: "
-        "it has no static equilibrium under loads that drive this motion"
-        for motion in free_motions(problem)
-    ]
-    if len(frequencies):
-        omega = 2 * np.pi * float(frequencies[0])
-        for name, rod in model.rods.items():
-            C, D, _ = rod.matrices_at(0.0)
-            time = float(np.max(np.diag(D) / np.diag(C)))
-            if omega * time > QUICK:
-                warnings.append(
-                    f"rod {name}: first angular frequency times longest retardation time is {omega * time:.2g}; "
-                    "Kelvin-Voigt damping is meant for motions much slower than the material's relaxation"
-                )
+def _speed_warnings(model: ModelDescription, frequencies: Floats) -> list[str]:
+    """Retardation times against the slowest motion (LLT 2.6)."""
+    if not len(frequencies):
+        return []
+    omega = 2 * np.pi * float(frequencies[0])
+    warnings = []
+    for name, rod in model.rods.items():
+        C, D, _ = rod.matrices_at(0.0)
+        time = float(np.max(np.diag(D) / np.diag(C)))
+        if omega * time > QUICK:
+            warnings.append(
+                f"rod {name}: first angular frequency times longest retardation time is {omega * time:.2g}; "
+                "Kelvin-Voigt damping is meant for motions much slower than the material's relaxation"
+            )
     return warnings

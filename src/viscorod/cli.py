@@ -6,6 +6,7 @@ Heavy packages are imported inside the commands, so that ``--help`` and ``--vers
 from __future__ import annotations
 
 import gc
+import json
 import os
 import shutil
 import sys
@@ -21,6 +22,7 @@ from viscorod.errors import InputError, SolveError
 
 if TYPE_CHECKING:
     from viscorod.analysis import CheckReport
+    from viscorod.cases.case import Case
     from viscorod.results.run import Equilibrium, Run
 
 app = typer.Typer(
@@ -60,17 +62,17 @@ def run(
         ),
     ] = None,
 ) -> None:
-    """Compute a case; write data and pictures, print a report."""
+    """Compute a case: print a report, write data and pictures."""
     with _readable_errors():
         from viscorod.analysis import run_case
         from viscorod.cases.case import load_case
-        from viscorod.check import doubts
         from viscorod.model.settings import SimulateSettings
         from viscorod.progress import reporting
 
         loaded = load_case(_existing(case))
         folder = output or Path("out") / case.stem
-        for warning in doubts(loaded.description):
+        doubts = _doubts(loaded)
+        for warning in doubts:
             typer.echo(f"warning: {warning}", err=True)
         settings = loaded.settings
         static = not isinstance(settings, SimulateSettings)
@@ -81,16 +83,17 @@ def run(
         except SolveError as error:
             typer.echo(f"error: {error}", err=True)
             if error.run is not None:
-                typer.echo(f"up to there: {', '.join(map(str, _write(error.run, folder)))}", err=True)
+                written = _write(error.run, folder, doubts)
+                typer.echo(f"up to there: {', '.join(map(str, written))}", err=True)
             raise typer.Exit(1) from None
-        written = _write(result, folder)
+        written = _write(result, folder, doubts)
         typer.echo(result.report())
         typer.echo(f"\nWritten: {', '.join(map(str, written))}")
 
 
 @app.command()
 def check(case: CaseFile) -> None:
-    """Validate a case and print its model: sizes, sections, first modes, doubts about validity."""
+    """Validate a case and print its model."""
     with _readable_errors():
         from viscorod.analysis import check as check_model
         from viscorod.cases.case import load_case
@@ -168,10 +171,22 @@ def _copied(case: Path, folder: Path) -> Path:
     return target
 
 
-def _write(result: Run | Equilibrium, folder: Path) -> list[Path]:
-    """Write data and pictures; returns the files."""
+def _doubts(case: Case) -> list[str]:
+    """What the user should know before the case is computed."""
+    from viscorod.check import doubts
+    from viscorod.model.settings import SimulateSettings
+
+    settings = case.settings
+    flies = isinstance(settings, SimulateSettings) and settings.initial == "reference"
+    return doubts(case.description, settled=not flies)
+
+
+def _write(result: Run | Equilibrium, folder: Path, doubts: Sequence[str]) -> list[Path]:
+    """Write data, with the doubts among its warnings, and pictures; returns the files."""
     from viscorod.results.run import Run
 
+    known = json.loads(result.data.attrs.get("warnings", "[]"))
+    result.data.attrs["warnings"] = json.dumps([*doubts, *known])
     if isinstance(result, Run):
         pictures = [result.plot(folder / "motion.png"), result.plot_energy(folder / "energy.png")]
     else:
@@ -181,7 +196,11 @@ def _write(result: Run | Equilibrium, folder: Path) -> list[Path]:
 
 def _check_text(report: CheckReport) -> str:
     modes = [
-        {"mode": str(number), "frequency [Hz]": frequency, "damping ratio": round(ratio, 10) + 0.0}
+        {
+            "mode": str(number),
+            "frequency [Hz]": frequency,
+            "damping ratio": "overdamped" if ratio > 1.0 - 1e-9 else round(ratio, 10) + 0.0,
+        }
         for number, (frequency, ratio) in enumerate(
             zip(report.frequencies, report.damping_ratios, strict=True), 1
         )

@@ -137,6 +137,12 @@ def test_title_is_the_name_of_the_file_by_default(tmp_path):
     assert case.settings == EquilibriumSettings()
 
 
+def test_a_byte_order_mark_is_no_content(tmp_path):
+    path = tmp_path / "case.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + shipped_case("cantilever_swing").read_bytes())
+    assert load_case(path).title == load_case(shipped_case("cantilever_swing")).title
+
+
 def test_sections_and_materials_by_name_or_in_place():
     named = parse_case(GOOD).description
     inline = parse_case(

@@ -131,6 +131,8 @@ def test_as_a_table():
         (lambda: straight(SQUARE, order=13), "Rod.order", "1 to 12"),
         (lambda: straight(SQUARE, order=True), "Rod.order", "whole number"),
         (lambda: straight(SQUARE, twist="a"), "Rod.twist", "number"),
+        (lambda: straight(SQUARE, twist=lambda s: None), "Rod.twist", "function of the twist"),
+        (lambda: straight(SQUARE, twist=lambda s: math.nan), "Rod.twist", "finite"),
         (lambda: straight(SQUARE, d1=(1, 0, 0)), "Rod.d1", "along the rod"),
         (
             lambda: straight(

@@ -113,6 +113,12 @@ def test_python_functions():
     assert step.jumps == (1.0,)
 
 
+def test_a_function_may_return_an_array_of_no_dimension():
+    spline = CubicSpline([0.0, 1.0, 2.0], [0.0, 1.0, 0.0])
+    assert isinstance(spline(1.0), np.ndarray)
+    assert Function(spline).value(1.0) == pytest.approx(1.0)
+
+
 def test_numbers_and_tables_are_functions_of_time():
     assert time_function(2) == Constant(2.0)
     assert time_function({"kind": "ramp", "start": 0, "end": 1}) == Ramp(0.0, 1.0)

@@ -139,3 +139,18 @@ def test_text_has_a_line_for_every_cycle():
 )
 def test_only_steady_shrinking_cycles_are_a_decay(time, value, regular):
     assert Decrement("", "", 0.0, np.array(time), np.array(value)).regular is regular
+
+
+def test_minima_count_for_a_motion_that_starts_below_rest():
+    time, value, rate = record(0.05, amplitude=0.2)
+    above, below = decrement(time, value, rate), decrement(time, -value, -rate, below=True)
+    np.testing.assert_allclose(below.value, -above.value)
+    np.testing.assert_allclose(below.damping_ratio, above.damping_ratio)
+
+
+def test_ratios_that_jump_are_taken_as_one():
+    found = Decrement("", "", 0.0, np.arange(5.0), np.array([1.0, 0.6, 0.55, 0.3, 0.29]))
+    assert found.scattered
+    assert found.envelope[1] == pytest.approx(0.33, rel=0.1)
+    assert "all cycles taken as one" in str(found)
+    assert not decrement(*record(0.05)).scattered

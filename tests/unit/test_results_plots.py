@@ -61,7 +61,7 @@ def test_energy_shows_the_account_and_its_remainder():
         "elastic",
         "kinetic",
         "numerical remainder",
-        "initial energy + work of loads",
+        "initial energy + work done",
     ]
     assert upper.get_ylabel() == "energy [mJ]"
     assert lower.get_yscale() == "log"

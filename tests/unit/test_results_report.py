@@ -88,3 +88,12 @@ def test_small_numbers_beside_large_ones_read_zero():
     data["position"][..., 2] = 1e-18
     row = next(line for line in Equilibrium(data).report().splitlines() if "beam.end" in line)
     assert "e-18" not in row
+
+
+def test_large_bending_strain_is_located():
+    data = swing(duration=1.0)
+    data["half_width"] = ("point", np.full(data.sizes["point"], 0.005))
+    assert warnings_of(Run(data)) == []
+    data["strain"][3, 4, 4] = -30.0
+    (warning,) = warnings_of(Run(data))
+    assert warning.startswith("bend 2 times the half width of the section reaches 0.15 at beam@0.135")

@@ -92,7 +92,7 @@ def case_from_dict(data: Mapping[str, Any], source: Path | None = None) -> Case:
 
 def _content(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         instead = "give the path of a case file"
         if path.parent.is_dir():

@@ -25,6 +25,7 @@ from viscorod.model.values import (
     Triple,
     Vector,
     function,
+    number,
     one_of,
     sequence,
     vector,
@@ -91,8 +92,21 @@ class Centreline(Described):
 
     def _twist(self, s: Floats, twist: Twist) -> Floats:
         if callable(twist):
-            return np.array([float(twist(float(station))) for station in s])
+            return np.array([_angle(twist, float(station)) for station in s])
         return twist * s / self.length
+
+
+def _angle(twist: Callable[[float], float], s: float) -> float:
+    angle = twist(s)
+    try:
+        return number(angle)
+    except RefusedError as error:
+        raise RefusedError(
+            f"the function of the twist gave this at s = {s:.6g}: {error.why}",
+            "make it return an angle in rad everywhere",
+            found=show(angle),
+            at=("twist",),
+        ) from None
 
 
 def start_axis(tangent: Floats, d1: Sequence[float] | None) -> Floats:

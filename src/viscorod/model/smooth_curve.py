@@ -112,6 +112,10 @@ class SmoothCurve:
                 break
             middle = (first + last) / 2.0
             first, last = np.concatenate([first, middle]), np.concatenate([middle, last])
+        if not len(first):  # a stop exactly between two panels is inside neither
+            ends = np.unique(np.concatenate([breaks, *(part[0] for part in done)]))
+            speed = self._speed(ends)
+            first = ends[speed <= 1e-9 * speed.max()]
         if len(first):
             raise RefusedError(
                 "the centre line stops, turns back or has a corner there",
@@ -191,6 +195,7 @@ def chebyshev_curve(function: Callable[[float], Floats], degree: int = 32) -> tu
     sizes = np.array([panel[1] - panel[0] for panel in done])
     coefficients = np.array([panel[2] for panel in done])
     derivative = np.polynomial.chebyshev.chebder(coefficients, axis=1)
+    _require_smooth_joints(starts, sizes, coefficients, derivative, scale)
     second = np.polynomial.chebyshev.chebder(derivative, axis=1)
 
     def evaluate(u: Floats) -> tuple[Floats, Floats, Floats]:
@@ -205,3 +210,31 @@ def chebyshev_curve(function: Callable[[float], Floats], degree: int = 32) -> tu
         )
 
     return evaluate, np.append(starts, 1.0)
+
+
+def _require_smooth_joints(
+    starts: Floats, sizes: Floats, coefficients: Floats, derivative: Floats, scale: float
+) -> None:
+    """Refuse a jump, a corner or a stop exactly between two panels, which no panel notices by itself."""
+    first, last = (-1.0) ** np.arange(coefficients.shape[1]), np.ones(coefficients.shape[1])
+    gap = np.einsum("k,nki->ni", first, coefficients)[1:] - np.einsum("k,nki->ni", last, coefficients)[:-1]
+    right = (np.einsum("k,nki->ni", first[:-1], derivative) * (2.0 / sizes)[:, None])[1:]
+    left = (np.einsum("k,nki->ni", last[:-1], derivative) * (2.0 / sizes)[:, None])[:-1]
+    noise = 1e-9 * scale / np.minimum(sizes[1:], sizes[:-1])  # of the slopes
+    slow = np.minimum(np.linalg.norm(left, axis=1), np.linalg.norm(right, axis=1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        turn = np.linalg.norm(
+            left / np.linalg.norm(left, axis=1)[:, None] - right / np.linalg.norm(right, axis=1)[:, None],
+            axis=1,
+        )
+    bad = (
+        (np.linalg.norm(gap, axis=1) > 1e-10 * scale)
+        | (slow <= noise)
+        | ~(turn * slow <= 1e-6 * slow + noise)
+    )
+    if bad.any():
+        raise RefusedError(
+            "the centre line jumps, stops or has a corner there",
+            "give a smooth curve; for a corner make two rods and attach them",
+            found=f"near the parameter {float(starts[1:][bad][0]):.6g}",
+        )

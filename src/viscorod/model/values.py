@@ -26,6 +26,8 @@ Triple: TypeAlias = tuple[float, float, float]
 
 def number(value: Any) -> float:
     """`value` as a finite float."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:  # what SciPy's interpolants return for one time
+        value = value[()]
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
         raise RefusedError("a number is needed here", "give a plain number such as 0.25")
     try:

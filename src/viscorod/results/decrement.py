@@ -14,16 +14,15 @@ _FLOOR = 1e-6  # maxima below this part of the largest amplitude are what the so
 _SYMMETRIC = 0.02  # a mean position closer to zero than this part of the last amplitude is taken as zero
 _LAST = 2  # cycles that the drawn envelope follows
 _FITTED = 3  # cycles from which the limit of small amplitude is extrapolated
-
 _AGREEING = 1.3  # largest ratio of two periods in what is called a decay
-_GROWING = (
-    0.02  # logarithmic growth of a maximum in what is called a decay: numerical errors, beats at the end
-)
+_GROWING = 0.02  # logarithmic growth of a maximum in what is called a decay: numerical errors, beats
+_SCATTER = 0.5  # change of the ratio between cycles, as a part of the largest, that tells of several modes
+_UNDAMPED = 1e-3  # ratios below it scatter by the errors of the integration
 
 
 @dataclass(frozen=True)
 class Decrement:
-    """Successive maxima of a decaying motion; n maxima bound n - 1 cycles.
+    """Successive maxima (or minima) of a decaying motion; n of them bound n - 1 cycles.
 
     Attributes:
         place: the place, "beam.end".
@@ -42,7 +41,7 @@ class Decrement:
     @property
     def amplitude(self) -> Floats:
         """Distance of each maximum from rest [m], shape (n,); cycle k starts with maximum k."""
-        return self.value - self.rest
+        return np.abs(self.value - self.rest)
 
     @property
     def mean_amplitude(self) -> Floats:
@@ -74,9 +73,16 @@ class Decrement:
         return steady and bool(np.all(self.log_decrement > -_GROWING))
 
     @property
+    def scattered(self) -> bool:
+        """Whether the ratios jump from cycle to cycle, as they do where several modes take part."""
+        ratio = self.damping_ratio
+        largest = float(np.max(np.abs(ratio)))
+        return largest > _UNDAMPED and bool(np.any(np.abs(np.diff(ratio)) > _SCATTER * largest))
+
+    @property
     def envelope(self) -> tuple[float, float]:
-        """``(a, b)`` of the exponential ``a exp(-b t)`` [m, 1/s] fitted to the last two cycles."""
-        last = slice(-_LAST - 1, None)
+        """``(a, b)`` of ``a exp(-b t)`` [m, 1/s] fitted to the last two cycles, to all if they are scattered."""
+        last = slice(None) if self.scattered else slice(-_LAST - 1, None)
         slope, intercept = np.polyfit(self.time[last], np.log(self.amplitude[last]), 1)
         return float(np.exp(intercept)), -float(slope)
 
@@ -95,8 +101,12 @@ class Decrement:
             line = np.polyfit(square, ratio, 1)
             if np.max(np.abs(ratio - np.polyval(line, square))) < 0.02 * np.max(np.abs(ratio)):
                 return float(line[1])
-        delta = float(np.mean(self.log_decrement[-_FITTED:]))
-        return float(delta / np.hypot(2.0 * np.pi, delta))
+        return _ratio(self.log_decrement[-_FITTED:])
+
+    @property
+    def mean_damping_ratio(self) -> float:
+        """The ratio of all cycles taken as one."""
+        return _ratio(self.log_decrement)
 
     def __str__(self) -> str:
         about = f" about {self.rest:.6g} m" if self.rest else ""
@@ -112,12 +122,23 @@ class Decrement:
                 f"  {number:5d}{time:15.5f}{amplitude:15.6g}{period:12.5f}{delta:15.6f}{ratio:15.6f}"
             )
         lines.append(f"  {'end':>5s}{self.time[-1]:15.5f}{self.amplitude[-1]:15.6g}")
-        lines.append(f"  small amplitude: damping ratio {self.small_amplitude_ratio:.6f}")
+        if self.scattered:
+            lines.append(f"  all cycles taken as one: damping ratio {self.mean_damping_ratio:.6f}")
+            lines.append("  (the ratios jump from cycle to cycle: several modes take part)")
+        else:
+            lines.append(f"  small amplitude: damping ratio {self.small_amplitude_ratio:.6f}")
         return "\n".join(lines)
 
 
 def decrement(
-    time: Floats, value: Floats, rate: Floats, *, rest: float | None = 0.0, place: str = "", axis: str = ""
+    time: Floats,
+    value: Floats,
+    rate: Floats,
+    *,
+    rest: float | None = 0.0,
+    below: bool = False,
+    place: str = "",
+    axis: str = "",
 ) -> Decrement:
     """Find the maxima of every swing past ``rest``.
 
@@ -130,6 +151,7 @@ def decrement(
         value: displacement [m], shape (m,).
         rate: its rate [m/s], shape (m,).
         rest: displacement about which it swings [m], or None to take it from the last extremes.
+        below: whether the swings to the negative side count, minima instead of maxima.
         place: name for messages and tables.
         axis: name for messages and tables.
 
@@ -138,14 +160,16 @@ def decrement(
     """
     if rest is None:
         rest = resting_value(time, value, rate)
+    sign, extreme = (-1.0, "minimum") if below else (1.0, "maximum")
+    value, rate, level = sign * value, sign * rate, sign * rest
     times, values, intervals = _maxima(time, value, rate)
-    above = value > rest
+    above = value > level
     swing = np.cumsum(np.concatenate([[0], (above[1:] & ~above[:-1]).astype(np.int64)]))
     on_sample = np.where(above[intervals], intervals, np.minimum(intervals + 1, above.size - 1))
     number = swing[on_sample]
     complete = number < swing[-1] if above[-1] else np.ones(number.size, dtype=bool)
-    floor = _FLOOR * float(np.max(np.abs(value - rest), initial=0.0))
-    valid = complete & above[on_sample] & (values - rest > floor)
+    floor = _FLOOR * float(np.max(np.abs(value - level), initial=0.0))
+    valid = complete & above[on_sample] & (values - level > floor)
 
     chosen = []
     for k in np.unique(number[valid]):
@@ -155,13 +179,19 @@ def decrement(
         if not cut_off:
             chosen.append(best)
     if len(chosen) < 2:
-        count = ("no complete maximum", "one complete maximum")[len(chosen)]
+        count = f"{('no', 'one')[len(chosen)]} complete {extreme}"
         raise InputError(
             f"{place or 'the motion'} along {axis or 'this axis'} passes {count} about "
             f"{rest:g} m between {time[0]:g} and {time[-1]:g} s; a decrement needs two: "
             "simulate longer, or name another place, axis or rest"
         )
-    return Decrement(place, axis, float(rest), times[chosen], values[chosen])
+    return Decrement(place, axis, float(rest), times[chosen], sign * values[chosen])
+
+
+def _ratio(deltas: Floats) -> float:
+    """Return the damping ratio of cycles with the given logarithmic decrements, taken as one."""
+    delta = float(np.mean(deltas))
+    return float(delta / np.hypot(2.0 * np.pi, delta))
 
 
 def resting_value(time: Floats, value: Floats, rate: Floats) -> float:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from viscorod.results.run import Run
 
 _SNAPSHOTS = 13
+_SIDE_BY_SIDE = 5  # snapshots of rods that would hide each other
 
 
 def draw_motion(run: Run, place: str | int | None = None, axis: str | None = None) -> Figure:
@@ -71,17 +72,19 @@ def _history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement | Non
             markersize=5,
             clip_on=False,
             zorder=4,
-            label="maxima",
+            label="maxima" if decay.value[0] > decay.rest else "minima",
         )
         size, rate = decay.envelope
         envelope = size * np.exp(-rate * run.time)
-        label = f"envelope of the last cycles, exp({-rate:.3g} t/s)".replace("-", "\N{MINUS SIGN}")
-        limits = axes.get_ylim()
+        cycles = "all cycles" if decay.scattered else "the last cycles"
+        label = f"envelope of {cycles}, exp({-rate:.3g} t/s)".replace("-", "\N{MINUS SIGN}")
+        bottom, top = axes.get_ylim()
         for sign, text in ((1.0, label), (-1.0, None)):
             bound = scale * (decay.rest + sign * envelope)
             axes.plot(run.time, bound, "--", color=ORANGE, linewidth=1.4, label=text)
         # Extrapolated to the start, the envelope may run far out of the large first swings.
-        axes.set_ylim(1.1 * limits[0], 1.1 * limits[1])
+        room = 0.05 * (top - bottom)
+        axes.set_ylim(bottom - room, top + room)
     legend_above(axes, 3)
 
 
@@ -91,22 +94,27 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     from matplotlib.colors import LinearSegmentedColormap, Normalize
 
     start, end = (run.time[0], run.time[-1]) if decay is None else decay.time[:2]
-    times = np.linspace(start, end, _SNAPSHOTS if end > start else 1)
-    positions = np.array([run.positions_at(float(time)) for time in times])
     reference = np.asarray(run.data["reference_position"].values, dtype=float)
+    curves = Curves(run)
+    coiled = curves.coiled(reference)
+    times = np.linspace(start, end, (_SIDE_BY_SIDE if coiled else _SNAPSHOTS) if end > start else 1)
+    positions = np.array([run.positions_at(float(time)) for time in times])
     view = View.of(np.concatenate([positions, reference[None]]))
+    shifts = view.strip(positions) if coiled else np.zeros((times.size, 3))
     axes = picture.add_subplot(spec)
     rods = "Rod" if len(run.sites.rods) == 1 else "Rods"
-    view.prepare(axes, f"{rods} {view.name}" + ("" if decay is None else ", first period"))
-    curves = Curves(run)
+    period = "" if decay is None else ", first period"
+    view.prepare(axes, f"{rods} {view.name}{period}{', side by side' if coiled else ''}")
     # The light end of the map is left out: it would not show on white.
     colours = LinearSegmentedColormap.from_list("time", colormaps["viridis"](np.linspace(0.0, 0.88, 64)))
     span = Normalize(start, end if end > start else start + 1.0)
-    draw_reference(axes, view, curves, run)
-    for time, position in zip(times, positions, strict=True):
-        curves.draw(axes, view, position, color=colours(span(time)), linewidth=1.8)
-    mark_supports(axes, view, run, positions[0])
-    view.finish(axes)
+    if not coiled:
+        draw_reference(axes, view, curves, run)
+    for time, position, shift in zip(times, positions, shifts, strict=True):
+        curves.draw(axes, view, position + shift, color=colours(span(time)), linewidth=1.8)
+    for shift in shifts if coiled else shifts[:1]:
+        mark_supports(axes, view, run, positions[0] + shift)
+    view.finish(axes, headroom=0.3 if coiled else 0.0)
     bar = picture.colorbar(ScalarMappable(span, colours), ax=axes, shrink=0.85, aspect=28, pad=0.03)
     bar.set_label("time [s]", fontsize=TEXT)
     bar.ax.tick_params(labelsize=SMALL)
@@ -117,29 +125,24 @@ def _damping(axes: Axes, decay: Decrement) -> None:
     amplitude, ratio = decay.mean_amplitude, decay.damping_ratio
     scale, unit = scaled("m", amplitude)
     clean(axes, f"mean amplitude of the cycle [{unit}]", "damping ratio")
-    limit = decay.small_amplitude_ratio
+    limit = decay.mean_damping_ratio if decay.scattered else decay.small_amplitude_ratio
+    name = f"{'all cycles taken as one' if decay.scattered else 'small amplitude'}: {limit:.4f}"
     heading(axes, "Damping ratio of every cycle (numbered)")
-    axes.axhline(limit, color=ORANGE, linestyle="--", linewidth=1.4)
-    axes.annotate(
-        f"small amplitude: {limit:.4f}",
-        (0.02, limit),
-        (0, 4),
-        xycoords=("axes fraction", "data"),
-        textcoords="offset points",
-        fontsize=SMALL,
-    )
-    axes.plot(scale * amplitude, ratio, "o-", color=GREEN, markersize=6, linewidth=1.2)
+    axes.axhline(limit, color=ORANGE, linestyle="--", linewidth=1.4, label=name)
+    style = "o" if decay.scattered else "o-"
+    axes.plot(scale * amplitude, ratio, style, color=GREEN, markersize=6, linewidth=1.2)
+    low, high = min(0.0, float(ratio.min())), max(float(ratio.max()), limit)
     step = max(1, ratio.size // 12)
     for number in range(0, ratio.size, step):
         axes.annotate(
             str(number + 1),
             (scale * amplitude[number], ratio[number]),
-            xytext=(0, -16),
+            xytext=(0, -16 if ratio[number] - low > 0.1 * (high - low) else 8),
             textcoords="offset points",
             ha="center",
             fontsize=SMALL,
         )
-    low, high = min(0.0, float(ratio.min())), max(float(ratio.max()), limit)
     axes.set_ylim(1.25 * low, 1.25 * high if high > 0.0 else 0.1)
     axes.set_xlim(0.0, 1.08 * scale * float(amplitude.max()))
     axes.locator_params(axis="x", nbins=6)
+    legend_inside(axes)

@@ -46,7 +46,11 @@ def draw_energy(run: Run) -> Figure:
     upper.stackplot(
         energy.time,
         *(scale * part for part in parts),
-        labels=("lost to viscosity", "elastic", "kinetic"),
+        labels=(
+            "lost to viscosity" if np.any(energy.viscous) else "lost to viscosity (none)",
+            "elastic",
+            "kinetic",
+        ),
         colors=(ORANGE, SKY, BLUE),
         linewidth=0.0,
     )
@@ -54,7 +58,11 @@ def draw_energy(run: Run) -> Figure:
         energy.time, scale * supplied, scale * top, color=RED, linewidth=0.8, label="numerical remainder"
     )
     upper.plot(
-        energy.time, scale * supplied, color=INK, linewidth=1.4, label="initial energy + work of loads"
+        energy.time,
+        scale * supplied,
+        color=INK,
+        linewidth=1.4,
+        label="initial energy + work done",
     )
     if energy.time.size > 1:
         upper.set_xlim(energy.time[0], energy.time[-1])
@@ -65,8 +73,9 @@ def draw_energy(run: Run) -> Figure:
     moved = energy.moved
     if moved > 0.0:
         percent = np.maximum(100.0 * np.abs(energy.numerical) / moved, _ROUND_OFF)
+        shown = energy.numerical != 0.0  # the start has none, which no logarithm shows
         alone = "o" if percent.size == 1 else None
-        lower.semilogy(energy.time, percent, color=RED, linewidth=1.4, marker=alone)
+        lower.semilogy(energy.time[shown], percent[shown], color=RED, linewidth=1.4, marker=alone)
         lower.minorticks_off()
         lower.yaxis.set_major_formatter("{x:g}")
         lower.axhline(1.0, color=GREY, linestyle="--", linewidth=1.2)

@@ -28,7 +28,7 @@ def run_report(run: Run) -> str:
     method = f", {str(attrs['integrator']).replace('_', '-')}" if attrs.get("integrator") else ""
     blocks = [
         _heading(run, f"{time[-1] - time[0]:g} s simulated{steps}{size}{method}"),
-        _ends(run, f"Rod ends at the start ({time[0]:g} s)", 0),
+        _ends(run, *_shown_state(run)),
         _decay(run),
         str(run.energy),
         _effort(run),
@@ -74,6 +74,14 @@ def _ends(result: Result, title: str, state: int) -> str:
     return table(title + ": position, and displacement from the reference shape", header, rows)
 
 
+def _shown_state(run: Run) -> tuple[str, int]:
+    """The state whose rod ends tell most: the held start, or the end where the rods start undeformed."""
+    time = run.time
+    if time.size == 1 or np.any(run.field("displacement")[0]):
+        return f"Rod ends at {time[0]:g} s, the start", 0
+    return f"Rod ends at {time[-1]:g} s", -1
+
+
 def _decay(run: Run) -> str:
     site, axis = run.main_motion
     spread = float(np.ptp(run.history(site.label, "displacement").sel(axis=axis).values))
@@ -109,7 +117,10 @@ def _reactions(equilibrium: Equilibrium) -> str:
         return ""
     names = equilibrium.data["support"].values
     values = equilibrium.reactions.values
+    size = float(np.max(np.abs(equilibrium.field("position")[-1])))
     force, moment = (float(np.max(np.abs(part))) for part in (values[:, :3], values[:, 3:]))
+    force = max(force, moment / size) if size > 0.0 else force  # round-off of either spoils both
+    moment = max(moment, force * size)
     rows = [
         (str(name), *_vector(row[:3], force), *_vector(row[3:], moment))
         for name, row in zip(names, values, strict=True)

@@ -10,14 +10,17 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.mechanics.quaternion import conjugate, product, rotation_vector
-from viscorod.results.decrement import Decrement, decrement, hermite
+from viscorod.results.decrement import Decrement, decrement, hermite, resting_value
 from viscorod.results.energy import Energy
+from viscorod.results.places import Site
 from viscorod.results.result import Result
 from viscorod.results.schema import AXES
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     import xarray as xr
+
+_STARTS_BELOW = 0.5  # a start this far below rest, as a part of the largest departure, makes minima count
 
 
 class Run(Result):
@@ -35,36 +38,45 @@ class Run(Result):
         """The energy account."""
         return Energy.of(self.data)
 
-    def decrement(self, place: str | int, axis: str, rest: float | None = 0.0) -> Decrement:
+    def decrement(
+        self, place: str | int, axis: str, rest: float | None = 0.0, *, below: bool = False
+    ) -> Decrement:
         """Return period, amplitude and damping ratio of every cycle of a displacement.
 
         Args:
             place: "beam.end", "beam@0.15" or the number of a station.
             axis: global axis "x", "y" or "z".
             rest: displacement about which it swings [m]; None takes it from the last extremes of the motion.
+            below: whether the minima bound the cycles instead of the maxima.
 
         Raises:
             InputError: no such place or axis, or fewer than two maxima.
         """
-        if axis not in AXES:
-            raise InputError(f"axis = {axis!r} is no global axis; it can be x, y or z")
-        column = AXES.index(axis)
         site = self.sites.at(place)
-        value = site.of(self.field("displacement"))[:, column]
-        rate = site.of(self.field("velocity"))[:, column]
-        return decrement(self.time, value, rate, rest=rest, place=site.label, axis=axis)
+        value, rate = self._component(site, axis)
+        return decrement(self.time, value, rate, rest=rest, below=below, place=site.label, axis=axis)
 
     def free_decay(self, place: str | int, axis: str) -> Decrement | None:
         """Return the decrement about the position of rest, or None where the motion is no regular decay.
 
         Maxima whose periods agree within 30 % and that do not grow are one; the report and the picture show
-        cycles only there.
+        cycles only there. Where the motion starts far below its position of rest, minima count.
         """
+        value, rate = self._component(self.sites.at(place), axis)
+        rest = resting_value(self.time, value, rate)
+        below = bool(value[0] - rest < -_STARTS_BELOW * np.max(np.abs(value - rest)))
         try:
-            found = self.decrement(place, axis, rest=None)
+            found = self.decrement(place, axis, rest, below=below)
         except InputError:
             return None
         return found if found.regular else None
+
+    def _component(self, site: Site, axis: str) -> tuple[Floats, Floats]:
+        """Displacement [m] of a site along a global axis and its rate [m/s]."""
+        if axis not in AXES:
+            raise InputError(f"axis = {axis!r} is no global axis; it can be x, y or z")
+        column = AXES.index(axis)
+        return site.of(self.field("displacement"))[:, column], site.of(self.field("velocity"))[:, column]
 
     def snapshot(self, time: float) -> dict[str, Floats]:
         """Return where every rod is at a time.

@@ -36,6 +36,7 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "angular_velocity": ("rad/s", "angular velocity, body axes"),
     "strain": ("1, 1, 1, 1/m, 1/m, 1/m", "strain: shear 1, shear 2, stretch, bend 1, bend 2, twist"),
     "section_force": ("N, N m", "force and moment of the section, elastic and viscous, body axes"),
+    "half_width": ("m", "largest distance of the section's outline from the centre line, 0 if unknown"),
     "dissipation": ("W/m", "power lost to viscosity per length"),
     "kinetic": ("J", "kinetic energy"),
     "elastic": ("J", "elastic energy"),

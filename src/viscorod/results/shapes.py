@@ -86,8 +86,13 @@ class View:
             first, second = (f"{AXES[axis]} [{self.unit}]" for axis in self.plane)
             clean(axes, first, second)
 
-    def finish(self, axes: Axes) -> None:
-        """Add the directions of the axes and a scale to a view in space, once everything is drawn."""
+    def finish(self, axes: Axes, headroom: float = 0.0) -> None:
+        """Add the directions of the axes and a scale to a view in space, once everything is drawn.
+
+        Args:
+            axes: where the view is.
+            headroom: free height above it, as a part of its own.
+        """
         if self.plane is not None:
             return
         for axis, direction in enumerate(self.projection.T):
@@ -116,7 +121,8 @@ class View:
             va="top",
             fontsize=SMALL,
         )
-        axes.update_datalim([(right, bottom - 3.0 * gap)])  # room for the text
+        above = bottom + (1.0 + headroom) * axes.dataLim.height
+        axes.update_datalim([(right, bottom - 4.5 * gap), (right, above)])  # room for the text
         axes.autoscale_view()
 
 
@@ -125,7 +131,7 @@ class Curves:
 
     def __init__(self, result: Result) -> None:
         self._matrices = []
-        self._shadow = "shadow below, seen from above"
+        self._shadow = "shadow on the floor"
         sites = result.sites
         count = int(result.data.sizes["station"])
         arc = np.asarray(result.data["station_s"].values, dtype=float)
@@ -169,6 +175,8 @@ def mark_supports(axes: Axes, view: View, result: Result, positions: Floats) -> 
             continue
     if points:
         name = "support" if len(points) == 1 else "supports"
+        if name in axes.get_legend_handles_labels()[1]:
+            name = "_"
         axes.plot(*view.on_paper(np.array(points)), "s", markersize=7, color=INK, zorder=5, label=name)
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 # Okabe and Ito's palette, told apart by readers with any kind of colour vision.
 BLUE, ORANGE, GREEN, RED, SKY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9"
-INK, GREY, LIGHT = "#222222", "#8a8a8a", "#e2e2e2"
+INK, GREY, LIGHT = "#222222", "#8a8a8a", "#d8d8d8"
 TEXT, SMALL = 11.0, 9.5
 DPI = 120
 
@@ -26,12 +26,10 @@ def figure(width: float, height: float) -> Figure:
     """Return an empty figure of the given size [inches] that no global state knows."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    result = Figure(figsize=(width, height), dpi=DPI, layout="constrained")
+    result = Figure(figsize=(width, height), dpi=DPI, layout=ConstrainedLayoutEngine(w_pad=0.1, h_pad=0.08))
     FigureCanvasAgg(result)
-    engine = result.get_layout_engine()
-    if engine is not None:
-        engine.set(w_pad=0.1, h_pad=0.08)
     return result
 
 
@@ -86,7 +84,15 @@ def legend_above(axes: Axes, columns: int) -> None:
 
 def legend_inside(axes: Axes) -> None:
     """Put the legend into a free corner of an axes."""
-    axes.legend(loc="best", fontsize=SMALL, frameon=True, framealpha=0.85, edgecolor="none")
+    axes.legend(
+        loc="best",
+        fontsize=SMALL,
+        frameon=True,
+        framealpha=0.85,
+        edgecolor="none",
+        handlelength=1.4,
+        borderaxespad=0.2,
+    )
 
 
 def heading(axes: Axes, text: str) -> None:

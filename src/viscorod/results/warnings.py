@@ -8,20 +8,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.results.schema import COUNTERS
+from viscorod.typing import Floats
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from viscorod.results.result import Result
 
 _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
-_STRAIN = 0.1  # shear and stretch beyond which a linear material law for small strains is doubtful
+_STRAIN = 0.1  # strain beyond which a linear material law for small strains is doubtful
 
 
 def warnings_of(result: Result) -> list[str]:
     """Return the warnings stored with a result and those that its data call for.
 
     Stored ones are the JSON list of texts in the attribute ``warnings``. Added are: a remainder of the energy
-    account above 1 % of the energy that moved, steps that had to be halved, and shear or stretch beyond 0.1,
-    where the Kelvin-Voigt law for small strains (Linn, Lang and Tuganov, section 2.2) is doubtful.
+    account above 1 % of the energy that moved, steps that had to be halved, and shear, stretch or bending strain
+    times half width beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang and Tuganov,
+    section 2.2) is doubtful.
     """
     data = result.data
     texts = [str(text) for text in json.loads(data.attrs.get("warnings", "[]"))]
@@ -41,17 +45,37 @@ def warnings_of(result: Result) -> list[str]:
         texts.append(
             f"{rejected} {what}{plural} did not converge and had to be tried again with a smaller one"
         )
-    if "strain" in data and data.sizes.get("point", 0):
-        strain = np.abs(np.asarray(data["strain"].values, dtype=float)[..., :3])
-        worst = np.unravel_index(int(np.argmax(strain)), strain.shape)
-        if strain[worst] > _STRAIN:
-            name = ("shear 1", "shear 2", "stretch")[int(worst[-1])]
-            where = ""
-            if "point_rod" in data and "point_s" in data:
-                point = int(worst[-2])
-                where = f" at {data['point_rod'].values[point]}@{float(data['point_s'].values[point]):.4g}"
+    return texts + _strain_warnings(data)
+
+
+def _strain_warnings(data: xr.Dataset) -> list[str]:
+    """Return one warning each for shear or stretch and for bending that are too large for small strains."""
+    if "strain" not in data or not data.sizes.get("point", 0):
+        return []
+    strain = np.abs(np.asarray(data["strain"].values, dtype=float))
+    texts = []
+    value, component, where = _largest(data, strain[..., :3])
+    if value > _STRAIN:
+        name = ("shear 1", "shear 2", "stretch")[component]
+        texts.append(
+            f"the strain {name} reaches {value:.2g}{where}; the material law is meant for strains well below 1"
+        )
+    if "half_width" in data:
+        half = np.asarray(data["half_width"].values, dtype=float)
+        value, component, where = _largest(data, strain[..., 3:5] * half[:, None])
+        if value > _STRAIN:
             texts.append(
-                f"the strain {name} reaches {strain[worst]:.2g}{where}; "
+                f"bend {component + 1} times the half width of the section reaches {value:.2g}{where}; "
                 "the material law is meant for strains well below 1"
             )
     return texts
+
+
+def _largest(data: xr.Dataset, values: Floats) -> tuple[float, int, str]:
+    """Return the largest of ``(state, point, component)``, its component and " at rod@s"."""
+    worst = np.unravel_index(int(np.argmax(values)), values.shape)
+    where = ""
+    if "point_rod" in data and "point_s" in data:
+        point = int(worst[-2])
+        where = f" at {data['point_rod'].values[point]}@{float(data['point_s'].values[point]):.4g}"
+    return float(values[worst]), int(worst[-1]), where

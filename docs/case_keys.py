@@ -1,0 +1,200 @@
+"""Sphinx extension: the keys of a case file, as tables made from the classes that read them.
+
+``{case-keys} sections.circle`` becomes a table of the keys of that part of a case file. A key without a line in
+the docstring of its class, a check without words here, and a part that no page shows are errors of the build.
+"""
+
+import inspect
+import re
+
+from sphinx.util import logging
+from sphinx.util.docutils import SphinxDirective
+
+from viscorod.cases import schema
+from viscorod.model.attachment import Attachment
+from viscorod.model.load import LOADS
+from viscorod.model.material import KelvinVoigt, Material
+from viscorod.model.profile import SECTIONS, Piece, Taper
+from viscorod.model.rod import CENTRELINES, Rod
+from viscorod.model.support import MOTIONS, SUPPORTS, Support
+from viscorod.model.time_table import TIME_FUNCTIONS
+from viscorod.model.velocity import InitialVelocity
+
+PYTHON_ONLY = {"rods.curve", "time.function"}
+PYTHON_ONLY_KEYS = {(InitialVelocity, "field")}
+
+PARTS = {
+    "materials": Material,
+    "materials.damping": KelvinVoigt,
+    "sections.piece": Piece,
+    "sections.taper": Taper,
+    **{f"sections.{word}": kind for word, kind in SECTIONS.items()},
+    **{f"rods.{word}": kind for word, kind in CENTRELINES.items()},
+    "attachments": Attachment,
+    **{f"supports.{word}": kind for word, kind in SUPPORTS.items()},
+    **{f"loads.{word}": kind for word, kind in LOADS.items()},
+    **{f"time.{word}": kind for word, kind in TIME_FUNCTIONS.items()},
+    "velocities": InitialVelocity,
+    **schema.ANALYSES,
+}
+PARTS = {name: kind for name, kind in PARTS.items() if name not in PYTHON_ONLY}
+"""Every part of a case file that has keys, except the rod and the file itself."""
+
+SECTION = "name of a section in quotes, or a table with `shape`"
+FILE = {
+    "title": ("text", "name of the file", "heading of reports and pictures"),
+    "materials": ("tables `[materials.NAME]`", "\N{EN DASH}", "see Materials"),
+    "sections": ("tables `[sections.NAME]`", "\N{EN DASH}", "see Sections"),
+    "rods": ("tables `[rods.NAME]`", "required", "see Rods"),
+    "supports": ("tables `[[supports]]`", "\N{EN DASH}", "see Supports"),
+    "loads": ("tables `[[loads]]`", "\N{EN DASH}", "see Loads"),
+    "attachments": ("tables `[[attachments]]`", "\N{EN DASH}", "see Attachments"),
+    "velocities": ("tables `[[velocities]]`", "at rest", "see Initial velocities"),
+    "simulate": ("table `[simulate]`", "this or `equilibrium`", "see Analyses"),
+    "equilibrium": ("table `[equilibrium]`", "this or `simulate`", "see Analyses"),
+}
+ROD = {
+    "section": (SECTION, "one of these three", "the section of the whole rod"),
+    "sections": ("list of pieces", "one of these three", "sections one after the other, see Sections"),
+    "taper": ("table", "one of these three", "section that changes along the rod, see Sections"),
+    "material": (
+        "name of a material in quotes, or a table",
+        "\N{EN DASH}",
+        "for all sections but `stiffness`",
+    ),
+}
+
+TEXTS = {
+    "number": "number",
+    "positive": "number > 0",
+    "vector": "3 numbers",
+    "direction": "3 numbers, not all 0; any length",
+    "name_of_part": "name of a rod, in quotes",
+    "place_text": "place, in quotes",
+    "true_or_false": "`true` or `false`",
+    "numbers": "numbers",
+    "_several": "list of 2 numbers or more",
+    "_points": "list of 2 points or more, 3 numbers each",
+    "_density": "3 numbers",
+    "_twist": "number",
+    "_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
+    "_inertia": "6 numbers (a diagonal) or 6 rows of 6",
+    "_fixed": f"list of some of {', '.join(f'`{word!r}`' for word in MOTIONS)}".replace("'", '"'),
+    "_motion": "table from motion words to numbers or functions of time",
+    "_two_directions": "2 perpendicular directions, 3 numbers each",
+    "one_section": SECTION,
+    "time_function": "number, or table with `kind`, see Functions of time",
+    "material._damping": "table, see below",
+    "stiffness_section._damping": "6 numbers (a diagonal) or 6 rows of 6",
+}
+"""Checks of values by name (with the module where two share one) and what they let through, in words."""
+
+FILE_WORDS = {
+    "; by name only": "",
+    ", three numbers or a function of s": "",
+    ", or a function of the arc length (in Python only)": "",
+    " (see `Centreline.frames`)": "",
+    "None lets the program choose": "left out, the program chooses",
+    "None stores every step": "left out, every step",
+    "None for ": "left out, ",
+}
+"""Turns of the docstrings that concern Python only, and what they become here."""
+
+
+def allowed(check):
+    """What a check lets through, in words."""
+    name = check.__qualname__
+    inside = inspect.getclosurevars(check).nonlocals
+    if name == "optional.<locals>.<lambda>":
+        return allowed(inside["check"])
+    if name == "_bounded.<locals>.check":
+        return f"number {inside['allowed'].split(', or')[0]}"
+    if name == "whole_number.<locals>.check":
+        return f"whole number, {inside['low']} to {inside['high']}"
+    if name == "_whole_or_auto.<locals>.parse":
+        return f'{allowed(inside["check"])}, or `"auto"`'
+    if name == "one_of.<locals>.check":
+        return " or ".join(f'`"{word}"`' for word in inside["allowed"])
+    if name == "choose.<locals>.parse":
+        return SECTION if inside["kinds"] is SECTIONS else f"table with `{inside['tag']}`"
+    module = check.__module__.rpartition(".")[2]
+    return TEXTS.get(f"{module}.{name}") or TEXTS[name]
+
+
+def meanings(kind):
+    """The arguments in the docstring of a class: name -> text."""
+    _, _, text = inspect.getdoc(kind).partition("Args:\n")
+    lines = re.sub(r"\n {8,}", " ", text.split("\n\n")[0])
+    for python, file in FILE_WORDS.items():
+        lines = lines.replace(python, file)
+    return dict(re.findall(r"^ {4}(\w+): (.+)$", lines, flags=re.MULTILINE))
+
+
+def default(kind, name, field):
+    """The default of a key as it would stand in a file."""
+    if field.is_required() or (kind, name) == (Material, "density"):
+        return "required"
+    value = field.default
+    if value in (None, (), {}) or str(value) == "nan":  # NaN marks one of two alternatives
+        return "\N{EN DASH}"
+    if isinstance(value, tuple):
+        return f"`{list(value)}`"
+    if isinstance(value, str):
+        return f'`"{value}"`'
+    return f"`{str(value).lower()}`"
+
+
+def keys(kind, leave_out=()):
+    """Rows (key, allowed values, default, meaning) of a class: its kind, what it requires, what it may have."""
+    known, tag = meanings(kind), getattr(kind, "tag", None)
+    fields = kind.model_fields.items()
+    for name, field in sorted(fields, key=lambda pair: (pair[0] != tag, not pair[1].is_required())):
+        if (kind, name) in PYTHON_ONLY_KEYS or name in leave_out:
+            continue
+        if name == tag:
+            default_kind = f'`"{field.default}"`' if kind is Support else "required"
+            yield name, f'`"{field.default}"`', default_kind, "tells the kind"
+        else:
+            yield name, allowed(field.metadata[0].func), default(kind, name, field), known[name].rstrip(".")
+
+
+def part_rows(part):
+    """Rows of a part of the case file."""
+    if part == "file":
+        rows, expected = [(key, *texts) for key, texts in FILE.items()], schema.KEYS
+    elif part == "rods":
+        own = keys(Rod, leave_out=("centreline", "section", "material"))
+        rows, expected = [*((key, *texts) for key, texts in ROD.items()), *own], schema.ROD_KEYS
+    else:
+        return list(keys(PARTS[part]))
+    if {row[0] for row in rows} != set(expected):
+        raise KeyError(f"the keys of {part} are {expected}")
+    return rows
+
+
+class CaseKeys(SphinxDirective):
+    """Table of the keys of one part of a case file."""
+
+    required_arguments = 1
+
+    def run(self):
+        part = self.arguments[0]
+        self.env.note_reread()  # the classes may have changed where the page has not
+        self.env.case_parts = getattr(self.env, "case_parts", set()) | {part}
+        lines = ["| key | value | default | meaning |", "|---|---|---|---|"]
+        for key, value, standard, meaning in part_rows(part):
+            lines.append(f"| `{key}` | {value} | {standard} | {meaning.replace('|', chr(92) + '|')} |")
+        return self.parse_text_to_nodes("\n".join(lines))
+
+
+def all_shown(app, env):
+    """Warn of parts that no page shows."""
+    missing = {"file", "rods", *PARTS} - getattr(env, "case_parts", set())
+    if missing:
+        logging.getLogger(__name__).warning("no page shows the keys of %s", ", ".join(sorted(missing)))
+
+
+def setup(app):
+    app.add_directive("case-keys", CaseKeys)
+    app.connect("env-check-consistency", all_shown)
+    return {"parallel_read_safe": False}

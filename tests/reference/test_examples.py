@@ -1,0 +1,87 @@
+"""What the user is shown runs: the shipped cases in full, and every piece of Python and TOML in the documents."""
+
+import importlib
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+from viscorod.analysis import run_case
+from viscorod.cases.case import load_case
+from viscorod.cases.shipped import shipped_cases
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+CASE_FILE = ROOT / "docs" / "reference" / "case_file.md"
+
+
+def blocks(page, language):
+    """The code blocks of a page in a language."""
+    return re.findall(
+        rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+    )
+
+
+@pytest.fixture(scope="module")
+def results():
+    """Results of the shipped cases, computed once each."""
+    known = {}
+
+    def result(name):
+        if name not in known:
+            known[name] = run_case(load_case(shipped_cases()[name]))
+        return known[name]
+
+    return result
+
+
+@pytest.mark.parametrize("name", shipped_cases())
+def test_shipped_case_runs(name, results, tmp_path):
+    result = results(name)
+    assert result.outcome == "completed"
+    for variable in result.data.variables.values():
+        if variable.dtype.kind == "f":
+            assert np.isfinite(variable.values).all()
+    if isinstance(result, vr.Run):
+        assert result.energy.numerical_fraction < 0.01
+    assert vr.load(result.save(tmp_path / "run.nc")).report() == result.report()
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.stem
+)
+def test_python_in_documents_runs(page, results, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    results("cantilever_swing").save("out/cantilever_swing/run.nc")  # what the pages on results start from
+    for code in blocks(page, "python"):
+        exec(compile(code, str(page), "exec"), {"__name__": "__main__"})
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if page != CASE_FILE and blocks(page, "toml")], ids=lambda page: page.stem
+)
+def test_cases_in_documents_load(page, tmp_path):
+    for number, text in enumerate(blocks(page, "toml")):
+        case = tmp_path / f"case_{number}.toml"
+        case.write_text(text)
+        load_case(case)
+
+
+@pytest.mark.parametrize("other", ["simulate", "equilibrium"])
+def test_examples_of_the_case_file_are_one_case(other, tmp_path):
+    parts = [text for text in blocks(CASE_FILE, "toml") if not text.startswith(f"[{other}]")]
+    case = tmp_path / "case.toml"
+    case.write_text("\n".join(parts))
+    load_case(case)
+
+
+def test_every_key_of_the_case_file_has_its_row_and_its_example(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    case_keys = importlib.import_module("case_keys")
+    text = "\n".join(blocks(CASE_FILE, "toml"))
+    for part in ("rods", *case_keys.PARTS):
+        for key, value, default, meaning in case_keys.part_rows(part):
+            assert all((value, default, meaning)), f"{part}.{key} is not documented"
+            assert re.search(rf"\b{key} = ", text), f"no example of {part}.{key}"
