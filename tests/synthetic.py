@@ -9,6 +9,7 @@ import xarray as xr
 
 LENGTH = 0.3
 STATIONS = 11
+ORDER = 5
 COMPONENTS = ["shear_1", "shear_2", "stretch", "bend_1", "bend_2", "twist"]
 MOTIONS = ["fx", "fy", "fz", "mx", "my", "mz"]
 
@@ -78,6 +79,7 @@ def swing(zeta=0.05, omega=3.6, duration=10.0, step=0.02, amplitude=0.2, rest=0.
             "support": [f"{rod}.start" for rod in rods],
             "station_rod": ("station", np.repeat(rods, STATIONS)),
             "station_s": ("station", s),
+            "station_order": ("station", np.full(s.size, ORDER)),
             "point_rod": ("point", np.repeat(rods, 10)),
             "point_s": ("point", point_s),
             "point_weight": ("point", np.full(points, LENGTH / 10)),
@@ -142,6 +144,7 @@ def rolled_up(angle=0.5 * np.pi, factors=(0.25, 0.5, 0.75, 1.0)):
             "support": ["beam.start"],
             "station_rod": ("station", np.repeat(["beam"], STATIONS)),
             "station_s": ("station", s),
+            "station_order": ("station", np.full(s.size, ORDER)),
         },
         attrs={
             "kind": "equilibrium",

@@ -16,6 +16,7 @@ from viscorod.mechanics import geometric
 from viscorod.mechanics.compiled import announce_compilation
 from viscorod.model.description import ModelDescription
 from viscorod.model.settings import EquilibriumSettings, SimulateSettings
+from viscorod.model.values import number
 from viscorod.results.dataset import dataset
 from viscorod.results.run import Equilibrium, Run
 from viscorod.solve import modes as small_motion
@@ -23,10 +24,11 @@ from viscorod.solve.discretise import discretise
 from viscorod.solve.formulations import FORMULATIONS
 from viscorod.solve.history import EnergyAccount, History, StationReader
 from viscorod.solve.integrators import INTEGRATORS
+from viscorod.solve.loads import LoadState
 from viscorod.solve.modes import Modes
 from viscorod.solve.newton import NewtonReport, Outcome
 from viscorod.solve.problem import Problem
-from viscorod.solve.rigid import free_motions
+from viscorod.solve.rigid import free_motions, undetermined
 from viscorod.solve.static import StaticPath, StaticSolver
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
@@ -63,9 +65,11 @@ class Model(ModelDescription):
         """
         settings = EquilibriumSettings(**({} if load_steps is None else {"load_steps": load_steps}))
         work = _Workplace.of(self)
-        if not np.isfinite(load_factor):
-            raise InputError(f"load_factor = {load_factor}: a finite number is needed; give one such as 1.0")
-        return work.equilibrium(load_factor, settings.load_steps or 1, progress, self._attrs(title))
+        try:
+            factor = number(load_factor)
+        except InputError:
+            raise InputError(f"load_factor = {load_factor!r}: give a finite number such as 1.0") from None
+        return work.equilibrium(factor, settings.load_steps or 1, progress, self._attrs(title))
 
     def simulate(
         self,
@@ -117,7 +121,7 @@ class Model(ModelDescription):
         """
         if about not in ("equilibrium", "reference"):
             raise InputError(f"about = {about!r}: give 'equilibrium' or 'reference'")
-        if not isinstance(count, int) or count < 1:
+        if not isinstance(count, int | np.integer) or count < 1:
             raise InputError(f"count = {count!r}: give a whole number of at least 1")
         work = _Workplace.of(self)
         state = work.reference()
@@ -194,9 +198,7 @@ class _Workplace:
     def equilibrium(
         self, factor: float, load_steps: int, progress: Progress | None, attrs: dict[str, Any]
     ) -> Equilibrium:
-        free = free_motions(self.problem)
-        if free:
-            raise InputError(_free_text([motion.text for motion in free]))
+        self._require_held(self.static.loads.at(0.0, True, factor))
         reader = StationReader(self.problem)
         state = self.reference()
         last = 0.0
@@ -237,15 +239,24 @@ class _Workplace:
         loads = self.static.loads.at(0.0, True)
         if loads.none and not self.supports.target.any():
             return
-        self.system.assemble(state, loads, None, tangent=False, moving=False)
-        for motion in free_motions(self.problem):
-            work = float(np.sum(motion.increments * self.system.external))
-            scale = float(np.abs(self.system.external).sum()) * self.problem.length
-            if motion.translation or abs(work) > 1e-9 * scale:
-                raise InputError(_free_text([motion.text]))
+        self._require_held(loads)
         path = self.static.solve(state)
         if path.outcome is not Outcome.COMPLETED:
             raise SolveError(f"The initial equilibrium was not found. {self._static_failure(path)}")
+
+    def _require_held(self, loads: LoadState) -> None:
+        """Refuse a static solution if supports and loads leave a rigid motion undetermined."""
+        motions = free_motions(self.problem)
+        if not motions:
+            return
+        self.system.assemble(self.reference(), loads, None, tangent=True, moving=False)
+        loose = undetermined(self.problem, self.system.external, self.system.band.sparse(), motions)
+        if loose:
+            raise InputError(
+                "no static equilibrium: nothing holds the model against "
+                f"{'; '.join(motion.text for motion in loose)}. "
+                "Add supports, or start a simulation from the reference shape (initial = 'reference')"
+            )
 
     def simulate(self, settings: SimulateSettings, progress: Progress | None, attrs: dict[str, Any]) -> Run:
         state = self.reference()
@@ -278,6 +289,9 @@ class _Workplace:
             "rejected": result.rejected,
             "warnings": json.dumps(result.notes),
         }
+        if result.outcome is Outcome.INTERRUPTED:
+            message = f"Stopped at t = {integrator.t:.6g} s: {result.reason}"
+            raise SolveError(message, Run(self._dataset("simulate", attrs | {"message": message})))
         if result.outcome is not Outcome.COMPLETED:
             assert result.report is not None
             message = (
@@ -292,6 +306,7 @@ class _Workplace:
         complete = {
             "message": "",
             "scale_length": self.problem.length,
+            "energy_scale": self.problem.length * max(float(s.stiffness.max()) for s in self.problem.sets),
             "wall_time_s": time.perf_counter() - self.began,
         } | attrs
         return dataset(kind, self.problem, self.system, self.history, complete)
@@ -313,10 +328,3 @@ class _Workplace:
             f" Largest imbalance {report.residual:.3g} N at {self.system.worst_place(report.node)}, "
             f"after {report.iterations} iterations."
         )
-
-
-def _free_text(motions: list[str]) -> str:
-    return (
-        f"no static equilibrium: nothing holds the model against {'; '.join(motions)}. "
-        "Add supports, or start a simulation from the reference shape (initial = 'reference')"
-    )

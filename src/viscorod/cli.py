@@ -71,6 +71,7 @@ def run(
 
         loaded = load_case(_existing(case))
         folder = output or Path("out") / case.stem
+        _writable(folder)
         doubts = _doubts(loaded)
         for warning in doubts:
             typer.echo(f"warning: {warning}", err=True)
@@ -169,6 +170,15 @@ def _copied(case: Path, folder: Path) -> Path:
             f"{target} cannot be written ({error.strerror or error}); name another folder"
         ) from None
     return target
+
+
+def _writable(folder: Path) -> None:
+    """Refuse a folder that cannot be written before anything is computed for it."""
+    existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
+        raise InputError(
+            f"{folder} cannot be written: {existing} is no folder to write in; name another with -o"
+        )
 
 
 def _doubts(case: Case) -> list[str]:

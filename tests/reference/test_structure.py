@@ -162,3 +162,63 @@ def test_one_rod_equals_two_attached_halves():
     )
     halves.attach("a.end", "b.start")
     assert tip(halves, "b.end") == pytest.approx(tip(whole, "a.end"), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("fixed", "turned"),
+    [
+        (("ux", "uy", "uz", "ry"), {"rx": 0.7, "rz": 1.1}),
+        (("ux", "uy", "uz"), {"rx": 0.7, "rz": 1.1}),
+        (("ux", "uy", "uz", "rx"), {"rz": 1.1}),
+    ],
+)
+def test_reactions_balance_in_statics_after_large_rotations(fixed, turned):
+    """Sum of forces and of moments about the support, whatever the rotation vector of the support has become."""
+    model = free_rod()
+    model.support("rod.start", fixed, motion={word: vr.Constant(angle) for word, angle in turned.items()})
+    model.support("rod.end", ("ux",))
+    model.force("rod@0.7", (0.3, -0.2, 0.4))
+    model.moment("rod@0.7", (0.02, 0.05, -0.03))
+    found = model.equilibrium(load_steps=4)
+    start, end = found.reactions.values
+    force = np.array([0.3, -0.2, 0.4])
+    assert start[:3] + end[:3] + force == pytest.approx(np.zeros(3), abs=1e-9)
+    at = {p: found.position(p) for p in ("rod.start", "rod.end", "rod@0.7")}
+    moment = start[3:] + end[3:] + [0.02, 0.05, -0.03]
+    moment += np.cross(at["rod.end"] - at["rod.start"], end[:3])
+    moment += np.cross(at["rod@0.7"] - at["rod.start"], force)
+    assert moment == pytest.approx(np.zeros(3), abs=1e-9)
+
+
+def test_reactions_balance_the_momentum_of_a_swinging_hinge():
+    """Rates of momentum equal reactions plus weight; what is left of the moments is the weight's."""
+    model = free_rod(damping=0.02)
+    model.support("rod.start", ("ux", "uy", "uz", "rx", "ry"))
+    model.gravity((0, 1.0, -2.0))
+    run = model.simulate(1.0, time_step=0.0025, initial="reference")
+    origin = run.history("rod.start").values[0]
+    P, L = run.data["linear_momentum"].values, run.data["angular_momentum"].values
+    reaction = run.data["reaction"].values[:, 0]
+    k = np.arange(100, 390)
+    rate = (L[k + 1] - L[k - 1]) / 0.005
+    total = float(run.data["point_weight"].sum())  # line mass is one
+    centre_moment = rate - reaction[k, 3:] - np.cross(origin, reaction[k, :3])
+    force = (P[k + 1] - P[k - 1]) / 0.005 - reaction[k, :3]
+    assert force == pytest.approx(np.tile([0, total, -2 * total], (len(k), 1)), abs=2e-2 * total)
+    # what is left is the moment of gravity about the origin: perpendicular to gravity
+    assert centre_moment @ [0, 1.0, -2.0] == pytest.approx(np.zeros(len(k)), abs=2e-2)
+
+
+def test_moving_force_gives_its_whole_impulse():
+    """A force that enters and leaves a free rod inside the run: momentum F L/speed, and the account closes."""
+    model = vr.Model()
+    model.add(
+        "rod",
+        vr.Rod.straight(
+            (0, 0, 0), (1, 0, 0), section=stiff(1e4, 1e4, 10.0, 10.0, damping=0.01), elements=3, order=4
+        ),
+    )
+    model.moving_force("rod", (0, 0, 0.5), speed=2.0, start=-0.31)
+    run = model.simulate(1.0, time_step=0.01, initial="reference")
+    assert run.data["linear_momentum"].values[-1] == pytest.approx([0, 0, 0.5 / 2.0], abs=1e-12)
+    assert run.energy.numerical_fraction < 5e-3

@@ -53,7 +53,7 @@ def solving(monkeypatch):
         case = SimpleNamespace(description=None, settings=settings)
         monkeypatch.setattr(viscorod.cases.case, "load_case", lambda path: case)
         monkeypatch.setattr(viscorod.analysis, "check", lambda model: REPORT)
-        monkeypatch.setattr(viscorod.check, "doubts", lambda model: ["the rod is thick"])
+        monkeypatch.setattr(viscorod.check, "doubts", lambda model, settled: ["the rod is thick"])
         monkeypatch.setattr(viscorod.analysis, "run_case", run_case)
 
     return prepare

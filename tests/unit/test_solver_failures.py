@@ -142,3 +142,58 @@ def test_too_few_elements_for_the_supports():
     model.support("beam@0.4", ("uy",))
     with pytest.raises(vr.InputError, match=r"rods.beam.elements: 1: too few.*at least 2"):
         model.equilibrium()
+
+
+def test_hanging_pendulum_has_an_equilibrium():
+    """Its weight holds the swing; the free spin of a ball joint about the rod's own axis is neutral and named."""
+    section = vr.StiffnessSection([1e3, 1e3, 1e3, 1, 1, 1], [1, 1, 1, 1e-2, 1e-2, 2e-2])
+    model = vr.Model()
+    model.add("rod", vr.Rod.straight((0, 0, 0), (0, 0, -1), section=section, elements=2, order=3))
+    model.support("rod.start", ("ux", "uy", "uz", "rz"))
+    model.gravity((0, 0, -10.0))
+    assert model.equilibrium().displacement("rod.end") == pytest.approx([0, 0, -0.005], abs=1e-9)
+    model.supports.clear()
+    model.pin("rod.start")
+    with pytest.raises(vr.InputError, match="rotation about z") as error:
+        model.equilibrium()
+    assert "rotation about x" not in str(error.value)
+
+
+def test_late_error_of_a_function_keeps_the_run(tmp_path):
+    model = model_of(("ux", "uy", "uz", "rx", "ry", "rz"))
+    model.force("beam.end", (0, 1.0, 0), time=lambda t: 0.0 if t < 0.3 else float("nan"))
+    with pytest.raises(vr.SolveError, match=r"Stopped at t = 0.29") as error:
+        model.simulate(1.0, time_step=0.01, initial="reference")
+    assert error.value.run.time[-1] == pytest.approx(0.29)
+    assert vr.load(error.value.run.save(tmp_path / "run.nc")).time[-1] == pytest.approx(0.29)
+
+
+def test_interruption_keeps_the_run():
+    model = model_of(("ux", "uy", "uz", "rx", "ry", "rz"))
+
+    def progress(t, _step):
+        if t > 0.5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(vr.SolveError, match="interrupted from the keyboard") as error:
+        model.simulate(1.0, time_step=0.01, progress=progress)
+    assert error.value.run.time[-1] >= 0.5
+
+
+def propped(scale):
+    """Tip displacement over length of a cantilever on a roller."""
+    model = vr.Model()
+    material = vr.Material(1e9, poissons_ratio=0.3, density=1000.0)
+    section = vr.Rectangle(0.02 * scale, 0.02 * scale)
+    rod = vr.Rod.straight((0, 0, 0), (scale, 0, 0), section=section, material=material, elements=2)
+    model.add("beam", rod)
+    model.clamp("beam.start")
+    model.roller(f"beam@{scale / 2!r}", normal=(0, 1, 0))
+    model.force("beam.end", (0, 2.0 * scale**2, 5.0 * scale**2))
+    return model.equilibrium().displacement("beam.end") / scale
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e3])
+def test_statics_at_any_scale_of_length(scale):
+    """Similarity: the same cantilever in micrometres and kilometres, with forces that grow with the area."""
+    assert propped(scale) == pytest.approx(propped(1.0), rel=1e-9, abs=1e-12)

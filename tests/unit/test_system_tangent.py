@@ -128,8 +128,16 @@ def test_supports_replace_rows_consistently():
             balance[node] = np.where(fixed, value - s.target[k], projected)
         return balance.ravel()
 
-    assert rows(np.zeros(6 * work.n)) == pytest.approx(held.ravel(), abs=1e-10)
     reference = slope_of(rows, 6 * work.n, h=2e-4)
+    # rows of fixed components carry a weight
+    weights = np.ones((work.n, 6))
+    for k, node in enumerate(s.set.nodes):
+        G = directions(new, k)[1]
+        for i in np.flatnonzero(s.set.fixed[k]):
+            row = 6 * node + i
+            weights[node, i] = np.linalg.norm(K[row]) / np.linalg.norm(G[i])
+            reference[row] *= weights[node, i]
+    assert weights.ravel() * rows(np.zeros(6 * work.n)) == pytest.approx(held.ravel(), abs=1e-8)
     assert K == pytest.approx(reference, abs=3e-7 * np.abs(reference).max())
 
 

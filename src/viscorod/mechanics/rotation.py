@@ -76,6 +76,16 @@ def rotate_rows(q: Floats, vectors: Floats, out: Floats) -> None:
 
 
 @kernel
+def rotate_all(q: Floats, wrenches: Floats) -> Floats:
+    """Return pairs of body vectors ``(n, 6)`` in global axes."""
+    out = np.empty_like(wrenches)
+    for k in range(q.shape[0]):
+        rotate(q[k], wrenches[k, 0:3], out[k, 0:3])
+        rotate(q[k], wrenches[k, 3:6], out[k, 3:6])
+    return out
+
+
+@kernel
 def quaternion_product(p: Floats, q: Floats, out: Floats) -> None:
     """Write the quaternion product ``p q`` into ``out`` (which must be neither)."""
     out[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]

@@ -174,7 +174,8 @@ def impose(
         nodes: supported nodes ``(m,)``; fixed: 1.0 where a component is fixed or prescribed ``(m, 6)``.
         axes: ``(m, 3, 3)`` columns; r0, q0: reference poses; target: prescribed values ``(m, 6)`` [m, rad].
         r, q: present poses of all nodes; with_tangent: whether the band is changed too.
-        residual: ``(n, 6)``; on return free rows hold the projected balance, fixed rows what is to be undone.
+        residual: ``(n, 6)``; on return free rows hold the projected balance, fixed rows what is to be undone
+            (with the tangent, times the weight of the row).
         reaction: output ``(m, 6)``, force and moment components along the axes that the support exerts.
         band: transposed band; reach: number of neighbouring nodes within the band on either side.
     """
@@ -185,6 +186,7 @@ def impose(
     old = np.empty((6, 6))
     step = np.empty(6)
     block = np.empty((6, 6))
+    weight = np.empty(6)
     for s in range(nodes.shape[0]):
         k = nodes[s]
         support_directions(axes[s], r0[s], q0[s], r[k], q[k], value, G, Z, psi)
@@ -208,6 +210,18 @@ def impose(
                     residual[k, i] = value[i] - target[s, i]
         if not with_tangent:
             continue
+        # constraint rows as large as the balance rows they replace: pivoting then sees no difference in scale
+        weight_move = weight_turn = 0.0
+        for j in range(3):
+            for i in range(3):
+                weight_move = max(weight_move, abs(band[6 * k + j, diagonal + i - j]))
+                weight_turn = max(weight_turn, abs(band[6 * k + 3 + j, diagonal + i - j]))
+        for i in range(6):
+            weight[i] = weight_move if i < 3 else weight_turn
+            if weight[i] == 0.0:
+                weight[i] = 1.0
+            if complete or fixed[s, i] != 0.0:
+                residual[k, i] *= weight[i]
         if not complete:
             reaction_stiffness(G, psi, reaction[s], block)
             for j in range(6):
@@ -222,12 +236,12 @@ def impose(
                 for i in range(6):
                     new = 0.0
                     if complete:
-                        new = 1.0 if other == k and i == j else 0.0
+                        new = weight[i] if other == k and i == j else 0.0
                     elif fixed[s, i] == 0.0:
                         for a in range(6):
                             new += Z[a, i] * old[a, j]
                     elif other == k:
-                        new = G[i, j]
+                        new = weight[i] * G[i, j]
                     column[offset + i - j] = new
 
 

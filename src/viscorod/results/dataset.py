@@ -70,6 +70,7 @@ def dataset(
         "component": list(COMPONENTS),
         "station_rod": ("station", names[problem.stations.rod]),
         "station_s": ("station", problem.stations.s),
+        "station_order": ("station", problem.rod_orders[problem.stations.rod]),
         "point_rod": ("point", names[gauss.rod]),
         "point_s": ("point", gauss.s),
         "point_weight": ("point", gauss.length),

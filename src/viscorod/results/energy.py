@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _ROUND_OFF = 1e-12  # what moved less than this part of the energy that is there did not move
+_SQUARED_ROUND_OFF = 1e-24
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,7 @@ class Energy:
         viscous: energy lost to viscosity so far.
         external: work of loads (gravity among them) and moving supports so far.
         numerical: remainder that the integration made or lost, positive where it made energy.
+        scale: elastic energy at a strain of one: round-off of the shape is its 1e-24th part.
     """
 
     time: Floats
@@ -37,12 +39,14 @@ class Energy:
     viscous: Floats
     external: Floats
     numerical: Floats
+    scale: float = 0.0
 
     @classmethod
     def of(cls, data: xr.Dataset) -> Energy:
         """Read the account from the data set of a run."""
         names = ("time", "kinetic", "elastic", "viscous", "external", "numerical")
-        return cls(*(np.asarray(data[name].values, dtype=float) for name in names))
+        columns = {name: np.asarray(data[name].values, dtype=float) for name in names}
+        return cls(**columns, scale=float(data.attrs.get("energy_scale", 0.0)))
 
     @property
     def total(self) -> Floats:
@@ -62,7 +66,8 @@ class Energy:
             float(np.max(self.viscous)),
             float(np.max(np.abs(self.external))),
         )
-        return moved if moved > _ROUND_OFF * float(np.max(self.total)) else 0.0
+        floor = max(_ROUND_OFF * float(np.max(self.total)), _SQUARED_ROUND_OFF * self.scale)
+        return moved if moved > floor else 0.0
 
     @property
     def numerical_fraction(self) -> float:

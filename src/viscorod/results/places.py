@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _PLACE = re.compile(r"(?P<rod>.+?)(?:\.(?P<end>start|end)|@(?P<s>[^@]+))")
-_STENCIL = 6  # stations behind one interpolated value: more of them would swing on uneven stations
 
 
 @dataclass(frozen=True)
@@ -54,6 +53,7 @@ class Sites:
     def __init__(self, data: xr.Dataset) -> None:
         rods = np.asarray(data["station_rod"].values, dtype=str)
         self._s = np.asarray(data["station_s"].values, dtype=float)
+        self._order = np.asarray(data["station_order"].values, dtype=int)
         self._rod_of_station = rods
         self._stations = {
             str(rod): np.flatnonzero(rods == rod)[np.argsort(self._s[rods == rod], kind="stable")]
@@ -78,7 +78,7 @@ class Sites:
 
         Args:
             place: "rod.start", "rod.end", "rod@s" with the arc length s [m], or the number of a station.
-                Between stations the value is that of the polynomial through the six nearest ones of the rod.
+                Between stations the value is that of the element's own polynomial.
 
         Raises:
             InputError: no such rod, station or form, or the arc length lies outside the rod.
@@ -124,9 +124,10 @@ class Sites:
         nearest = int(np.argmin(distance))
         if distance[nearest] <= slack:
             return self._numbered(int(stations[nearest]))
-        count = min(_STENCIL, known.size)
-        first = int(np.clip(np.searchsorted(known, s) - count // 2, 0, known.size - count))
-        chosen = slice(first, first + count)
+        order = int(self._order[stations[0]])
+        ends = known[::order]
+        element = int(np.clip(np.searchsorted(ends, s, side="right") - 1, 0, ends.size - 2))
+        chosen = slice(order * element, order * (element + 1) + 1)
         return Site(f"{rod}@{s:g}", rod, float(s), stations[chosen], _lagrange_weights(known[chosen], s))
 
     def _numbered(self, station: int) -> Site:

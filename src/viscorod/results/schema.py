@@ -25,6 +25,7 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "load_factor": ("1", "part of the loads applied"),
     "station_rod": ("", "rod of the station"),
     "station_s": ("m", "arc length of the station in the reference shape"),
+    "station_order": ("1", "order of the elements of the station's rod"),
     "point_rod": ("", "rod of the Gauss point"),
     "point_s": ("m", "arc length of the Gauss point in the reference shape"),
     "point_weight": ("m", "quadrature length of the Gauss point"),
@@ -57,6 +58,7 @@ COUNTERS = ("steps", "iterations", "factorisations", "rejected")
 _ALWAYS = (
     "station_rod",
     "station_s",
+    "station_order",
     "reference_position",
     "reference_rotation",
     "position",

@@ -59,14 +59,3 @@ class BandMatrix:
         offsets = np.arange(-self.width, self.width + 1)  # column minus row
         diagonals = self.data[:, self.diagonal - offsets].T
         return sparse.csr_array(sparse.dia_array((diagonals, offsets), shape=(self.size, self.size)))
-
-    def pivot_ratio(self) -> float:
-        """Return the smallest over the largest pivot of the factors: near zero for a nearly singular matrix."""
-        pivots = np.abs(self.data[:, self.diagonal])
-        return float(pivots.min() / pivots.max())
-
-    def determinant_sign(self) -> int:
-        """Return the sign of the determinant from the factors."""
-        swaps = int(np.count_nonzero(self._pivots != np.arange(self.size)))
-        negative = int(np.count_nonzero(self.data[:, self.diagonal] < 0.0))
-        return -1 if (swaps + negative) % 2 else 1

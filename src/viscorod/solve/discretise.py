@@ -24,7 +24,7 @@ from viscorod.model.place import Place, find_place
 from viscorod.model.support import MOTIONS, ResolvedSupport
 from viscorod.model.time_function import Sine, TimeFunction
 from viscorod.solve.mesh import Mesh, divide, element_nodes, element_sets, join, link_matrix, stations_of
-from viscorod.solve.problem import NodalLoad, Problem, StationLoad, SupportSet
+from viscorod.solve.problem import NodalLoad, Problem, StationLoad, SupportSet, TimeFactor
 from viscorod.typing import Floats, Integers
 
 
@@ -50,6 +50,7 @@ def discretise(model: ModelDescription) -> Problem:
     return Problem(
         rods=tuple(m.name for m in mesh.rods),
         rod_lengths=np.array([m.rod.length for m in mesh.rods]),
+        rod_orders=np.array([m.order for m in mesh.rods], dtype=np.int64),
         positions=mesh.positions,
         quaternions=mesh.quaternions,
         mass=mass,
@@ -145,7 +146,8 @@ def _load(load: AnyLoad, name: str, model: ModelDescription, mesh: Mesh) -> Noda
         )
     if isinstance(load, MovingForce):
         dead, following = _wrenches(load.value, load.following, moment=False)
-        return StationLoad(name, mesh.rod_index(load.rod), load.arc_length, dead, following, load.factor)
+        position, factor = _travel(load, model.rods[load.rod].length)
+        return StationLoad(name, mesh.rod_index(load.rod), position, dead, following, factor)
     if isinstance(load, DistributedForce | DistributedMoment):
         return _distributed(load, name, mesh)
     assert isinstance(load, Force | Moment)
@@ -154,7 +156,11 @@ def _load(load: AnyLoad, name: str, model: ModelDescription, mesh: Mesh) -> Noda
     found = _node(mesh, place)
     if found is None:
         s = place.s
-        return StationLoad(name, mesh.rod_index(place.rod), lambda _t: s, dead, following, load.factor)
+
+        def here(_t: float, _before: bool) -> float:
+            return s
+
+        return StationLoad(name, mesh.rod_index(place.rod), here, dead, following, load.factor)
     node, link = found
     if link >= 0:
         following = link_matrix(mesh, link).T @ following
@@ -217,12 +223,34 @@ def _times(
             ends = _passages(load.arc_length, model.rods[load.rod].length, load)
             corners.update(ends)
             jumps.update(ends)
+            if load.position is not None:
+                jumps.update(load.position.jumps)
     for _, _, motion in supports.motions:
         corners.update(motion.breakpoints)
         jumps.update(motion.breakpoints)
         functions.append(motion)
     periods = tuple(1.0 / f.frequency for f in functions if isinstance(f, Sine))
     return tuple(sorted(corners)), tuple(sorted(jumps)), periods
+
+
+def _travel(load: MovingForce, length: float) -> tuple[TimeFactor, TimeFactor]:
+    """Arc length and factor of a moving force as functions of time.
+
+    A force of constant speed enters and leaves at known times; which side of them a time is on decides whether it
+    acts, not the rounding of its arc length.
+    """
+    ends = sorted(_passages(load.arc_length, length, load))
+    if not ends:
+        return load.arc_length, load.factor
+
+    def position(t: float, before: bool) -> float:
+        return min(max(load.arc_length(t, before), 0.0), length)
+
+    def factor(t: float, before: bool) -> float:
+        on_rod = ends[0] < t <= ends[1] if before else ends[0] <= t < ends[1]
+        return load.factor(t, before) if on_rod else 0.0
+
+    return position, factor
 
 
 def _passages(arc_length: Callable[[float], float], length: float, load: MovingForce) -> list[float]:

@@ -106,7 +106,7 @@ class History:
         self.strain.append(points.strain)
         self.section_force.append(points.section_force)
         self.dissipation.append(points.dissipation)
-        self.reaction.append(supports.global_reactions())
+        self.reaction.append(supports.global_reactions(state))
         momenta = np.empty_like(state.twist)
         inertia.momenta(system.problem.mass, state.r, state.q, state.twist, momenta)
         self.momentum.append(momenta.sum(axis=0))

@@ -63,7 +63,7 @@ class ExternalLoads:
         stations = []
         for load in problem.station_loads:
             factor = scale * load.factor(t, before)
-            s = load.position(t)
+            s = load.position(t, before)
             if factor == 0.0 or not 0.0 <= s <= problem.rod_lengths[load.rod]:
                 continue
             part, element, shape = self.locate(load.rod, s)

@@ -20,6 +20,7 @@ class Outcome(Enum):
     SLOW = "Newton's method did not converge in the allowed iterations"
     SINGULAR = "the tangent matrix is singular"
     NOT_FINITE = "a force became infinite or undefined"
+    INTERRUPTED = "the run was stopped"
 
     def advice(self, *, static: bool) -> str:
         """What to try."""

@@ -79,7 +79,7 @@ class StationLoad:
 
     name: str
     rod: int
-    position: Callable[[float], float]
+    position: TimeFactor
     dead: Floats
     following: Floats
     factor: TimeFactor
@@ -111,6 +111,7 @@ class Problem:
 
     rods: tuple[str, ...]
     rod_lengths: Floats
+    rod_orders: Integers
     positions: Floats
     quaternions: Floats
     mass: Floats

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
 
 from viscorod.mechanics.quaternion import matrices
 from viscorod.solve.problem import Problem
@@ -27,6 +28,11 @@ class FreeMotion:
     text: str
     translation: bool
     increments: Floats
+
+    @property
+    def size(self) -> float:
+        """Largest nodal displacement of the motion [m]; 1 for a turning about the rod's own axis."""
+        return float(np.abs(self.increments[:, :3]).max()) or 1.0
 
 
 def free_motions(problem: Problem) -> list[FreeMotion]:
@@ -58,6 +64,35 @@ def free_motions(problem: Problem) -> list[FreeMotion]:
             still = float(np.abs(w).max()) * problem.length < 1e-6
             found.append(FreeMotion(f"{_describe(motion, centre, problem.length)}{name}", still, increments))
     return found
+
+
+def undetermined(
+    problem: Problem, external: Floats, stiffness: sparse.csr_array, motions: list[FreeMotion]
+) -> list[FreeMotion]:
+    """Return the free motions to be named because no equilibrium is near the reference shape; none if there is one.
+
+    Loads keep a motion in place if they do no work on it and their tangent resists it: a pendulum that hangs. If they
+    drive one motion, all free ones are named.
+
+    Args:
+        problem: what the motions belong to.
+        external: external forces in the reference shape, body components ``(n, 6)``.
+        stiffness: tangent there, loads included, before supports ``(6 n, 6 n)``.
+        motions: from :func:`free_motions`.
+    """
+    if not motions:
+        return []
+    force = float(np.abs(external[:, :3]).sum()) + float(np.abs(external[:, 3:]).sum()) / problem.length
+    driven = [
+        m for m in motions if m.translation or abs(np.sum(m.increments * external)) > 1e-9 * force * m.size
+    ]
+    if driven or force == 0.0:
+        return motions
+    basis = np.array([m.increments.ravel() / m.size for m in motions]).T
+    values, vectors = np.linalg.eigh(basis.T @ (stiffness + stiffness.T) @ basis / 2.0)
+    loose = values < 1e-6 * force / problem.length
+    share = np.abs(vectors[:, loose]).max(axis=1, initial=0.0)
+    return [m for m, part in zip(motions, share, strict=True) if part > 0.1]
 
 
 def _assemblies(problem: Problem) -> tuple[int, np.ndarray]:
@@ -113,7 +148,7 @@ def _describe(motion: Floats, centre: Floats, length: float) -> str:
     if np.linalg.norm(w) * length < 1e-6:
         return f"translation along ({', '.join(f'{x:.3g}' for x in t / np.linalg.norm(t))})"
     point = centre + np.cross(w, t) / (w @ w)
-    through = ", ".join(f"{x + 0.0:.4g}" for x in point)
+    through = ", ".join(f"{x:.4g}" for x in np.where(np.abs(point) < 1e-9 * length, 0.0, point))
     direction = w / np.linalg.norm(w)
     axis = int(np.argmax(np.abs(direction)))
     if abs(direction[axis]) > 1.0 - 1e-6:

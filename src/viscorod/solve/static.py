@@ -13,7 +13,6 @@ from viscorod.solve.loads import ExternalLoads
 from viscorod.solve.newton import Convergence, NewtonReport, Outcome, SingularMatrixError, worst_node
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
-from viscorod.typing import Floats
 
 
 @dataclass
@@ -117,7 +116,7 @@ class StaticSolver:
                 bad = int(np.flatnonzero(~np.isfinite(residual).all(axis=1))[0])
                 return NewtonReport(Outcome.NOT_FINITE, count, size, np.inf, bad)
             supports.impose(state, residual, system.band, tangent=True)
-            imbalance, node = self._imbalance(residual)
+            imbalance, node = worst_node(supports.unbalanced(residual), problem.length)
             try:
                 system.band.factorise()
             except SingularMatrixError as error:
@@ -132,8 +131,6 @@ class StaticSolver:
             if verdict is None:
                 continue
             if verdict is Outcome.CONVERGED:
-                if system.band.pivot_ratio() < 1e-17:
-                    return NewtonReport(Outcome.SINGULAR, count, size, imbalance, node)
                 self._restore(state, t, before=before, scale=scale)
             return NewtonReport(verdict, count, size, imbalance, node)
 
@@ -160,9 +157,3 @@ class StaticSolver:
         supports.impose(state, residual, system.band, tangent=True)
         basis = supports.free_basis(state)
         return sparse.csr_array(system.band.sparse()[supports.free_rows()] @ basis)
-
-    def _imbalance(self, residual: Floats) -> tuple[float, int]:
-        free = residual.copy()
-        nodes = self.supports.set.nodes
-        free[nodes] *= 1.0 - self.supports.set.fixed
-        return worst_node(free, self.system.problem.length)

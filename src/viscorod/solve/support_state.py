@@ -6,6 +6,7 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.mechanics import inertia, supports
+from viscorod.mechanics.rotation import rotate_all
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.problem import Problem
 from viscorod.solve.system import State
@@ -82,16 +83,27 @@ class SupportState:
             band.reach,
         )
 
+    def unbalanced(self, residual: Floats) -> Floats:
+        """Return a copy of an imposed residual without the rows of held components."""
+        free = residual.copy()
+        free[self.set.nodes] *= 1.0 - self.set.fixed
+        return free
+
     def power(self) -> float:
         """Power [W] that moving supports put into the model."""
         return float(np.sum(self.set.fixed * self.reaction * self.rate))
 
-    def global_reactions(self) -> Floats:
-        """Reactions as force [N] and moment [N m] in global axes ``(m, 6)``."""
-        held = self.set.fixed * self.reaction
-        force = np.einsum("kai,ki->ka", self.set.axes, held[:, :3])
-        moment = np.einsum("kai,ki->ka", self.set.axes, held[:, 3:])
-        return np.concatenate([force, moment], axis=1)
+    def global_reactions(self, state: State) -> Floats:
+        """Reactions as force [N] and moment [N m] in global axes ``(m, 6)``.
+
+        The components that :meth:`impose` keeps are conjugate to those of the rotation vector; ``G^T`` makes a wrench
+        of them.
+        """
+        out = np.zeros((len(self.set.nodes), 6))
+        for k, node in enumerate(self.set.nodes):
+            wrench = self._directions(k, state)[0].T @ (self.set.fixed[k] * self.reaction[k])
+            out[k] = rotate_all(state.q[node : node + 1], wrench[None, :])[0]
+        return out
 
     def _directions(self, k: int, state: State) -> tuple[Floats, Floats, Floats]:
         value, G, Z, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)

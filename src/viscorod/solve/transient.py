@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from viscorod.errors import InputError
 from viscorod.solve.history import EnergyAccount, History, StationReader
 from viscorod.solve.integrators import Integrator
 from viscorod.solve.newton import NewtonReport, Outcome
@@ -25,6 +26,7 @@ class TransientResult:
     Attributes:
         outcome: COMPLETED or the reason of the last failed step, which happened at ``failed_at`` [s].
         notes: one line per instant at which the step had to be halved.
+        reason: why an INTERRUPTED run stopped.
     """
 
     history: History = field(default_factory=History)
@@ -35,6 +37,7 @@ class TransientResult:
     rejected: int = 0
     iterations: int = 0
     notes: list[str] = field(default_factory=list)
+    reason: str = ""
 
 
 class Transient:
@@ -72,6 +75,25 @@ class Transient:
             progress: called with (time, step) after every step.
         """
         result = TransientResult()
+        try:
+            self._march(result, state, duration, time_step, output_interval, progress)
+        except KeyboardInterrupt:
+            result.outcome, result.reason = Outcome.INTERRUPTED, "interrupted from the keyboard"
+        except InputError as error:
+            if not result.history.instant:
+                raise
+            result.outcome, result.reason = Outcome.INTERRUPTED, str(error)
+        return result
+
+    def _march(
+        self,
+        result: TransientResult,
+        state: State,
+        duration: float,
+        time_step: float,
+        output_interval: float | None,
+        progress: Callable[[float, float], None] | None,
+    ) -> None:
         reader = StationReader(self.problem)
         integrator, account = self.integrator, self.account
         self._begin(0.0, state)
@@ -107,7 +129,7 @@ class Transient:
                     result.rejected += 1
                     if level == HALVINGS or (report.outcome is Outcome.NOT_FINITE and level > 4):
                         result.outcome, result.failed_at = report.outcome, target
-                        return result
+                        return
                     if level == 0:
                         result.notes.append(f"t = {integrator.t:.6g} s: step of {h:.3g} s halved")
                     level, easy = level + 1, 0
@@ -129,7 +151,6 @@ class Transient:
             begin = corner
             if corner in jumps:
                 self._begin(corner, integrator.state)
-        return result
 
     def _corners(self, duration: float) -> tuple[list[float], set[float]]:
         """Instants that steps must hit, and those among them after which the integrator starts anew.

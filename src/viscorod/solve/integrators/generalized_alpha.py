@@ -194,7 +194,7 @@ class GeneralizedAlpha:
             count += 1
             verdict, size = convergence.judge(change, count)
             if verdict not in (None, Outcome.CONVERGED):
-                imbalance, node = worst_node(residual, system.problem.length)
+                imbalance, node = worst_node(supports.unbalanced(residual), system.problem.length)
         report = NewtonReport(verdict, count, size, imbalance, node)
         if report.converged:
             self._reach(new, increment, relation)
