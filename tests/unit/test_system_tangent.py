@@ -112,7 +112,9 @@ def test_supports_replace_rows_consistently():
         node = s.set.nodes[k]
         value, G, Z, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)
         pose = state.r[node], state.q[node]
-        kernels.support_directions(s.set.axes[k], s.r0[k], s.q0[k], *pose, value, G, Z, psi)
+        kernels.support_directions(
+            s.set.axes[k], s.r0[k], s.q0[k], s.set.fixed[k], s.target[k], *pose, value, G, Z, psi
+        )
         return value, G, Z
 
     frozen = [directions(new, k)[2] for k in range(len(s.set.nodes))]

@@ -40,10 +40,33 @@ def relative_rotation(q0: Floats, q: Floats, out: Floats) -> None:
 
 
 @kernel
+def unwind(psi: Floats, R0: Floats, axes: Floats, fixed: Floats, target: Floats) -> None:
+    """Add the whole turns to a rotation vector that bring its prescribed components nearest to their targets."""
+    phi = np.sqrt(psi[0] ** 2 + psi[1] ** 2 + psi[2] ** 2)
+    if phi < 0.1:
+        return
+    square = 0.0
+    along = 0.0
+    for i in range(3):
+        direction = 0.0
+        for a in range(3):
+            for b in range(3):
+                direction += R0[b, a] * axes[b, i] * psi[a] / phi
+        square += fixed[3 + i] * direction * direction
+        along += fixed[3 + i] * direction * target[3 + i]
+    if square > 0.01:
+        turns = np.round((along / square - phi) / (2.0 * np.pi))
+        for a in range(3):
+            psi[a] *= 1.0 + 2.0 * np.pi * turns / phi
+
+
+@kernel
 def support_directions(
     axes: Floats,
     r0: Floats,
     q0: Floats,
+    fixed: Floats,
+    target: Floats,
     r: Floats,
     q: Floats,
     value: Floats,
@@ -59,6 +82,7 @@ def support_directions(
     rotation_matrix(q, R)
     rotation_matrix(q0, R0)
     relative_rotation(q0, q, psi)
+    unwind(psi, R0, axes, fixed, target)
     rotation_tangent(psi, T)
     inverse_rotation_tangent(psi, Ti)
     G[:, :] = 0.0
@@ -189,7 +213,7 @@ def impose(
     weight = np.empty(6)
     for s in range(nodes.shape[0]):
         k = nodes[s]
-        support_directions(axes[s], r0[s], q0[s], r[k], q[k], value, G, Z, psi)
+        support_directions(axes[s], r0[s], q0[s], fixed[s], target[s], r[k], q[k], value, G, Z, psi)
         complete = True
         for i in range(6):
             reaction[s, i] = 0.0

@@ -197,7 +197,8 @@ class Support(AnySupport):
         frame: "global" axes, or "node": the rod's d1, d2, d3 at the place.
         axes: other axes for the motion words: directions x and y, perpendicular, global components (z = x
             cross y).
-        motion: motion words with functions of time (m or rad); by name only.
+        motion: motion words with functions of time (m or rad); by name only. A rotation prescribed at a place that is
+            not held completely must stay below a full turn.
     """
 
     kind: Literal["support"] = Field(default="support", kw_only=True, repr=False)

@@ -5,12 +5,16 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
+from viscorod.errors import InputError
 from viscorod.mechanics import inertia, supports
 from viscorod.mechanics.rotation import rotate_all
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.problem import Problem
 from viscorod.solve.system import State
 from viscorod.typing import Floats
+
+LARGEST_TURN = 6.0
+"""Largest prescribed rotation [rad] of a partly held node: the rotation vector is singular at 2 pi."""
 
 
 class SupportState:
@@ -34,11 +38,23 @@ class SupportState:
         self.twist_rate: Floats = np.zeros((len(self.complete), 6))
 
     def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
-        """Evaluate all prescribed motions and their derivatives at time ``t`` [s]."""
+        """Evaluate all prescribed motions and their derivatives at time ``t`` [s].
+
+        Raises:
+            InputError: a partly held node is to turn by a full turn.
+        """
         for k, component, motion in self.set.motions:
             self.target[k, component] = scale * motion.value(t, before)
             self.rate[k, component] = scale * motion.rate(t, before)
             self.acceleration[k, component] = scale * motion.acceleration(t, before)
+        for k in self.partial:
+            turned = float(np.linalg.norm(self.target[k, 3:]))
+            if turned > LARGEST_TURN:
+                raise InputError(
+                    f"supports: {self.set.names[k]} is to turn by {turned:.3g} rad at t = {t:.6g} s: the rotation "
+                    "vector of a place that is not held completely cannot pass a full turn; hold all six motions there (clamp "
+                    "with motion), which allows any number of turns"
+                )
 
     def prescribe(self, state: State) -> None:
         """Put fully supported nodes at their prescribed pose and twist."""
@@ -109,7 +125,17 @@ class SupportState:
         value, G, Z, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)
         node = self.set.nodes[k]
         supports.support_directions(
-            self.set.axes[k], self.r0[k], self.q0[k], state.r[node], state.q[node], value, G, Z, psi
+            self.set.axes[k],
+            self.r0[k],
+            self.q0[k],
+            self.set.fixed[k],
+            self.target[k],
+            state.r[node],
+            state.q[node],
+            value,
+            G,
+            Z,
+            psi,
         )
         return G, Z, psi
 
