@@ -52,8 +52,8 @@ class SupportState:
             if turned > LARGEST_TURN:
                 raise InputError(
                     f"supports: {self.set.names[k]} is to turn by {turned:.3g} rad at t = {t:.6g} s: the rotation "
-                    "vector of a place that is not held completely cannot pass a full turn; hold all six motions there (clamp "
-                    "with motion), which allows any number of turns"
+                    "vector of a place that is not held completely cannot pass a full turn; hold all six motions "
+                    "there (clamp with motion), which allows any number of turns"
                 )
 
     def prescribe(self, state: State) -> None:
