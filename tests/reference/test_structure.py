@@ -209,16 +209,20 @@ def test_reactions_balance_the_momentum_of_a_swinging_hinge():
     assert centre_moment @ [0, 1.0, -2.0] == pytest.approx(np.zeros(len(k)), abs=2e-2)
 
 
-def test_moving_force_gives_its_whole_impulse():
+@pytest.mark.parametrize(
+    "travel",
+    [
+        {"speed": 2.0, "start": -0.31},
+        {"position": vr.Table([0, 0.1, 0.7, 1], [-0.2, -0.2, 1.0, 1.6])},
+        {"speed": -2.0, "start": 1.4},
+    ],
+)
+def test_moving_force_gives_its_whole_impulse(travel):
     """A force that enters and leaves a free rod inside the run: momentum F L/speed, and the account closes."""
     model = vr.Model()
-    model.add(
-        "rod",
-        vr.Rod.straight(
-            (0, 0, 0), (1, 0, 0), section=stiff(1e4, 1e4, 10.0, 10.0, damping=0.01), elements=3, order=4
-        ),
-    )
-    model.moving_force("rod", (0, 0, 0.5), speed=2.0, start=-0.31)
+    section = stiff(1e4, 1e4, 10.0, 10.0, damping=0.01)
+    model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=3, order=4))
+    model.moving_force("rod", (0, 0, 0.5), **travel)
     run = model.simulate(1.0, time_step=0.01, initial="reference")
     assert run.data["linear_momentum"].values[-1] == pytest.approx([0, 0, 0.5 / 2.0], abs=1e-12)
     assert run.energy.numerical_fraction < 5e-3

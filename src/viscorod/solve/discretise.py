@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
@@ -220,11 +222,9 @@ def _times(
         corners.update(load.breakpoints)
         jumps.update(load.jumps)
         if isinstance(load, MovingForce):
-            ends = _passages(load.arc_length, model.rods[load.rod].length, load)
+            ends = _passages(load, model.rods[load.rod].length)
             corners.update(ends)
             jumps.update(ends)
-            if load.position is not None:
-                jumps.update(load.position.jumps)
     for _, _, motion in supports.motions:
         corners.update(motion.breakpoints)
         jumps.update(motion.breakpoints)
@@ -236,28 +236,44 @@ def _times(
 def _travel(load: MovingForce, length: float) -> tuple[TimeFactor, TimeFactor]:
     """Arc length and factor of a moving force as functions of time.
 
-    A force of constant speed enters and leaves at known times; which side of them a time is on decides whether it
-    acts, not the rounding of its arc length.
+    Whether it acts is decided by which of its passages over the rod's ends a time lies between, not by the rounding of
+    its arc length there.
     """
-    ends = sorted(_passages(load.arc_length, length, load))
-    if not ends:
+    passages = _passages(load, length)
+    if not passages:
         return load.arc_length, load.factor
+    middles = [0.5 * (a + b) for a, b in pairwise(passages)]
+    samples = [passages[0] - 1.0, *middles, passages[-1] + 1.0]
+    on_rod = [0.0 <= load.arc_length(t) <= length for t in samples]
 
     def position(t: float, before: bool) -> float:
         return min(max(load.arc_length(t, before), 0.0), length)
 
     def factor(t: float, before: bool) -> float:
-        on_rod = ends[0] < t <= ends[1] if before else ends[0] <= t < ends[1]
-        return load.factor(t, before) if on_rod else 0.0
+        acts = on_rod[(bisect_left if before else bisect_right)(passages, t)]
+        return load.factor(t, before) if acts else 0.0
 
     return position, factor
 
 
-def _passages(arc_length: Callable[[float], float], length: float, load: MovingForce) -> list[float]:
-    """Times at which a force of constant speed enters and leaves its rod."""
-    if load.position is not None or not load.speed:
-        return []
-    return [(s - arc_length(0.0)) / load.speed for s in (0.0, length)]
+def _passages(load: MovingForce, length: float) -> list[float]:
+    """Times at which a moving force passes an end of its rod; between breakpoints of its position, if that is given."""
+    if load.position is None:
+        speed, start = load.speed or 0.0, load.arc_length(0.0)
+        return sorted((s - start) / speed for s in (0.0, length)) if speed else []
+    from scipy.optimize import brentq
+
+    position = load.position
+    times = set(position.jumps)
+    for a, b in pairwise(position.breakpoints):
+        for end in (0.0, length):
+            low, high = position.value(a) - end, position.value(b, before=True) - end
+            if low * high < 0.0:
+                times.add(
+                    float(brentq(lambda t, end=end: position.value(t) - end, a, b, xtol=1e-15, rtol=1e-14))
+                )
+            times.update(t for t, gap in ((a, low), (b, high)) if gap == 0.0)
+    return sorted(times)
 
 
 def _initial_twist(model: ModelDescription, mesh: Mesh) -> Callable[[Floats, Floats], Floats]:
