@@ -76,16 +76,6 @@ def rotate_rows(q: Floats, vectors: Floats, out: Floats) -> None:
 
 
 @kernel
-def rotate_all(q: Floats, wrenches: Floats) -> Floats:
-    """Return pairs of body vectors ``(n, 6)`` in global axes."""
-    out = np.empty_like(wrenches)
-    for k in range(q.shape[0]):
-        rotate(q[k], wrenches[k, 0:3], out[k, 0:3])
-        rotate(q[k], wrenches[k, 3:6], out[k, 3:6])
-    return out
-
-
-@kernel
 def quaternion_product(p: Floats, q: Floats, out: Floats) -> None:
     """Write the quaternion product ``p q`` into ``out`` (which must be neither)."""
     out[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]
@@ -263,6 +253,21 @@ def add_mapped(maps: Floats, x: Floats, factor: float, out: Floats) -> None:
             for j in range(6):
                 total += maps[k, i, j] * x[k, j]
             out[k, i] += factor * total
+
+
+@kernel
+def increment_size(increment: Floats, length: float) -> float:
+    """Return the largest displacement over ``length`` or rotation [rad] of ``(n, 6)``; infinity if any is undefined."""
+    size = 0.0
+    for k in range(increment.shape[0]):
+        for i in range(6):
+            x = abs(increment[k, i])
+            if i < 3:
+                x /= length
+            if not x <= 1e300:
+                return math.inf
+            size = max(size, x)
+    return size
 
 
 @kernel

@@ -20,6 +20,7 @@ from viscorod.mechanics.rotation import (
     inverse_coefficients,
     inverse_rotation_tangent,
     retract,
+    rotate,
     rotation_matrix,
     rotation_tangent,
     rotation_tangent_rate,
@@ -267,6 +268,36 @@ def impose(
                     elif other == k:
                         new = weight[i] * G[i, j]
                     column[offset + i - j] = new
+
+
+@kernel
+def reaction_wrenches(
+    nodes: Integers,
+    fixed: Floats,
+    axes: Floats,
+    r0: Floats,
+    q0: Floats,
+    target: Floats,
+    r: Floats,
+    q: Floats,
+    reaction: Floats,
+    out: Floats,
+) -> None:
+    """Write the forces and moments (global) that the reaction components of :func:`impose` stand for, ``(m, 6)``."""
+    value = np.empty(6)
+    G = np.empty((6, 6))
+    Z = np.empty((6, 6))
+    psi = np.empty(3)
+    wrench = np.empty(6)
+    for s in range(nodes.shape[0]):
+        k = nodes[s]
+        support_directions(axes[s], r0[s], q0[s], fixed[s], target[s], r[k], q[k], value, G, Z, psi)
+        for j in range(6):
+            wrench[j] = 0.0
+            for i in range(6):
+                wrench[j] += G[i, j] * fixed[s, i] * reaction[s, i]
+        rotate(q[k], wrench[0:3], out[s, 0:3])
+        rotate(q[k], wrench[3:6], out[s, 3:6])
 
 
 @kernel

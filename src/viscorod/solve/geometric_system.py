@@ -56,6 +56,8 @@ class GeometricSystem:
         self.parts = [_Part(problem, elements) for elements in problem.sets]
         self._no_map = np.zeros((problem.size, 6, 6))
         self._order, self._positions = self._gauss_positions()
+        damping = [part.elements.damping[part.elements.section].reshape(-1, 6, 6) for part in self.parts]
+        self._damping = np.concatenate(damping)[self._order]
 
     def _gauss_positions(self) -> tuple[Integers, GaussPositions]:
         """Order of the Gauss points by rod and arc length, and their places in that order."""
@@ -181,16 +183,16 @@ class GeometricSystem:
     def gauss_points(self) -> GaussPoints:
         """See :class:`~viscorod.solve.system.System`."""
 
-        def gather(name: str) -> Floats:
-            arrays = [getattr(part, name).reshape(-1, 6) for part in self.parts]
-            return np.concatenate(arrays)[self._order]
+        def gather(arrays: list[Floats]) -> Floats:
+            return np.concatenate([array.reshape(-1, 6) for array in arrays])[self._order]
 
-        rate = gather("strain_rate")
-        damping = np.concatenate(
-            [p.elements.damping[p.elements.section].reshape(-1, 6, 6) for p in self.parts]
+        rate = gather([part.strain_rate for part in self.parts])
+        return GaussPoints(
+            strain=gather([part.strain for part in self.parts]),
+            strain_rate=rate,
+            section_force=gather([part.section_force for part in self.parts]),
+            dissipation=np.einsum("gi,gij,gj->g", rate, self._damping, rate),
         )
-        dissipation = np.einsum("gi,gij,gj->g", rate, damping[self._order], rate)
-        return GaussPoints(gather("strain"), rate, gather("section_force"), dissipation)
 
     def gauss_positions(self) -> GaussPositions:
         """See :class:`~viscorod.solve.system.System`."""

@@ -7,6 +7,7 @@ from enum import Enum
 
 import numpy as np
 
+from viscorod.mechanics.rotation import increment_size
 from viscorod.solve.banded import SingularMatrixError
 from viscorod.typing import Floats
 
@@ -66,10 +67,9 @@ class NewtonReport:
 class Convergence:
     """Decides after each increment whether to stop: small increments of displacements (over the length) and rotations.
 
-    A residual test would ask for more digits than a slender rod has: the axial force of exact positions rounded to
-    double
-    precision is EA times 1e-16, which may exceed any bending force. The increment is free of that, because the noise is
-    balanced by displacements of the size of the rounding itself.
+    A residual test would ask for more digits than a slender rod has: the axial force of exact positions, rounded to
+    double precision, is EA times 1e-16, which may exceed any bending force. The increment is free of that, because the
+    noise is balanced by displacements of the size of the rounding itself.
     """
 
     def __init__(self, length: float, tolerance: float, iterations: int) -> None:
@@ -81,12 +81,7 @@ class Convergence:
 
     def judge(self, increment: Floats, count: int) -> tuple[Outcome | None, float]:
         """Return the verdict (None: go on) and the size of ``increment`` (n, 6) after ``count`` iterations."""
-        size = float(
-            max(
-                np.abs(increment[:, :3]).max(initial=0.0) / self.length,
-                np.abs(increment[:, 3:]).max(initial=0.0),
-            )
-        )
+        size = increment_size(increment, self.length)
         if not np.isfinite(size):
             return Outcome.NOT_FINITE, size
         if size <= self.tolerance:

@@ -7,7 +7,6 @@ from scipy import sparse
 
 from viscorod.errors import InputError
 from viscorod.mechanics import inertia, supports
-from viscorod.mechanics.rotation import rotate_all
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.problem import Problem
 from viscorod.solve.system import State
@@ -115,10 +114,19 @@ class SupportState:
         The components that :meth:`impose` keeps are conjugate to those of the rotation vector; ``G^T`` makes a wrench
         of them.
         """
-        out = np.zeros((len(self.set.nodes), 6))
-        for k, node in enumerate(self.set.nodes):
-            wrench = self._directions(k, state)[0].T @ (self.set.fixed[k] * self.reaction[k])
-            out[k] = rotate_all(state.q[node : node + 1], wrench[None, :])[0]
+        out = np.empty((len(self.set.nodes), 6))
+        supports.reaction_wrenches(
+            self.set.nodes,
+            self.set.fixed,
+            self.set.axes,
+            self.r0,
+            self.q0,
+            self.target,
+            state.r,
+            state.q,
+            self.reaction,
+            out,
+        )
         return out
 
     def _directions(self, k: int, state: State) -> tuple[Floats, Floats, Floats]:
