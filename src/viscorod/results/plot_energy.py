@@ -40,6 +40,7 @@ def draw_energy(run: Run) -> Figure:
     picture = figure(10.0, 6.8)
     if run.title:
         picture.suptitle(run.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+    picture.subplots_adjust(hspace=0.18)
     upper, lower = picture.subplots(2, 1, sharex=True, height_ratios=(2.3, 1.0))
 
     clean(upper, "", f"energy [{unit}]")
