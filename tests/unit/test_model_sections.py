@@ -228,15 +228,6 @@ def test_matrices(section):
     assert inertia == pytest.approx(1200.0 * mass, rel=1e-14)
 
 
-def test_outlines_reach_half_width_and_close():
-    for section in SHAPES:
-        outline = section.outline()
-        assert np.hypot(*outline.T).max() == pytest.approx(section.half_width, rel=1e-14)
-        assert outline[0] == pytest.approx(outline[-1], abs=1e-15)
-    assert Section(1.0, 1.0, 1.0, 1.0).half_width is None
-    assert Section(1.0, 1.0, 1.0, 1.0).outline() is None
-
-
 @pytest.mark.parametrize(
     ("build", "path"),
     [

@@ -45,17 +45,6 @@ def body_wrench(r: Floats, q: Floats, wrench: Floats, out: Floats) -> None:
 
 
 @kernel
-def spatial_wrenches(r: Floats, q: Floats, body: Floats, out: Floats) -> None:
-    """Write spatial wrenches (global axes, moment about the global origin) of body wrenches ``(n, 6)`` into ``out``."""
-    for k in range(r.shape[0]):
-        rotate(q[k], body[k, 0:3], out[k, 0:3])
-        rotate(q[k], body[k, 3:6], out[k, 3:6])
-        out[k, 3] += r[k, 1] * out[k, 2] - r[k, 2] * out[k, 1]
-        out[k, 4] += r[k, 2] * out[k, 0] - r[k, 0] * out[k, 2]
-        out[k, 5] += r[k, 0] * out[k, 1] - r[k, 1] * out[k, 0]
-
-
-@kernel
 def add_momentum_rate(
     mass: Floats,
     r: Floats,

@@ -8,6 +8,7 @@ gives.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
@@ -47,17 +48,17 @@ class Centreline(Described):
     tag: ClassVar[str | None] = "shape"
 
     @property
+    @abstractmethod
     def length(self) -> float:
         """Arc length, m."""
-        raise NotImplementedError
 
+    @abstractmethod
     def bishop(self, s: Floats) -> tuple[Floats, Floats]:
         """Positions (n, 3) and rotation-minimising frames (n, 3, 3) at `s` (n,), started from any normal."""
-        raise NotImplementedError
 
+    @abstractmethod
     def curvature(self, s: Floats) -> Floats:
         """Curvature vector r'' (n, 3) at `s` (n,), global axes, 1/m."""
-        raise NotImplementedError
 
     def frames(
         self, s: Floats | Sequence[float], d1: Sequence[float] | None = None, twist: Twist = 0.0
@@ -290,8 +291,9 @@ class _Parametric(Centreline):
     """A centre line that needs a quadrature for its arc length."""
 
     @cached_property
+    @abstractmethod
     def _smooth(self) -> SmoothCurve:
-        raise NotImplementedError
+        """Arc length as a function of the parameter, with frames."""
 
     @property
     def length(self) -> float:

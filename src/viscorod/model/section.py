@@ -6,6 +6,7 @@ The section lies in the plane of d1 and d2, its principal axes; widths are along
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import ClassVar, Literal, TypeAlias
 
 import numpy as np
@@ -27,25 +28,21 @@ class MaterialSection(Described):
 
     tag: ClassVar[str | None] = "shape"
 
+    @abstractmethod
     def moments(self) -> tuple[float, float, float]:
         """Area A (m^2) and second moments I1 = <xi2^2>, I2 = <xi1^2> (m^4)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def torsion(self) -> float:
         """Saint-Venant's torsion constant J, m^4."""
-        raise NotImplementedError
 
+    @abstractmethod
     def shear_factors(self, poissons_ratio: float) -> tuple[float, float]:
         """The factors k1, k2 of the shear stiffnesses k1 G A and k2 G A."""
-        raise NotImplementedError
 
     @property
     def half_width(self) -> float | None:
         """Largest distance of a point of the section from the centre line, m; None where it is not known."""
-        return None
-
-    def outline(self) -> Floats | None:
-        """Closed outline (n, 2) in the axes d1, d2, m, for pictures; None where it is not known."""
         return None
 
     def remarks(self) -> tuple[str, ...]:

@@ -7,15 +7,14 @@ Torsion: S. Timoshenko and J. N. Goodier, Theory of elasticity, chapter 10; Bred
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from typing import Literal, Self
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from viscorod.model.described import RefusedError, show
 from viscorod.model.section import MaterialSection
 from viscorod.model.values import OptionalPositive, Positive
-from viscorod.typing import Floats
 
 __all__ = ["Annulus", "Circle", "Ellipse", "Rectangle", "Shape", "SquareTube"]
 
@@ -59,11 +58,11 @@ class Shape(MaterialSection):
             k2 if self.shear_factor_2 is None else self.shear_factor_2,
         )
 
-    def _torsion(self) -> float:
-        raise NotImplementedError
+    @abstractmethod
+    def _torsion(self) -> float: ...
 
-    def _cowper(self, nu: float) -> tuple[float, float]:
-        raise NotImplementedError
+    @abstractmethod
+    def _cowper(self, nu: float) -> tuple[float, float]: ...
 
 
 class Circle(Shape):
@@ -89,10 +88,6 @@ class Circle(Shape):
     def half_width(self) -> float:
         """The radius."""
         return self.radius
-
-    def outline(self) -> Floats:
-        """Points on the circle."""
-        return _ellipse_outline(self.radius, self.radius)
 
     def _torsion(self) -> float:
         return 2.0 * self.second_moment_1
@@ -139,10 +134,6 @@ class Annulus(Shape):
         """The outer radius."""
         return self.outer_radius
 
-    def outline(self) -> Floats:
-        """Points on the outer circle."""
-        return _ellipse_outline(self.outer_radius, self.outer_radius)
-
     def _torsion(self) -> float:
         return 2.0 * self.second_moment_1
 
@@ -177,10 +168,6 @@ class Rectangle(Shape):
     def half_width(self) -> float:
         """Half the diagonal."""
         return math.hypot(self.width, self.height) / 2.0
-
-    def outline(self) -> Floats:
-        """The corners."""
-        return _rectangle_outline(self.width, self.height)
 
     def _torsion(self) -> float:
         """Timoshenko-Goodier: J = a b^3 [1/3 - 64/pi^5 b/a sum tanh(n pi a/2b)/n^5], a >= b, odd n.
@@ -222,10 +209,6 @@ class Ellipse(Shape):
     def half_width(self) -> float:
         """The longer semi-axis."""
         return max(self.semi_axis_1, self.semi_axis_2)
-
-    def outline(self) -> Floats:
-        """Points on the ellipse."""
-        return _ellipse_outline(self.semi_axis_1, self.semi_axis_2)
 
     def _torsion(self) -> float:
         a, b = self.semi_axis_1, self.semi_axis_2
@@ -278,10 +261,6 @@ class SquareTube(Shape):
         """Half the diagonal."""
         return self.width / math.sqrt(2.0)
 
-    def outline(self) -> Floats:
-        """The outer corners."""
-        return _rectangle_outline(self.width, self.width)
-
     def remarks(self) -> tuple[str, ...]:
         """A warning for thick walls."""
         if self.thickness <= 0.1 * self.width or self.torsion_constant is not None:
@@ -302,15 +281,3 @@ class SquareTube(Shape):
 def _cowper_ellipse(n: float, nu: float) -> float:
     """Cowper's factor for shear along the semi-axis a, n = (a/b)^2."""
     return 12.0 * (1.0 + nu) * n * (3.0 * n + 1.0) / ((40.0 + 37.0 * nu) * n**2 + (16.0 + 10.0 * nu) * n + nu)
-
-
-def _ellipse_outline(a: float, b: float) -> Floats:
-    angle = np.linspace(0.0, 2.0 * math.pi, 33)
-    return np.column_stack([a * np.cos(angle), b * np.sin(angle)])
-
-
-def _rectangle_outline(width: float, height: float) -> Floats:
-    return np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]) * [
-        width / 2.0,
-        height / 2.0,
-    ]

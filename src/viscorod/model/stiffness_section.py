@@ -151,10 +151,6 @@ class StiffnessSection(Described):
         """Not known."""
         return None
 
-    def outline(self) -> Floats | None:
-        """Not known."""
-        return None
-
     def remarks(self) -> tuple[str, ...]:
         """Nothing to remark."""
         return ()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
@@ -154,9 +155,9 @@ class AnySupport(Described):
         """Kind and place, for messages and results: ``clamp at beam.start``."""
         return f"{type(self).model_fields['kind'].default} at {self.at}"
 
+    @abstractmethod
     def held(self) -> tuple[str, ...]:
         """The motion words that are fixed or prescribed."""
-        raise NotImplementedError
 
     def axes_at(self, node: Floats) -> tuple[Frame, Floats]:
         """The frame's word and axes (3, 3), columns, for the rod's frame `node` (3, 3) at the place."""

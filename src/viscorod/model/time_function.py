@@ -8,6 +8,7 @@ the value jumps.
 from __future__ import annotations
 
 import math
+from abc import abstractmethod
 from typing import ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
@@ -33,17 +34,17 @@ class TimeFunction(Described):
         """Times at which the value jumps, increasing, s."""
         return ()
 
+    @abstractmethod
     def value(self, t: float, before: bool = False) -> float:
         """The value at time `t` (the limit from the left if `before`)."""
-        raise NotImplementedError
 
+    @abstractmethod
     def rate(self, t: float, before: bool = False) -> float:
         """The first derivative at time `t`, 1/s."""
-        raise NotImplementedError
 
+    @abstractmethod
     def acceleration(self, t: float, before: bool = False) -> float:
         """The second derivative at time `t`, 1/s^2."""
-        raise NotImplementedError
 
     def require_derivatives(self) -> None:
         """Refuse, by an `InputError`, a function without the derivatives that a motion needs."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, Self, TypeAlias
+from typing import Annotated, Self, TypeAlias
 
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
@@ -15,10 +15,6 @@ from viscorod.typing import Floats
 __all__ = ["InitialVelocity"]
 
 Field6: TypeAlias = Callable[[float], tuple[Sequence[float], Sequence[float]]]
-
-
-def _velocity(value: Any) -> InitialVelocity:
-    return value if isinstance(value, InitialVelocity) else InitialVelocity.model_validate(value)
 
 
 class InitialVelocity(Described):
