@@ -143,3 +143,15 @@ def test_creep_under_a_step_moment():
     curvature = np.abs(run.data["strain"].sel(component=["bend_1", "bend_2"]).values).max(axis=2)
     exact = moment * (1 - np.exp(-run.time / tau))
     assert np.abs(curvature - exact[:, None]).max() < 1e-4
+
+
+@pytest.mark.parametrize("slenderness", [1e2, 1e3, 1e4])
+@pytest.mark.parametrize("length", [1e-5, 1.0, 1e3])
+def test_frequencies_at_any_slenderness_and_scale(length, slenderness):
+    """C1 for wires of 10 micrometres, 1 m and 1 km: stiff directions and units do not cost the slow modes' digits."""
+    width = length / slenderness
+    material = vr.Material(2e11, poissons_ratio=0.3, density=7800.0)
+    model = cantilever(vr.Circle(width / 2), length, elements=3, order=6, material=material)
+    found = 2 * np.pi * model.modes(4).frequencies * length**2 / np.sqrt(2e11 / 7800.0 * width**2 / 16)
+    # shear and rotary inertia lower the first two by 0.6 and 4 over the square of the slenderness
+    assert found[::2] == pytest.approx(EULER_BERNOULLI[:2], rel=5 / slenderness**2 + 4e-6)

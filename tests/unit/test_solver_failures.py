@@ -193,7 +193,7 @@ def propped(scale):
     return model.equilibrium().displacement("beam.end") / scale
 
 
-@pytest.mark.parametrize("scale", [1e-6, 1e3])
+@pytest.mark.parametrize("scale", [1e-9, 1e-6, 1e3])
 def test_statics_at_any_scale_of_length(scale):
     """Similarity: the same cantilever in micrometres and kilometres, with forces that grow with the area."""
     assert propped(scale) == pytest.approx(propped(1.0), rel=1e-9, abs=1e-12)

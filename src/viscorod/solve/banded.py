@@ -6,7 +6,18 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
+from viscorod.mechanics.compiled import kernel
 from viscorod.typing import Floats
+
+
+@kernel
+def scale_translations(data: Floats, diagonal: int, width: int, unit: float) -> None:
+    """Multiply the rows and columns of displacements (three of every six) of a band by ``unit``."""
+    size = data.shape[0]
+    for j in range(size):
+        column = unit if j % 6 < 3 else 1.0
+        for i in range(max(0, j - width), min(size, j + width + 1)):
+            data[j, diagonal + i - j] *= column * (unit if i % 6 < 3 else 1.0)
 
 
 class SingularMatrixError(ArithmeticError):
@@ -24,8 +35,11 @@ class BandMatrix:
     ``data[j, diagonal + i - j]``. Its transpose is LAPACK's general band storage, handed over without a copy.
     """
 
-    def __init__(self, nodes: int, reach: int) -> None:
+    def __init__(self, nodes: int, reach: int, length: float = 1.0) -> None:
         self.nodes = nodes
+        # rows and columns of displacements are measured in a length near that of the model, so that pivoting compares
+        # like with like; near one metre this changes nothing
+        self._unit = 1.0 if 0.1 < length < 10.0 else 2.0 ** round(np.log2(length))
         self.reach = min(reach, max(nodes - 1, 0))
         self.size = 6 * nodes
         self.width = 6 * self.reach + 5
@@ -43,16 +57,22 @@ class BandMatrix:
         Raises:
             SingularMatrixError: a pivot is exactly zero.
         """
+        if self._unit != 1.0:
+            scale_translations(self.data, self.diagonal, self.width, self._unit)
         _, self._pivots, info = dgbtrf(self.data.T, self.width, self.width, overwrite_ab=1)
         if info > 0:
             raise SingularMatrixError(info - 1)
 
     def solve(self, right_side: Floats) -> Floats:
         """Solve with the factors; ``right_side`` (size,) or (nodes, 6) is overwritten and returned."""
-        x, _ = dgbtrs(
-            self.data.T, self.width, self.width, right_side.reshape(-1), self._pivots, overwrite_b=1
-        )
-        return np.asarray(x).reshape(right_side.shape)
+        b = right_side.reshape(-1, 6)
+        if self._unit != 1.0:
+            b[:, :3] *= self._unit
+        x, _ = dgbtrs(self.data.T, self.width, self.width, b.reshape(-1), self._pivots, overwrite_b=1)
+        solution: Floats = np.asarray(x).reshape(-1, 6)
+        if self._unit != 1.0:
+            solution[:, :3] *= self._unit
+        return solution.reshape(right_side.shape)
 
     def sparse(self) -> sparse.csr_array:
         """Return the (not yet factorised) matrix as a sparse array."""

@@ -52,7 +52,7 @@ class GeometricSystem:
         self.problem = problem
         self.internal: Floats = np.zeros((problem.size, 6))
         self.external: Floats = np.zeros((problem.size, 6))
-        self.band = BandMatrix(problem.size, problem.reach)
+        self.band = BandMatrix(problem.size, problem.reach, problem.length)
         self.parts = [_Part(problem, elements) for elements in problem.sets]
         self._no_map = np.zeros((problem.size, 6, 6))
         self._order, self._positions = self._gauss_positions()

@@ -25,7 +25,7 @@ DENSE = 500
 class Linearisation:
     """Matrices of small motions about an equilibrium in the motions the supports allow: ``M x'' + D x' + K x = 0``.
 
-    ``basis`` maps those motions to nodal body increments ``(6 n, free)``.
+    Displacements are measured in lengths of the model; ``basis`` maps them to nodal body increments ``(6 n, free)``.
     """
 
     stiffness: sparse.csr_array
@@ -74,8 +74,15 @@ def linearise(
         rate_map = np.tile(factor * np.eye(6), (n, 1, 1))
         system.assemble(resting, loads, rate_map, tangent=True, moving=True)
         damping = sparse.csr_array(basis.T @ ((system.band.sparse() - plain) / factor) @ basis)
-    mass = sparse.block_diag(list(problem.mass), format="csr")
-    return Linearisation(stiffness, damping, sparse.csr_array(basis.T @ mass @ basis), basis)
+    mass = sparse.csr_array(basis.T @ sparse.block_diag(list(problem.mass), format="csr") @ basis)
+    # displacements over the length of the model are comparable with rotations, whatever the unit of length
+    unit = sparse.diags_array(np.where(solver.supports.free_rows() % 6 < 3, problem.length, 1.0))
+    return Linearisation(
+        sparse.csr_array(unit @ stiffness @ unit),
+        sparse.csr_array(unit @ damping @ unit),
+        sparse.csr_array(unit @ mass @ unit),
+        sparse.csc_array(basis @ unit),
+    )
 
 
 def natural_frequencies(linear: Linearisation, count: int) -> Floats:
