@@ -155,8 +155,8 @@ def test_work_of_all_forces_matches_the_change_of_energy():
     assert np.all(points.dissipation >= 0)
 
 
-def test_time_integration_is_reversible_in_its_relations():
-    """With spectral radius 1 the scheme is the trapezoidal rule in poses and momenta: its coefficients are one half."""
+def test_coefficients_of_the_method():
+    """Trapezoidal rule for a spectral radius of 1; second-order condition of Jansen et al. (2000) for all."""
     from viscorod.solve.integrators.generalized_alpha import Coefficients
 
     c = Coefficients.of(1.0)

@@ -42,8 +42,8 @@ def discretise(model: ModelDescription) -> Problem:
     supports = _supports(model, mesh)
     nodal: list[NodalLoad] = []
     moving: list[StationLoad] = []
-    for index, load in enumerate(model.loads):
-        placed = _load(load, f"loads[{index}]", model, mesh)
+    for load in model.loads:
+        placed = _load(load, model, mesh)
         if isinstance(placed, NodalLoad):
             nodal.append(placed)
         else:
@@ -140,18 +140,16 @@ def _supports(model: ModelDescription, mesh: Mesh) -> SupportSet:
     return SupportSet(nodes, np.ascontiguousarray(axes), fixed, tuple(names), tuple(motions))
 
 
-def _load(load: AnyLoad, name: str, model: ModelDescription, mesh: Mesh) -> NodalLoad | StationLoad:
+def _load(load: AnyLoad, model: ModelDescription, mesh: Mesh) -> NodalLoad | StationLoad:
     none: Integers = np.empty(0, dtype=np.int64)
     if isinstance(load, Gravity):
-        return NodalLoad(
-            name, none, np.empty((0, 6)), np.empty((0, 6)), np.array(load.acceleration), load.factor
-        )
+        return NodalLoad(none, np.empty((0, 6)), np.empty((0, 6)), np.array(load.acceleration), load.factor)
     if isinstance(load, MovingForce):
         dead, following = _wrenches(load.value, load.following, moment=False)
         position, factor = _travel(load, model.rods[load.rod].length)
-        return StationLoad(name, mesh.rod_index(load.rod), position, dead, following, factor)
+        return StationLoad(mesh.rod_index(load.rod), position, dead, following, factor)
     if isinstance(load, DistributedForce | DistributedMoment):
-        return _distributed(load, name, mesh)
+        return _distributed(load, mesh)
     assert isinstance(load, Force | Moment)
     place = find_place(load.at, model.rods)
     dead, following = _wrenches(load.value, load.following, moment=isinstance(load, Moment))
@@ -162,12 +160,12 @@ def _load(load: AnyLoad, name: str, model: ModelDescription, mesh: Mesh) -> Noda
         def here(_t: float, _before: bool) -> float:
             return s
 
-        return StationLoad(name, mesh.rod_index(place.rod), here, dead, following, load.factor)
+        return StationLoad(mesh.rod_index(place.rod), here, dead, following, load.factor)
     node, link = found
     if link >= 0:
         following = link_matrix(mesh, link).T @ following
     return NodalLoad(
-        name, np.array([node], dtype=np.int64), dead[None, :], following[None, :], np.zeros(3), load.factor
+        np.array([node], dtype=np.int64), dead[None, :], following[None, :], np.zeros(3), load.factor
     )
 
 
@@ -178,7 +176,7 @@ def _wrenches(value: object, following: bool, *, moment: bool) -> tuple[Floats, 
     return (np.zeros(6), wrench) if following else (wrench, np.zeros(6))
 
 
-def _distributed(load: DistributedForce | DistributedMoment, name: str, mesh: Mesh) -> NodalLoad:
+def _distributed(load: DistributedForce | DistributedMoment, mesh: Mesh) -> NodalLoad:
     """Nodal wrenches of a distributed load: its density integrated with the shape functions over the loaded part."""
     index = mesh.rod_index(load.rod)
     rod = mesh.rods[index]
@@ -208,7 +206,7 @@ def _distributed(load: DistributedForce | DistributedMoment, name: str, mesh: Me
     values = np.array(wrenches)
     zero = np.zeros_like(values)
     dead, following = (zero, values) if load.following else (values, zero)
-    return NodalLoad(name, np.array(nodes, dtype=np.int64), dead, following, np.zeros(3), load.factor)
+    return NodalLoad(np.array(nodes, dtype=np.int64), dead, following, np.zeros(3), load.factor)
 
 
 def _times(

@@ -65,7 +65,6 @@ class SupportSet:
 class NodalLoad:
     """Dead (global) and following (body) wrenches on some nodes with one time factor; or gravity."""
 
-    name: str
     nodes: Integers
     dead: Floats
     following: Floats
@@ -77,7 +76,6 @@ class NodalLoad:
 class StationLoad:
     """A concentrated wrench at an arc length of a rod, which may move; outside the rod it does not act."""
 
-    name: str
     rod: int
     position: TimeFactor
     dead: Floats

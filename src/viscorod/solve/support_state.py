@@ -46,7 +46,7 @@ class SupportState:
             self.target[k, component] = scale * motion.value(t, before)
             self.rate[k, component] = scale * motion.rate(t, before)
             self.acceleration[k, component] = scale * motion.acceleration(t, before)
-        for k in self.partial:
+        for k in self.partial if self.moving else ():
             turned = float(np.linalg.norm(self.target[k, 3:]))
             if turned > LARGEST_TURN:
                 raise InputError(
