@@ -22,20 +22,29 @@ from viscorod.results.run import Equilibrium, Run
 from viscorod.solve import modes as small_motion
 from viscorod.solve.discretise import discretise
 from viscorod.solve.formulations import FORMULATIONS
-from viscorod.solve.history import EnergyAccount, History, StationReader
-from viscorod.solve.integrators import INTEGRATORS
+from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.integrators import INTEGRATORS, Integrator
+from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.loads import LoadState
 from viscorod.solve.modes import Modes
 from viscorod.solve.newton import NewtonReport, Outcome
 from viscorod.solve.problem import Problem
 from viscorod.solve.rigid import free_motions, undetermined
 from viscorod.solve.static import StaticPath, StaticSolver
+from viscorod.solve.step_control import ErrorControl, FixedSteps, StepControl
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
 from viscorod.solve.time_step import chosen_time_step
 from viscorod.solve.transient import Transient
 
 __all__ = ["Case", "CheckReport", "Model", "as_model", "check", "run_case"]
+
+TOLERANCE = 1e-4
+SPECTRAL_RADIUS = 0.6
+LEAST_STEPS = 10
+"""Steps of a run at least, when steps follow the error."""
+STEPS_PER_PERIOD = 6
+"""Steps per period of harmonic loads and motions at least: an error estimate cannot see what lies between stages."""
 
 Progress = Callable[[float, float], None]
 
@@ -75,9 +84,10 @@ class Model(ModelDescription):
         self,
         duration: float,
         *,
+        tolerance: float | None = None,
         time_step: float | None = None,
         initial: str = "equilibrium",
-        integrator: str = "generalized_alpha",
+        integrator: str = "radau",
         spectral_radius: float | None = None,
         output_interval: float | None = None,
         progress: Progress | None = None,
@@ -87,10 +97,13 @@ class Model(ModelDescription):
 
         Args:
             duration: simulated time [s].
-            time_step: largest step [s]; None chooses it from the lowest modes.
+            tolerance: wanted accuracy: displacements over the size of the model, rotations in rad (1e-4 for "radau";
+                "generalized_alpha" has equal steps without it).
+            time_step: the step [s] of integrators with equal steps (None chooses it from the lowest modes), the
+                largest step of the others.
             initial: "equilibrium" under the loads at t = 0-, or the "reference" shape.
-            integrator: "generalized_alpha".
-            spectral_radius: numerical damping of unresolved frequencies, 0 (most) to 1 (none).
+            integrator: "radau", "generalized_alpha" or "midpoint".
+            spectral_radius: numerical damping of unresolved frequencies by "generalized_alpha", 0 (most) to 1 (none).
             output_interval: time between stored states [s]; None stores every step.
             progress: called with (time, step) after every step.
             title: kept with the result.
@@ -101,6 +114,7 @@ class Model(ModelDescription):
         """
         given: dict[str, Any] = {"duration": duration, "initial": initial, "integrator": integrator}
         optional = {
+            "tolerance": tolerance,
             "time_step": time_step,
             "spectral_radius": spectral_radius,
             "output_interval": output_interval,
@@ -199,16 +213,14 @@ class _Workplace:
         self, factor: float, load_steps: int, progress: Progress | None, attrs: dict[str, Any]
     ) -> Equilibrium:
         self._require_held(self.static.loads.at(0.0, True, factor))
-        reader = StationReader(self.problem)
         state = self.reference()
         last = 0.0
 
         def on_step(reached: float, state: State, iterations: int) -> None:
             nonlocal last
             account = EnergyAccount(elastic=self.system.elastic_energy())
-            self.history.record(
-                reached, reader, state, self.system, self.supports, account, reached - last, iterations
-            )
+            snapshot = Snapshot.of(reached, state, self.system, self.supports)
+            self.history.record(snapshot, account, reached - last, iterations)
             if progress is not None:
                 progress(reached, reached - last)
             last = reached
@@ -263,30 +275,27 @@ class _Workplace:
         if settings.initial == "equilibrium":
             self.settle(state)
         state.twist[:] = self.problem.initial_twist(state.r, state.q)
-        step = settings.time_step
-        if step is None:
-            linear = small_motion.linearise(
-                self.static, state, scale=1.0 if settings.initial == "equilibrium" else 0.0
-            )
-            frequencies = small_motion.natural_frequencies(linear, 16)
-            step = chosen_time_step(self.problem, frequencies, settings.duration)
-        integrator = INTEGRATORS[settings.integrator](
-            self.system, self.supports, spectral_radius=settings.spectral_radius
-        )
-        transient = Transient(self.problem, self.system, self.supports, integrator)
+        integrator, control, chosen = self._stepping(settings, state)
+        transient = Transient(self.problem, integrator, control, self.system.worst_place)
+        began = time.perf_counter()
         result = transient.run(
-            state, settings.duration, step, output_interval=settings.output_interval, progress=progress
+            state, settings.duration, output_interval=settings.output_interval, progress=progress
         )
+        effort = result.effort
         self.history = result.history
-        attrs |= {
+        attrs |= chosen | {
             "outcome": result.outcome.name.lower(),
             "integrator": settings.integrator,
-            "spectral_radius": settings.spectral_radius,
-            "time_step": step,
-            "steps": result.steps,
-            "iterations": result.iterations,
-            "factorisations": result.iterations,
-            "rejected": result.rejected,
+            "loop_time_s": time.perf_counter() - began,
+            "steps": effort.steps,
+            "iterations": effort.iterations,
+            "evaluations": effort.evaluations,
+            "factorisations": effort.factorisations,
+            "jacobians": effort.jacobians,
+            "rejected": effort.rejected,
+            "smallest_step": effort.smallest_step,
+            "smallest_step_at": effort.smallest_at,
+            "smallest_step_why": effort.smallest_why,
             "warnings": json.dumps(result.notes),
         }
         if result.outcome is Outcome.INTERRUPTED:
@@ -301,6 +310,34 @@ class _Workplace:
             )
             raise SolveError(message, Run(self._dataset("simulate", attrs | {"message": message})))
         return Run(self._dataset("simulate", attrs))
+
+    def _stepping(
+        self, settings: SimulateSettings, state: State
+    ) -> tuple[Integrator, StepControl, dict[str, Any]]:
+        """Return integrator, step control and what was chosen, by name."""
+        tolerance, duration = settings.tolerance, settings.duration
+        if settings.integrator == "radau" and tolerance is None:
+            tolerance = TOLERANCE
+        make = INTEGRATORS[settings.integrator]
+        given: dict[str, Any] = {}
+        if settings.integrator == "generalized_alpha":
+            radius = settings.spectral_radius
+            given["spectral_radius"] = SPECTRAL_RADIUS if radius is None else radius
+        if tolerance is not None:
+            largest = settings.time_step or duration / LEAST_STEPS
+            for period in self.problem.periods:
+                largest = min(largest, period / STEPS_PER_PERIOD)
+            integrator = make(self.system, self.supports, **given, tolerance=tolerance)
+            control: StepControl = ErrorControl(integrator.order, largest, duration)
+            return integrator, control, given | {"tolerance": tolerance, "largest_step": largest}
+        step = settings.time_step
+        if step is None:
+            linear = small_motion.linearise(
+                self.static, state, scale=1.0 if settings.initial == "equilibrium" else 0.0
+            )
+            frequencies = small_motion.natural_frequencies(linear, 16)
+            step = chosen_time_step(self.problem, frequencies, duration)
+        return make(self.system, self.supports, **given), FixedSteps(step), given | {"time_step": step}
 
     def _dataset(self, kind: str, attrs: dict[str, Any]) -> Any:
         complete = {
@@ -323,7 +360,7 @@ class _Workplace:
             text += f" Free rigid motions: {', '.join(motion.text for motion in free)}."
         return text
 
-    def _where(self, report: NewtonReport) -> str:
+    def _where(self, report: NewtonReport | StepReport) -> str:
         return (
             f" Largest imbalance {report.residual:.3g} N at {self.system.worst_place(report.node)}, "
             f"after {report.iterations} iterations."

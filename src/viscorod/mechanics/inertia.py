@@ -34,6 +34,17 @@ def momenta(mass: Floats, r: Floats, q: Floats, twist: Floats, out: Floats) -> f
 
 
 @kernel
+def kinetic_energy(mass: Floats, twist: Floats) -> float:
+    """Return the kinetic energy [J] of nodes with body twists ``(n, 6)``."""
+    total = 0.0
+    for k in range(twist.shape[0]):
+        for i in range(6):
+            for j in range(6):
+                total += 0.5 * mass[k, i, j] * twist[k, i] * twist[k, j]
+    return total
+
+
+@kernel
 def body_wrench(r: Floats, q: Floats, wrench: Floats, out: Floats) -> None:
     """Write the body components, at the node, of one spatial wrench (force, moment about the global origin)."""
     m = np.empty(3)

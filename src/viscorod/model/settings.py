@@ -7,7 +7,16 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.model.described import Described, RefusedError, show
-from viscorod.model.values import OptionalPositive, Positive, UnitInterval, one_of, optional, whole_number
+from viscorod.model.values import (
+    OptionalPositive,
+    OptionalUnitInterval,
+    Positive,
+    one_of,
+    optional,
+    whole_number,
+)
+
+LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-10, 0.1
 
 __all__ = ["EquilibriumSettings", "SimulateSettings"]
 
@@ -17,22 +26,29 @@ class SimulateSettings(Described):
 
     Args:
         duration: simulated time, s.
-        time_step: s; None lets the program choose from the lowest modes.
+        tolerance: wanted accuracy of the motion: displacements over the size of the model and rotations in rad; the
+            steps follow from it. 1e-4 for "radau" unless given; "generalized_alpha" has equal steps without it.
+        time_step: s; the step of integrators with equal steps (None: chosen from the lowest modes), the largest step of
+            the others.
         initial: what the motion starts from: "equilibrium" under the loads at t = 0-, or the "reference"
             shape.
-        integrator: "generalized_alpha".
-        spectral_radius: of the integrator at infinite frequency, 0 (strong damping of what is not resolved)
-            to 1 (none).
+        integrator: "radau" (order 5, steps that follow the error), "generalized_alpha" or "midpoint" (order 2, which
+            keeps energy exactly).
+        spectral_radius: of "generalized_alpha" at infinite frequency, 0 (strong damping of what is not resolved)
+            to 1 (none); 0.6 unless given.
         output_interval: time between stored states, s; None stores every step.
     """
 
     duration: Positive = Field(description="simulated time, s")
+    tolerance: OptionalPositive = None
     time_step: OptionalPositive = None
     initial: Annotated[Literal["equilibrium", "reference"], one_of("equilibrium", "reference")] = (
         "equilibrium"
     )
-    integrator: Annotated[Literal["generalized_alpha"], one_of("generalized_alpha")] = "generalized_alpha"
-    spectral_radius: UnitInterval = 0.6
+    integrator: Annotated[
+        Literal["radau", "generalized_alpha", "midpoint"], one_of("radau", "generalized_alpha", "midpoint")
+    ] = "radau"
+    spectral_radius: OptionalUnitInterval = None
     output_interval: OptionalPositive = None
 
     @model_validator(mode="after")
@@ -46,6 +62,32 @@ class SimulateSettings(Described):
                     found=show(value),
                     at=(name,),
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _fits_integrator(self) -> Self:
+        if self.tolerance is not None:
+            if self.integrator == "midpoint":
+                raise RefusedError(
+                    "the midpoint rule has equal steps and no error estimate",
+                    "leave it out and give time_step, or take the integrator 'radau' or 'generalized_alpha'",
+                    found=show(self.tolerance),
+                    at=("tolerance",),
+                )
+            if not LEAST_TOLERANCE <= self.tolerance <= LARGEST_TOLERANCE:
+                raise RefusedError(
+                    "out of reach",
+                    f"give {LEAST_TOLERANCE:g} to {LARGEST_TOLERANCE:g} (displacement over the size of the model)",
+                    found=show(self.tolerance),
+                    at=("tolerance",),
+                )
+        if self.spectral_radius is not None and self.integrator != "generalized_alpha":
+            raise RefusedError(
+                f"the integrator '{self.integrator}' has no such parameter",
+                "leave it out, or add integrator = 'generalized_alpha'",
+                found=show(self.spectral_radius),
+                at=("spectral_radius",),
+            )
         return self
 
 

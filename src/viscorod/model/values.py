@@ -199,7 +199,9 @@ def choose(
 Number = Annotated[float, BeforeValidator(number)]
 Positive = Annotated[float, BeforeValidator(positive)]
 NonNegative = Annotated[float, BeforeValidator(_bounded(">= 0", lambda x: x >= 0.0))]
-UnitInterval = Annotated[float, BeforeValidator(_bounded("from 0 to 1", lambda x: 0.0 <= x <= 1.0))]
+OptionalUnitInterval = Annotated[
+    float | None, BeforeValidator(optional(_bounded("from 0 to 1", lambda x: 0.0 <= x <= 1.0)))
+]
 PoissonsRatio = Annotated[
     float, BeforeValidator(_bounded("> -1 and <= 0.5 (0.5 is incompressible)", lambda x: -1.0 < x <= 0.5))
 ]

@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.mechanics import inertia
 from viscorod.results.schema import AXES, DIMENSION
 from viscorod.solve.history import History, StationReader
 from viscorod.solve.problem import Problem
-from viscorod.solve.system import State, System
+from viscorod.solve.system import System
+from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,7 +35,12 @@ def dataset(
 
     along = DIMENSION[kind]
     reader = StationReader(problem)
-    r0, q0, _, _ = reader.read(State(problem.positions, problem.quaternions, np.zeros((problem.size, 6))))
+    r0, q0, _, _ = reader.read(problem.positions, problem.quaternions, np.zeros((problem.size, 6)))
+    snapshots = history.snapshots
+    r = np.array([snapshot.state.r for snapshot in snapshots])
+    q = np.array([snapshot.state.q for snapshot in snapshots])
+    twist = np.array([snapshot.state.twist for snapshot in snapshots])
+    position, rotation, velocity, spin = reader.read(r, q, twist)
     gauss = system.gauss_positions()
     names = np.array(problem.rods)
     states = (along, "station")
@@ -41,27 +48,32 @@ def dataset(
     variables: dict[str, Any] = {
         "reference_position": (("station", "axis"), r0),
         "reference_rotation": (("station", "quaternion"), q0),
-        "position": ((*states, "axis"), np.array(history.position)),
-        "rotation": ((*states, "quaternion"), _continuous(np.array(history.rotation))),
-        "strain": ((*points, "component"), np.array(history.strain)),
-        "section_force": ((*points, "component"), np.array(history.section_force)),
+        "position": ((*states, "axis"), position),
+        "rotation": ((*states, "quaternion"), _continuous(rotation)),
+        "strain": ((*points, "component"), np.array([snapshot.strain for snapshot in snapshots])),
+        "section_force": (
+            (*points, "component"),
+            np.array([snapshot.section_force for snapshot in snapshots]),
+        ),
         "half_width": ("point", gauss.half_width),
         "iterations": (along, np.array(history.iterations, dtype=np.int64)),
     }
     energy = np.array(history.energy)
     variables["elastic"] = (along, energy[:, 1])
     if kind == "simulate":
+        rate = np.array([snapshot.strain_rate for snapshot in snapshots])
+        momentum = _momenta(problem, r, q, twist)
         variables |= {
-            "velocity": ((*states, "axis"), np.array(history.velocity)),
-            "angular_velocity": ((*states, "axis"), np.array(history.angular_velocity)),
-            "dissipation": (points, np.array(history.dissipation)),
+            "velocity": ((*states, "axis"), velocity),
+            "angular_velocity": ((*states, "axis"), spin),
+            "dissipation": (points, np.einsum("kgi,gij,kgj->kg", rate, system.gauss_damping(), rate)),
             "kinetic": (along, energy[:, 0]),
             "viscous": (along, energy[:, 2]),
             "external": (along, energy[:, 3]),
             "numerical": (along, energy[:, 4]),
             "step_size": (along, np.array(history.step_size)),
-            "linear_momentum": ((along, "axis"), np.array(history.momentum)[:, :3]),
-            "angular_momentum": ((along, "axis"), np.array(history.momentum)[:, 3:]),
+            "linear_momentum": ((along, "axis"), momentum[:, :3]),
+            "angular_momentum": ((along, "axis"), momentum[:, 3:]),
         }
     coordinates: dict[str, Any] = {
         along: np.array(history.instant),
@@ -76,9 +88,22 @@ def dataset(
         "point_weight": ("point", gauss.length),
     }
     if problem.supports.names:
-        variables["reaction"] = ((along, "support", "motion"), np.array(history.reaction))
+        variables["reaction"] = (
+            (along, "support", "motion"),
+            np.array([snapshot.reaction for snapshot in snapshots]),
+        )
         coordinates |= {"support": list(problem.supports.names), "motion": list(REACTIONS)}
     return xr.Dataset(variables, coordinates, attrs={"kind": kind, **attrs})
+
+
+def _momenta(problem: Problem, r: Floats, q: Floats, twist: Floats) -> Floats:
+    """Total linear and angular momentum about the origin, global axes ``(instants, 6)``."""
+    total = np.empty((len(r), 6))
+    nodal = np.empty(twist.shape[1:])
+    for k in range(len(r)):
+        inertia.momenta(problem.mass, r[k], q[k], twist[k], nodal)
+        total[k] = nodal.sum(axis=0)
+    return total
 
 
 def _continuous(q: np.ndarray) -> np.ndarray:

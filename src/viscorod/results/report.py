@@ -25,6 +25,7 @@ def run_report(run: Run) -> str:
     time = run.time
     steps = f" in {attrs['steps']} steps" if "steps" in attrs else ""
     size = f" of {attrs['time_step']:g} s" if "time_step" in attrs else ""
+    size += f" that follow the error, tolerance {attrs['tolerance']:g}" if "tolerance" in attrs else ""
     method = f", {str(attrs['integrator']).replace('_', '-')}" if attrs.get("integrator") else ""
     blocks = [
         _heading(run, f"{time[-1] - time[0]:g} s simulated{steps}{size}{method}"),
@@ -143,12 +144,18 @@ def _stability(equilibrium: Equilibrium) -> str:
 
 def _effort(result: Result) -> str:
     attrs = result.data.attrs
-    parts = [_counted(int(attrs[name]), name) for name in COUNTERS if name in attrs]
+    parts = [_counted(int(attrs[name]), words) for name, words in COUNTERS.items() if name in attrs]
     if "wall_time_s" in attrs:
         parts.append(f"{attrs['wall_time_s']:.3g} s wall time")
     if attrs.get("compile_time_s", 0.0) >= 0.1:
         parts.append(f"{attrs['compile_time_s']:.3g} s compiling before that")
-    return f"Effort: {', '.join(parts)}" if parts else ""
+    lines = [f"Effort: {', '.join(parts)}"] if parts else []
+    if attrs.get("smallest_step_why"):
+        lines.append(
+            f"Smallest step: {attrs['smallest_step']:.3g} s at t = {attrs['smallest_step_at']:.6g} s, "
+            f"limited by {attrs['smallest_step_why']}"
+        )
+    return "\n".join(lines)
 
 
 def _warnings(result: Result) -> str:
@@ -162,4 +169,6 @@ def _vector(values: Floats, scale: float) -> list[str]:
 
 
 def _counted(count: int, name: str) -> str:
-    return f"{count} {name.removesuffix('s') if count == 1 else name}"
+    if count == 1:
+        name = name.replace("evaluations", "evaluation") if "evaluations" in name else name.removesuffix("s")
+    return f"{count} {name}"

@@ -52,8 +52,15 @@ VARIABLES: dict[str, tuple[str, str]] = {
 }
 """Name -> (unit, long name), written into the attributes of every data set."""
 
-COUNTERS = ("steps", "iterations", "factorisations", "rejected")
-"""Integer attributes: what the solution took."""
+COUNTERS = {
+    "steps": "steps",
+    "rejected": "rejected steps",
+    "iterations": "iterations",
+    "evaluations": "evaluations of the forces",
+    "jacobians": "Jacobians",
+    "factorisations": "factorisations",
+}
+"""Integer attributes, what the solution took, and what they count."""
 
 _ALWAYS = (
     "station_rod",

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.results.schema import COUNTERS
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -36,10 +35,10 @@ def warnings_of(result: Result) -> list[str]:
         if fraction > _NUMERICAL:
             texts.append(
                 f"the numerical remainder of the energy account reaches {100.0 * fraction:.2g} % "
-                "of the energy that moved; use a smaller time_step"
+                f"of the energy that moved; use a smaller {'tolerance' if 'tolerance' in data.attrs else 'time_step'}"
             )
-    rejected = int(data.attrs.get(COUNTERS[-1], 0))
-    if rejected:
+    rejected = int(data.attrs.get("rejected", 0))
+    if rejected and "tolerance" not in data.attrs:  # steps that follow the error are rejected now and then
         what = "time step" if result.dimension == "time" else "load step"
         plural = "s" if rejected > 1 else ""
         texts.append(

@@ -39,7 +39,7 @@ class BandMatrix:
         self.nodes = nodes
         # rows and columns of displacements are measured in a length near that of the model, so that pivoting compares
         # like with like; near one metre this changes nothing
-        self._unit = 1.0 if 0.1 < length < 10.0 else 2.0 ** round(np.log2(length))
+        self.unit = 1.0 if 0.1 < length < 10.0 else 2.0 ** round(np.log2(length))
         self.reach = min(reach, max(nodes - 1, 0))
         self.size = 6 * nodes
         self.width = 6 * self.reach + 5
@@ -57,8 +57,8 @@ class BandMatrix:
         Raises:
             SingularMatrixError: a pivot is exactly zero.
         """
-        if self._unit != 1.0:
-            scale_translations(self.data, self.diagonal, self.width, self._unit)
+        if self.unit != 1.0:
+            scale_translations(self.data, self.diagonal, self.width, self.unit)
         _, self._pivots, info = dgbtrf(self.data.T, self.width, self.width, overwrite_ab=1)
         if info > 0:
             raise SingularMatrixError(info - 1)
@@ -66,12 +66,12 @@ class BandMatrix:
     def solve(self, right_side: Floats) -> Floats:
         """Solve with the factors; ``right_side`` (size,) or (nodes, 6) is overwritten and returned."""
         b = right_side.reshape(-1, 6)
-        if self._unit != 1.0:
-            b[:, :3] *= self._unit
+        if self.unit != 1.0:
+            b[:, :3] *= self.unit
         x, _ = dgbtrs(self.data.T, self.width, self.width, b.reshape(-1), self._pivots, overwrite_b=1)
         solution: Floats = np.asarray(x).reshape(-1, 6)
-        if self._unit != 1.0:
-            solution[:, :3] *= self._unit
+        if self.unit != 1.0:
+            solution[:, :3] *= self.unit
         return solution.reshape(right_side.shape)
 
     def sparse(self) -> sparse.csr_array:

@@ -6,6 +6,7 @@ import numpy as np
 
 from viscorod.mechanics import geometric, loading
 from viscorod.mechanics.basis import lobatto
+from viscorod.mechanics.internal_force import Elements, strain_energy
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.loads import LoadState
 from viscorod.solve.problem import ElementSet, Problem
@@ -58,6 +59,8 @@ class GeometricSystem:
         self._order, self._positions = self._gauss_positions()
         damping = [part.elements.damping[part.elements.section].reshape(-1, 6, 6) for part in self.parts]
         self._damping = np.concatenate(damping)[self._order]
+        stiffness = [part.elements.stiffness[part.elements.section].reshape(-1, 6, 6) for part in self.parts]
+        self._stiffness = np.concatenate(stiffness)[self._order]
 
     def _gauss_positions(self) -> tuple[Integers, GaussPositions]:
         """Order of the Gauss points by rod and arc length, and their places in that order."""
@@ -186,17 +189,76 @@ class GeometricSystem:
         def gather(arrays: list[Floats]) -> Floats:
             return np.concatenate([array.reshape(-1, 6) for array in arrays])[self._order]
 
-        rate = gather([part.strain_rate for part in self.parts])
         return GaussPoints(
             strain=gather([part.strain for part in self.parts]),
-            strain_rate=rate,
+            strain_rate=gather([part.strain_rate for part in self.parts]),
             section_force=gather([part.section_force for part in self.parts]),
-            dissipation=np.einsum("gi,gij,gj->g", rate, self._damping, rate),
         )
+
+    def gauss_damping(self) -> Floats:
+        """See :class:`~viscorod.solve.system.System`."""
+        return self._damping
+
+    def strain_energy(self, strain: Floats) -> float:
+        """See :class:`~viscorod.solve.system.System`."""
+        return strain_energy(self._positions.length, self._stiffness, strain)
+
+    def gauss_places(self) -> Integers:
+        """See :class:`~viscorod.solve.system.System`."""
+        top = max(e.order for e in self.problem.sets)
+        places, first = [], 0
+        for e in self.problem.sets:
+            numbers = top * np.arange(first, first + len(e.nodes))[:, None] + np.arange(e.order)
+            places.append(numbers.ravel())
+            first += len(e.nodes)
+        return np.concatenate(places)[self._order]
 
     def gauss_positions(self) -> GaussPositions:
         """See :class:`~viscorod.solve.system.System`."""
         return self._positions
+
+    def elements(self) -> Elements:
+        """See :class:`~viscorod.solve.system.System`."""
+        problem = self.problem
+        top = max(e.order for e in problem.sets)
+        count = sum(len(e.nodes) for e in problem.sets)
+        shapes, slopes = np.zeros((top + 1, top, top + 1)), np.zeros((top + 1, top, top + 1))
+        weights = np.zeros((top + 1, top))
+        nodes = np.zeros((count, top + 1), dtype=np.int64)
+        links = np.full((count, top + 1), -1, dtype=np.int64)
+        section = np.zeros((count, top), dtype=np.int64)
+        reference = np.zeros((count, top, 6))
+        first = first_section = 0
+        for part in self.parts:
+            e, p = part.elements, part.elements.order
+            rows = slice(first, first + len(e.nodes))
+            shapes[p, :p, : p + 1], slopes[p, :p, : p + 1], weights[p, :p] = e.shapes, e.slopes, e.weights
+            nodes[rows, : p + 1], links[rows, : p + 1] = e.nodes, e.links
+            section[rows, :p] = e.section + first_section
+            reference[rows, :p] = part.reference
+            first += len(e.nodes)
+            first_section += len(e.stiffness)
+        damping = np.concatenate([e.damping for e in problem.sets])
+        return Elements(
+            np.repeat([e.order for e in problem.sets], [len(e.nodes) for e in problem.sets]),
+            nodes,
+            links,
+            problem.link_positions,
+            problem.link_quaternions,
+            shapes,
+            slopes,
+            weights,
+            np.concatenate([e.half_lengths for e in problem.sets]),
+            section,
+            np.concatenate([e.stiffness for e in problem.sets]),
+            damping,
+            bool(damping.any()),
+            reference,
+        )
+
+    def element_number(self, part: int, element: int) -> int:
+        """See :class:`~viscorod.solve.system.System`."""
+        return sum(len(e.nodes) for e in self.problem.sets[:part]) + element
 
     def worst_place(self, node: int) -> str:
         """See :class:`~viscorod.solve.system.System`."""

@@ -1,13 +1,14 @@
-"""What an analysis records: plain arrays at stations and Gauss points, ready to become a data set."""
+"""What an analysis records: plain arrays at nodes and Gauss points, ready to become a data set."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
-from viscorod.mechanics import inertia
 from viscorod.mechanics.attachment import link_map
+from viscorod.mechanics.inertia import kinetic_energy
 from viscorod.mechanics.quaternion import product
 from viscorod.mechanics.rotation import rotate_rows
 from viscorod.solve.problem import Problem
@@ -33,21 +34,36 @@ class StationReader:
             link_map(self._offset[k], self._turn[k], self._map[k])
         self._linked = bool((stations.links >= 0).any())
 
-    def read(self, state: State) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return positions [m], unit quaternions, global velocities [m/s] and body angular velocities [rad/s]."""
-        r, q, twist = state.r[self.nodes], state.q[self.nodes], state.twist[self.nodes]
+    def read(self, r: Floats, q: Floats, twist: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return positions [m], unit quaternions, global velocities [m/s] and body angular velocities [rad/s].
+
+        Args:
+            r, q, twist: nodal states ``(..., n, 3)``, ``(..., n, 4)``, ``(..., n, 6)``.
+        """
+        r, q, twist = r[..., self.nodes, :], q[..., self.nodes, :], twist[..., self.nodes, :]
         if self._linked:
-            r = r + _rotate(q, self._offset)
-            q = product(q, self._turn)
-            twist = np.einsum("nij,nj->ni", self._map, twist)
-        return r, q, _rotate(q, np.ascontiguousarray(twist[:, :3])), twist[:, 3:].copy()
+            r = r + _rotate(q, np.broadcast_to(self._offset, r.shape))
+            q = product(q, np.broadcast_to(self._turn, q.shape))
+            twist = np.einsum("nij,...nj->...ni", self._map, twist)
+        return r, q, _rotate(q, twist[..., :3]), twist[..., 3:].copy()
 
 
 def _rotate(q: Floats, a: Floats) -> Floats:
-    """Rotate body vectors ``a (n, 3)`` by unit quaternions ``q (n, 4)``."""
-    out = np.empty_like(a)
-    rotate_rows(q, a, out)
+    """Rotate body vectors ``a (..., 3)`` by unit quaternions ``q (..., 4)``."""
+    out = np.empty(a.shape)
+    rotate_rows(
+        np.ascontiguousarray(q).reshape(-1, 4), np.ascontiguousarray(a).reshape(-1, 3), out.reshape(-1, 3)
+    )
     return out
+
+
+class Progressing(Protocol):
+    """What the energy account needs of an integrator after a step."""
+
+    kinetic: float
+    elastic: float
+    work: float
+    loss: float
 
 
 @dataclass
@@ -65,53 +81,99 @@ class EnergyAccount:
         """T + W + D - P - (T + W)_0: energy that the time integration produced (negative: lost)."""
         return self.kinetic + self.elastic + self.viscous - self.external - self.start
 
+    def add(self, step: Progressing) -> None:
+        """Add a step."""
+        self.kinetic, self.elastic = step.kinetic, step.elastic
+        self.external += step.work
+        self.viscous += step.loss
+
+    def between(
+        self, end: EnergyAccount, part: float, kinetic: float, work: float, loss: float
+    ) -> EnergyAccount:
+        """Return the account at a ``part`` of the step that led from here to ``end``.
+
+        The remainder is known at the ends of steps only, and linear between; the elastic energy is what the balance
+        leaves.
+        """
+        account = EnergyAccount(kinetic, 0.0, self.viscous + loss, self.external + work, self.start)
+        remainder = (1.0 - part) * self.numerical + part * end.numerical
+        account.elastic = max(remainder - account.numerical, 0.0)
+        return account
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """The state of everything at one instant (a time [s] or a load factor).
+
+    Attributes:
+        state: nodal poses and twists; strain, strain_rate, section_force: at the Gauss points in order ``(m, 6)``.
+        reaction: global wrenches of the supports ``(supports, 6)``.
+        kinetic, elastic: energies [J].
+    """
+
+    instant: float
+    state: State
+    strain: Floats
+    strain_rate: Floats
+    section_force: Floats
+    reaction: Floats
+    kinetic: float
+    elastic: float
+
+    @classmethod
+    def of(
+        cls, instant: float, state: State, system: System, supports: SupportState, kinetic: float = 0.0
+    ) -> Snapshot:
+        """Take the snapshot of the last assembly."""
+        points = system.gauss_points()
+        return cls(
+            instant,
+            state.copy(),
+            points.strain,
+            points.strain_rate,
+            points.section_force,
+            supports.global_reactions(state),
+            kinetic,
+            system.elastic_energy(),
+        )
+
+    def blend(self, end: Snapshot, part: float, state: State, system: System) -> Snapshot:
+        """Return the state at a ``part`` of the way to ``end``: nodal ``state`` given, the rest linear in time."""
+
+        def mix(a: Floats, b: Floats) -> Floats:
+            return (1.0 - part) * a + part * b
+
+        return Snapshot(
+            self.instant + part * (end.instant - self.instant),
+            state,
+            strain := mix(self.strain, end.strain),
+            mix(self.strain_rate, end.strain_rate),
+            mix(self.section_force, end.section_force),
+            mix(self.reaction, end.reaction),
+            kinetic_energy(system.problem.mass, state.twist),
+            system.strain_energy(strain),
+        )
+
 
 @dataclass
 class History:
-    """Fields recorded at the output instants, one list entry each (units as in the data set they become)."""
+    """What was recorded, one list entry each."""
 
-    position: list[Floats] = field(default_factory=list)
-    rotation: list[Floats] = field(default_factory=list)
-    velocity: list[Floats] = field(default_factory=list)
-    angular_velocity: list[Floats] = field(default_factory=list)
-    strain: list[Floats] = field(default_factory=list)
-    section_force: list[Floats] = field(default_factory=list)
-    dissipation: list[Floats] = field(default_factory=list)
-    reaction: list[Floats] = field(default_factory=list)
-    momentum: list[Floats] = field(default_factory=list)
+    snapshots: list[Snapshot] = field(default_factory=list)
     energy: list[tuple[float, float, float, float, float]] = field(default_factory=list)
-    instant: list[float] = field(default_factory=list)
     step_size: list[float] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
 
-    def record(
-        self,
-        instant: float,
-        reader: StationReader,
-        state: State,
-        system: System,
-        supports: SupportState,
-        account: EnergyAccount,
-        step_size: float,
-        iterations: int,
-    ) -> None:
-        """Append the present state; ``instant`` is the time [s] or the load factor."""
-        r, q, v, w = reader.read(state)
-        points = system.gauss_points()
-        self.instant.append(instant)
-        self.position.append(r)
-        self.rotation.append(q)
-        self.velocity.append(v)
-        self.angular_velocity.append(w)
-        self.strain.append(points.strain)
-        self.section_force.append(points.section_force)
-        self.dissipation.append(points.dissipation)
-        self.reaction.append(supports.global_reactions(state))
-        momenta = np.empty_like(state.twist)
-        inertia.momenta(system.problem.mass, state.r, state.q, state.twist, momenta)
-        self.momentum.append(momenta.sum(axis=0))
+    def record(self, snapshot: Snapshot, account: EnergyAccount, step_size: float, iterations: int) -> None:
+        """Append a snapshot and the energy account there."""
+        self.snapshots.append(snapshot)
         self.energy.append(
             (account.kinetic, account.elastic, account.viscous, account.external, account.numerical)
         )
         self.step_size.append(step_size)
         self.iterations.append(iterations)
+
+    @property
+    def instant(self) -> list[float]:
+        """Times [s] or load factors."""
+        return [snapshot.instant for snapshot in self.snapshots]

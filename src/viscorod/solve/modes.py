@@ -170,8 +170,7 @@ def _shapes(
     for vector in (linear.basis @ vectors).T:
         parts = []
         for part in (vector.real, vector.imag):
-            moving = State(state.r, state.q, np.ascontiguousarray(part).reshape(-1, 6))
-            parts.append(reader.read(moving)[2:])
+            parts.append(reader.read(state.r, state.q, np.ascontiguousarray(part).reshape(-1, 6))[2:])
         shape = parts[0][0] + 1j * parts[1][0]
         turn = parts[0][1] + 1j * parts[1][1]
         peak = shape.ravel()[np.argmax(np.abs(shape))]

@@ -21,12 +21,15 @@ class Outcome(Enum):
     SLOW = "Newton's method did not converge in the allowed iterations"
     SINGULAR = "the tangent matrix is singular"
     NOT_FINITE = "a force became infinite or undefined"
+    TOO_SMALL = "the motion asks for steps too small to ever reach the end"
     INTERRUPTED = "the run was stopped"
 
     def advice(self, *, static: bool) -> str:
         """What to try."""
         if self is Outcome.NOT_FINITE:
             return "check the magnitudes of loads, motions and stiffnesses, and what functions of time return"
+        if self is Outcome.TOO_SMALL:
+            return "look for a load or a motion that grows without bound there, or give a larger tolerance"
         if not static:
             return (
                 "try a smaller time_step, a lower spectral_radius (more numerical damping of the highest frequencies), "

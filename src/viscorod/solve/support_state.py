@@ -63,7 +63,15 @@ class SupportState:
         if not self.moving:
             state.twist[self.set.nodes[c]] = 0.0
             return
+        r, q, self.twist, self.twist_rate = self.complete_motion()
+        nodes = self.set.nodes[c]
+        state.r[nodes], state.q[nodes], state.twist[nodes] = r, q, self.twist
+
+    def complete_motion(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return poses, body twists and their rates of all completely held supports, in their order."""
+        c = self.complete
         r, q = np.empty((len(c), 3)), np.empty((len(c), 4))
+        twist, rate = np.empty((len(c), 6)), np.empty((len(c), 6))
         supports.prescribed_motion(
             self.set.axes[c],
             self.r0[c],
@@ -73,11 +81,10 @@ class SupportState:
             self.acceleration[c],
             r,
             q,
-            self.twist,
-            self.twist_rate,
+            twist,
+            rate,
         )
-        nodes = self.set.nodes[c]
-        state.r[nodes], state.q[nodes], state.twist[nodes] = r, q, self.twist
+        return r, q, twist, rate
 
     def impose(self, state: State, residual: Floats, band: BandMatrix, *, tangent: bool) -> None:
         """Replace the rows of supported nodes; keeps the reactions (components along the support's axes)."""
@@ -174,6 +181,13 @@ class SupportState:
         nodes = self.set.nodes[self.complete]
         if not self.moving or len(nodes) == 0:
             return
-        force = np.einsum("nij,nj->ni", self.problem.mass[nodes], self.twist_rate)
+        force = np.zeros((len(nodes), 6))
         inertia.add_coriolis(self.problem.mass[nodes], state.twist[nodes], force)
         residual[nodes] += force
+        self.add_acceleration(residual)
+
+    def add_acceleration(self, residual: Floats) -> None:
+        """Add mass times the known rate of the twist of fully supported nodes to ``residual (n, 6)``."""
+        nodes = self.set.nodes[self.complete]
+        if self.moving and len(nodes):
+            residual[nodes] += np.einsum("nij,nj->ni", self.problem.mass[nodes], self.twist_rate)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from viscorod.mechanics.internal_force import Elements
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.loads import LoadState
 from viscorod.solve.problem import Problem
@@ -40,7 +41,6 @@ class GaussPoints:
     strain: Floats
     strain_rate: Floats
     section_force: Floats
-    dissipation: Floats
 
 
 @dataclass(frozen=True)
@@ -83,6 +83,21 @@ class System(Protocol):
 
     def gauss_points(self) -> GaussPoints:
         """Return the Gauss-point fields of the last assembly."""
+
+    def gauss_damping(self) -> Floats:
+        """Return the damping matrices of the sections at all Gauss points ``(m, 6, 6)``, in the same order."""
+
+    def strain_energy(self, strain: Floats) -> float:
+        """Return the elastic energy [J] of strains ``(m, 6)`` at all Gauss points, in the same order."""
+
+    def gauss_places(self) -> Integers:
+        """Return the places of all Gauss points, in the same order, in the flattened arrays of :meth:`elements`."""
+
+    def elements(self) -> Elements:
+        """Return all elements as one structure for compiled code."""
+
+    def element_number(self, part: int, element: int) -> int:
+        """Return the number in :meth:`elements` of an element of the problem's element set ``part``."""
 
     def gauss_positions(self) -> GaussPositions:
         """Return where the Gauss points are, in the same order."""

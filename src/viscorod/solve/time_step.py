@@ -1,4 +1,4 @@
-"""The time step when the user gives none."""
+"""Time steps when the user gives none: the first one, and that of integrators with equal steps."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ PER_FIRST = 200
 PER_THIRD = 20
 PER_LOAD_PERIOD = 50
 PER_RUN = 100
+START_FRACTION = 1e-3
+START_MOTION = 1e-3
 
 
 def distinct(frequencies: Floats, tolerance: float = 0.01) -> Floats:
@@ -40,3 +42,26 @@ def chosen_time_step(problem: Problem, frequencies: Floats, duration: float) -> 
         candidates.append(2.0 * np.pi / elastic[0] / PER_FIRST)
         candidates.append(2.0 * np.pi / elastic[min(2, len(elastic) - 1)] / PER_THIRD)
     return float(min(candidates))
+
+
+def start_step(
+    mass: Floats, force: Floats, twist: Floats, held: Floats, length: float, duration: float
+) -> float:
+    """Return a cautious first step [s]: nodes move by at most 1e-3 of the length or 1e-3 rad.
+
+    Args:
+        mass: nodal inertia ``(n, 6, 6)``; force: what accelerates the nodes; twist: body twists ``(n, 6)``.
+        held: 1 at nodes with prescribed motion.
+        length: of the model [m]; duration: of the run [s].
+    """
+    scale = np.array([length] * 3 + [1.0] * 3)
+    inertia = np.einsum("nii->ni", mass)
+    free = (held[:, None] == 0.0) & (inertia > 0.0)
+    fastest = float(np.max(np.abs(force / scale)[free] / inertia[free], initial=0.0))
+    speed = float(np.max(np.abs(twist / scale)[held == 0.0], initial=0.0))
+    step = START_FRACTION * duration
+    if fastest > 0.0:
+        step = min(step, np.sqrt(2.0 * START_MOTION / fastest))
+    if speed > 0.0:
+        step = min(step, START_MOTION / speed)
+    return step

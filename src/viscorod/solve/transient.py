@@ -1,22 +1,36 @@
-"""Transient analysis: steps an integrator through time, halves steps that fail, keeps the energy account."""
+"""Transient analysis: drives an integrator through time, hits all corners of the loads, keeps the energy account."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.solve.history import EnergyAccount, History, StationReader
-from viscorod.solve.integrators import Integrator
-from viscorod.solve.newton import NewtonReport, Outcome
+from viscorod.solve.history import EnergyAccount, History
+from viscorod.solve.integrators.contract import Integrator, StepReport
+from viscorod.solve.newton import Outcome
 from viscorod.solve.problem import Problem
-from viscorod.solve.support_state import SupportState
-from viscorod.solve.system import State, System
+from viscorod.solve.step_control import StepControl
+from viscorod.solve.system import State
 
-HALVINGS = 12
-RECOVERY = 8
+MOST_NOTES = 20
+
+
+@dataclass
+class Effort:
+    """What a run took: steps, iterations, and where the smallest accepted step was and why."""
+
+    steps: int = 0
+    rejected: int = 0
+    iterations: int = 0
+    evaluations: int = 0
+    factorisations: int = 0
+    jacobians: int = 0
+    smallest_step: float = np.inf
+    smallest_at: float = 0.0
+    smallest_why: str = ""
 
 
 @dataclass
@@ -25,17 +39,15 @@ class TransientResult:
 
     Attributes:
         outcome: COMPLETED or the reason of the last failed step, which happened at ``failed_at`` [s].
-        notes: one line per instant at which the step had to be halved.
+        notes: one line per instant at which a step failed.
         reason: why an INTERRUPTED run stopped.
     """
 
     history: History = field(default_factory=History)
     outcome: Outcome = Outcome.COMPLETED
     failed_at: float = 0.0
-    report: NewtonReport | None = None
-    steps: int = 0
-    rejected: int = 0
-    iterations: int = 0
+    report: StepReport | None = None
+    effort: Effort = field(default_factory=Effort)
     notes: list[str] = field(default_factory=list)
     reason: str = ""
 
@@ -43,25 +55,31 @@ class TransientResult:
 class Transient:
     """Runs an integrator over a time span.
 
-    Steps are equal between the instants at which loads or prescribed motions are not smooth; those are always hit, and
-    after a jump the integrator starts anew, so that no load is ever averaged over a jump.
+    The instants at which loads or prescribed motions are not smooth are always hit, and after a jump the integrator
+    starts anew, so that no load is ever averaged over a jump.
+
+    Args:
+        problem: for the corners of its loads; integrator, control: what steps, and how far.
+        place: describes a node in words.
     """
 
     def __init__(
-        self, problem: Problem, system: System, supports: SupportState, integrator: Integrator
+        self,
+        problem: Problem,
+        integrator: Integrator,
+        control: StepControl,
+        place: Callable[[int], str],
     ) -> None:
         self.problem = problem
-        self.system = system
-        self.supports = supports
+        self.place = place
         self.integrator = integrator
+        self.control = control
         self.account = EnergyAccount()
-        self._power = 0.0
 
     def run(
         self,
         state: State,
         duration: float,
-        time_step: float,
         *,
         output_interval: float | None = None,
         progress: Callable[[float, float], None] | None = None,
@@ -70,19 +88,21 @@ class Transient:
 
         Args:
             state: initial poses and twists (overwritten).
-            time_step: largest step [s].
-            output_interval: least time between records [s]; None records every step.
+            output_interval: time between records [s]; None records every step.
             progress: called with (time, step) after every step.
         """
         result = TransientResult()
         try:
-            self._march(result, state, duration, time_step, output_interval, progress)
+            self._march(result, state, duration, output_interval, progress)
         except KeyboardInterrupt:
             result.outcome, result.reason = Outcome.INTERRUPTED, "interrupted from the keyboard"
         except InputError as error:
             if not result.history.instant:
                 raise
             result.outcome, result.reason = Outcome.INTERRUPTED, str(error)
+        effort, integrator = result.effort, self.integrator
+        effort.evaluations, effort.factorisations = integrator.evaluations, integrator.factorisations
+        effort.jacobians = integrator.jacobians
         return result
 
     def _march(
@@ -90,67 +110,78 @@ class Transient:
         result: TransientResult,
         state: State,
         duration: float,
-        time_step: float,
         output_interval: float | None,
         progress: Callable[[float, float], None] | None,
     ) -> None:
-        reader = StationReader(self.problem)
-        integrator, account = self.integrator, self.account
+        integrator, account, control, effort = self.integrator, self.account, self.control, result.effort
+        history = result.history
         self._begin(0.0, state)
+        account.elastic = integrator.elastic
         account.kinetic = integrator.kinetic
-        account.elastic = self.system.elastic_energy()
-        self.system.viscous_loss(0.0)
         account.start = account.kinetic + account.elastic
-
-        def record(h: float, iterations: int) -> None:
-            result.history.record(
-                integrator.t, reader, integrator.state, self.system, self.supports, account, h, iterations
-            )
-
-        record(0.0, 0)
+        history.record(integrator.snapshot(), account, 0.0, 0)
         corners, jumps = self._corners(duration)
-        next_output = output_interval or 0.0
-        begin = 0.0
+        t, restart = 0.0, True
         for corner in corners:
-            count = max(1, int(np.ceil((corner - begin) / time_step * (1.0 - 1e-9))))
-            full = (corner - begin) / count
-            level, easy = 0, 0
-            done, whole = 0, 0  # completed full steps, and parts of 2^-HALVINGS of the present one
-            parts = 2**HALVINGS
-            while done < count:
-                size = parts >> level
-                h = full * size / parts
-                last = done + 1 == count and whole + size == parts
-                target = corner if last else begin + full * (done + (whole + size) / parts)
-                report = integrator.step(target, before=last)
-                result.iterations += report.iterations
+            control.begin(t, corner, first=integrator.first_step(duration) if restart else None)
+            while integrator.t < corner:
+                t = integrator.t
+                end = control.aim(t)
+                report = integrator.attempt(end, before=end == corner)
+                effort.iterations += report.iterations
                 result.report = report
-                if not report.converged:
-                    result.rejected += 1
-                    if level == HALVINGS or (report.outcome is Outcome.NOT_FINITE and level > 4):
-                        result.outcome, result.failed_at = report.outcome, target
+                if not control.accepts(report, end - t):
+                    effort.rejected += 1
+                    if not report.converged and control.notes_failures and len(result.notes) < MOST_NOTES:
+                        result.notes.append(
+                            f"t = {t:.6g} s: a step of {end - t:.3g} s failed and was shortened"
+                        )
+                    if control.exhausted:
+                        result.outcome, result.failed_at = report.outcome, end
+                        if report.converged:
+                            result.outcome = Outcome.TOO_SMALL
                         return
-                    if level == 0:
-                        result.notes.append(f"t = {integrator.t:.6g} s: step of {h:.3g} s halved")
-                    level, easy = level + 1, 0
                     continue
-                result.steps += 1
-                self._account(h)
-                whole += size
-                if whole == parts:
-                    done, whole = done + 1, 0
-                easy += 1
-                if level and easy >= RECOVERY and whole % (2 * size) == 0:
-                    level, easy = level - 1, 0
+                before = replace(account)
+                integrator.accept()
+                account.add(integrator)
+                effort.steps += 1
+                if end - t < effort.smallest_step:
+                    effort.smallest_step, effort.smallest_at = end - t, t
+                    effort.smallest_why = self._why(report)
                 if progress is not None:
-                    progress(integrator.t, h)
-                if output_interval is None or integrator.t >= next_output - 1e-9 * time_step or last:
-                    record(h, report.iterations)
-                    if output_interval is not None:
-                        next_output = output_interval * (np.floor(integrator.t / output_interval + 1e-9) + 1)
-            begin = corner
-            if corner in jumps:
+                    progress(end, end - t)
+                for part in self._records(t, end, output_interval, end == duration):
+                    if part == 1.0:
+                        history.record(integrator.snapshot(), account, end - t, report.iterations)
+                        continue
+                    between, work, loss = integrator.between(part)
+                    energy = before.between(account, part, between.kinetic, work, loss)
+                    history.record(between, energy, end - t, report.iterations)
+                if control.exhausted:
+                    result.outcome, result.failed_at = Outcome.TOO_SMALL, end
+                    return
+            t, restart = corner, corner in jumps
+            if restart:
                 self._begin(corner, integrator.state)
+
+    def _records(self, t: float, end: float, output_interval: float | None, final: bool) -> list[float]:
+        """Return the parts of the step from ``t`` to ``end`` at which states are recorded."""
+        if output_interval is None:
+            count = self.integrator.records
+            return [(k + 1) / count for k in range(count)]
+        first = int(np.floor(t / output_interval * (1.0 + 1e-12) + 1e-9)) + 1
+        last = int(np.floor(end / output_interval * (1.0 + 1e-12) + 1e-9))
+        parts = [(k * output_interval - t) / (end - t) for k in range(first, last + 1)]
+        parts = [1.0 if part > 1.0 - 1e-9 else part for part in parts]
+        return [*parts, 1.0] if final and (not parts or parts[-1] < 1.0) else parts
+
+    def _why(self, report: StepReport) -> str:
+        """What limited an accepted step, in words."""
+        limit = self.control.limit
+        if limit in ("the error", "convergence of Newton's method"):
+            return f"{limit} of {report.motion} at {self.place(report.node)}"
+        return limit
 
     def _corners(self, duration: float) -> tuple[list[float], set[float]]:
         """Instants that steps must hit, and those among them after which the integrator starts anew.
@@ -176,18 +207,3 @@ class Transient:
         if t > 0.0:
             self.account.external += self.integrator.kinetic - before
             self.account.kinetic = self.integrator.kinetic
-        self._power = self._work_rate()
-
-    def _work_rate(self) -> float:
-        """Present power of loads and moving supports [W]."""
-        return float(np.sum(self.system.external * self.integrator.state.twist)) + self.supports.power()
-
-    def _account(self, h: float) -> None:
-        """Add one step to the energy account, to the integrator's order (trapezoidal work, loss at the mean rate)."""
-        power = self._work_rate()
-        account = self.account
-        account.external += 0.5 * h * (self._power + power)
-        account.viscous += self.system.viscous_loss(h)
-        account.kinetic = self.integrator.kinetic
-        account.elastic = self.system.elastic_energy()
-        self._power = power

@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from viscorod.solve.integrators.contract import Integrator
 from viscorod.solve.integrators.generalized_alpha import GeneralizedAlpha
+from viscorod.solve.integrators.midpoint import Midpoint
+from viscorod.solve.integrators.radau import Radau
 
-INTEGRATORS = {"generalized_alpha": GeneralizedAlpha}
+INTEGRATORS: dict[str, Callable[..., Integrator]] = {
+    "radau": Radau,
+    "generalized_alpha": GeneralizedAlpha,
+    "midpoint": Midpoint,
+}
 
-__all__ = ["INTEGRATORS", "GeneralizedAlpha", "Integrator"]
+__all__ = ["INTEGRATORS", "GeneralizedAlpha", "Integrator", "Midpoint", "Radau"]

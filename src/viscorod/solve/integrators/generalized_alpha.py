@@ -22,12 +22,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from viscorod.mechanics import inertia
+from viscorod.mechanics.interpolation import interpolate
 from viscorod.mechanics.rotation import add_mapped, inverse_motion_tangent, retract
+from viscorod.solve.history import Snapshot
+from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.loads import ExternalLoads, LoadState
-from viscorod.solve.newton import Convergence, NewtonReport, Outcome, SingularMatrixError, worst_node
+from viscorod.solve.newton import Convergence, Outcome, SingularMatrixError, worst_node
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
+from viscorod.solve.time_step import start_step
 from viscorod.typing import Floats
+
+STEP_FACTOR = 1.0
+"""Error that a step may have over ``tolerance^1.5``: that of a step is of order 3, that of the motion of order 2."""
+
+ERROR_CONSTANT = 1.0 / 6.0
+"""Estimated error of a step over ``h (x1' - x1 - h rate)``, the third derivative of the pose times h^3."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +69,7 @@ class Relation:
 class Solution:
     """A solved balance: report, state, the increment that led there and the momentum before it."""
 
-    report: NewtonReport
+    report: StepReport
     state: State
     increment: Floats
     momentum_before: Floats
@@ -71,9 +81,14 @@ class GeneralizedAlpha:
     Args:
         system, supports: what is integrated.
         spectral_radius: 1 damps nothing numerically, 0 annihilates the highest frequencies in one step.
-        tolerance: size of the last Newton increment (displacement over model length, rotation in rad).
+        tolerance: wanted accuracy of the motion (displacement over model length, rotation in rad); None makes no
+            error estimate.
+        newton_tolerance: size of the last Newton increment, likewise.
         iterations: allowed Newton iterations per step.
     """
+
+    order = 2
+    records = 1
 
     def __init__(
         self,
@@ -81,21 +96,27 @@ class GeneralizedAlpha:
         supports: SupportState,
         *,
         spectral_radius: float = 0.8,
-        tolerance: float = 1e-9,
+        tolerance: float | None = None,
+        newton_tolerance: float = 1e-9,
         iterations: int = 12,
     ) -> None:
         self.system = system
         self.supports = supports
         self.loads = ExternalLoads(system.problem)
         self.coefficients = Coefficients.of(spectral_radius)
-        self.tolerance = tolerance
+        self.step_tolerance = None if tolerance is None else STEP_FACTOR * tolerance**1.5
+        self.newton_tolerance = newton_tolerance
         self.iterations = iterations
         n = system.problem.size
         self.t = 0.0
         self.state = State(
             system.problem.positions.copy(), system.problem.quaternions.copy(), np.zeros((n, 6))
         )
-        self.kinetic = 0.0
+        self.kinetic = self.elastic = self.work = self.loss = 0.0
+        self.evaluations = self.factorisations = self.jacobians = 0
+        self._power = self._end = self._step = 0.0
+        self._trial: tuple[Relation, Solution]
+        self._start: tuple[State, Snapshot]
         self._twist_mean: Floats = np.zeros((n, 6))  # xi
         self._momentum: Floats = np.zeros((n, 6))
         self._wrench: Floats = np.zeros((n, 6))
@@ -118,13 +139,24 @@ class GeneralizedAlpha:
         supports.add_inertia(state, residual)
         supports.impose(state, residual, system.band, tangent=False)
         self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
+        self.elastic = system.elastic_energy()
+        system.viscous_loss(0.0)
         self._fresh = True
         self._rate = np.zeros_like(state.twist)
         self.t = t
         self.state = state
+        self._power = self._work_rate()
 
-    def step(self, end: float, *, before: bool) -> NewtonReport:
+    def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
+        problem, held = self.system.problem, np.zeros(self.system.problem.size)
+        held[self._held] = 1.0
+        force = self.system.external - self.system.internal
+        return start_step(problem.mass, force, self.state.twist, held, problem.length, duration)
+
+    def attempt(self, end: float, *, before: bool) -> StepReport:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
+        self._end = end
         if self._fresh:
             return self._first_step(end, before=before)
         h = end - self.t
@@ -137,16 +169,11 @@ class GeneralizedAlpha:
             lag * self._twist_mean - keep * old.twist,
             lag * self._wrench_mean - keep * self._wrench - slope * self._momentum,
         )
-        solution = self._solve(end, before, relation, h * old.twist + 0.5 * h * h * self._rate)
-        if solution.report.converged:
-            self._accept(solution, relation, end)
-            mean, c1 = self._wrench_mean, 1.0 - c.gamma
-            self._wrench_mean = ((self._momentum - solution.momentum_before) / h - c1 * mean) / c.gamma
-            self._twist_mean = (solution.increment / h - c1 * self._twist_mean) / c.gamma
-            self._settle()
-        return solution.report
+        predicted = h * old.twist + 0.5 * h * h * self._rate
+        self._trial = relation, self._solve(end, before, relation, predicted.copy())
+        return self._judged(self._trial[1], 0)
 
-    def _first_step(self, end: float, *, before: bool) -> NewtonReport:
+    def _first_step(self, end: float, *, before: bool) -> StepReport:
         """Start with the two-stage, second-order, L-stable method SDIRK2 (Alexander 1977).
 
         It needs no initial accelerations: those after a sudden load live in the fastest modes and would ring on.
@@ -165,15 +192,77 @@ class GeneralizedAlpha:
         wrench = slope * momentum + first.history
         ratio = (1.0 - g) / g
         second = Relation(slope, -ratio * new.twist, -slope * self._momentum - ratio * wrench)
-        solution = self._solve(end, before, second, h * new.twist)
-        report = replace(solution.report, iterations=stage.report.iterations + solution.report.iterations)
-        if report.converged:
-            self._accept(solution, second, end)
+        self._trial = second, self._solve(end, before, second, h * new.twist)
+        return self._judged(self._trial[1], stage.report.iterations)
+
+    def _judged(self, solution: Solution, iterations: int) -> StepReport:
+        """Complete the report of an attempt by the estimated error."""
+        report = solution.report.after(iterations)
+        if self.step_tolerance is None or not report.converged:
+            return report
+        h = self._end - self.t
+        error = ERROR_CONSTANT * h * (solution.state.twist - self.state.twist - h * self._rate)
+        error[self._held] = 0.0
+        size = np.abs(error) / ([self.system.problem.length] * 3 + [1.0] * 3)
+        node, component = divmod(int(np.argmax(size)), 6)
+        return replace(report, error=float(size.max()) / self.step_tolerance, node=node, component=component)
+
+    def accept(self) -> None:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
+        relation, solution = self._trial
+        h = self._end - self.t
+        self._start = self.state, self.snapshot()
+        self._accept(solution, relation, self._end)
+        if self._fresh:
             self._wrench_mean, self._twist_mean = self._wrench.copy(), self.state.twist.copy()
             self._settle()
-            self._rate[:] = 0.0  # the first difference still holds the jump
+            if self.step_tolerance is None:
+                self._rate[:] = 0.0  # the first difference still holds the jump
             self._fresh = False
-        return report
+        else:
+            mean, c1 = self._wrench_mean, 1.0 - self.coefficients.gamma
+            self._wrench_mean = (
+                (self._momentum - solution.momentum_before) / h - c1 * mean
+            ) / self.coefficients.gamma
+            self._twist_mean = (solution.increment / h - c1 * self._twist_mean) / self.coefficients.gamma
+            self._settle()
+        power = self._work_rate()
+        self.work = 0.5 * h * (self._power + power)
+        self.loss = self.system.viscous_loss(h)
+        self.elastic = self.system.elastic_energy()
+        self._power = power
+        self._step = h
+
+    def _work_rate(self) -> float:
+        """Present power of loads and moving supports [W]."""
+        return float(np.sum(self.system.external * self.state.twist)) + self.supports.power()
+
+    def snapshot(self) -> Snapshot:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
+        return Snapshot.of(self.t, self.state, self.system, self.supports, self.kinetic)
+
+    def between(self, part: float) -> tuple[Snapshot, float, float]:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`: cubic in the poses, linear in the rest."""
+        (old, before), new = self._start, self.state
+        state = old.copy()
+        interpolate(
+            part,
+            self._step,
+            old.r,
+            old.q,
+            old.twist,
+            self._rate,
+            new.r,
+            new.q,
+            new.twist,
+            self._rate,
+            np.zeros(len(new.r)),
+            False,
+            state.r,
+            state.q,
+            state.twist,
+        )
+        return before.blend(self.snapshot(), part, state, self.system), part * self.work, part * self.loss
 
     def _solve(self, t: float, before: bool, relation: Relation, increment: Floats) -> Solution:
         """Solve the balance at time ``t`` for the poses reached by ``increment`` (predicted) from the last state."""
@@ -182,7 +271,7 @@ class GeneralizedAlpha:
         loads = self.loads.at(t, before)
         increment[self._held] = 0.0
         new = old.copy()
-        convergence = Convergence(system.problem.length, self.tolerance, self.iterations)
+        convergence = Convergence(system.problem.length, self.newton_tolerance, self.iterations)
         count, imbalance, node = 0, 0.0, 0
         verdict: Outcome | None = None
         while verdict is None:
@@ -195,7 +284,10 @@ class GeneralizedAlpha:
             verdict, size = convergence.judge(change, count)
             if verdict not in (None, Outcome.CONVERGED):
                 imbalance, node = worst_node(supports.unbalanced(residual), system.problem.length)
-        report = NewtonReport(verdict, count, size, imbalance, node)
+        self.evaluations += count
+        self.factorisations += count
+        self.jacobians += count
+        report = StepReport(verdict, count, size, imbalance, node)
         if report.converged:
             self._reach(new, increment, relation)
         else:

@@ -1,0 +1,286 @@
+"""What the kernels of the collocation integrators work on: the body, what is given in time, stages, matrices, scratch.
+
+All arrays are allocated once for a run; the classes are tuples that compiled code takes as they are.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.internal_force import Elements, ElementWork
+from viscorod.mechanics.linearised import Operators
+from viscorod.solve import lapack
+from viscorod.solve.banded import BandMatrix
+from viscorod.solve.lapack import Bytes
+from viscorod.solve.problem import Problem
+from viscorod.solve.support_state import SupportState
+from viscorod.typing import Floats, Integers
+
+
+class Body(NamedTuple):
+    """What does not change in a run: elements, inertia, supports.
+
+    ``mass (n, 6, 6)``; ``held``, ``split (n,)`` mark nodes whose pose is prescribed / held in part; ``nodes, fixed,
+    axes, r0,
+    q0, complete`` describe the supports as in ``mechanics.supports.impose``; ``loaded`` lists the nodes that loads act
+    on.
+    """
+
+    elements: Elements
+    mass: Floats
+    held: Floats
+    split: Floats
+    nodes: Integers
+    fixed: Floats
+    axes: Floats
+    r0: Floats
+    q0: Floats
+    complete: Floats
+    loaded: Integers
+    length: float
+
+    @classmethod
+    def of(cls, problem: Problem, elements: Elements, supports: SupportState) -> Body:
+        """Collect what the kernels need to know of a problem."""
+        n = problem.size
+        held, split = np.zeros(n), np.zeros(n)
+        held[supports.set.nodes[supports.complete]] = 1.0
+        split[supports.set.nodes[supports.partial]] = 1.0
+        complete = np.zeros(len(supports.set.nodes))
+        complete[supports.complete] = 1.0
+        loaded = np.zeros(n, dtype=bool)
+        for load in problem.nodal_loads:
+            loaded[load.nodes] = True
+            loaded |= bool(load.gravity.any())
+        return cls(
+            elements,
+            problem.mass,
+            held,
+            split,
+            supports.set.nodes,
+            supports.set.fixed,
+            supports.set.axes,
+            supports.r0,
+            supports.q0,
+            complete,
+            np.flatnonzero(loaded).astype(np.int64),
+            problem.length,
+        )
+
+
+class Given(NamedTuple):
+    """Loads and prescribed motions at the stages (first index).
+
+    Attributes:
+        target, rate: prescribed values of the supports and their rates ``(s, m, 6)``.
+        r, q, twist, twist_rate: prescribed motion of completely held supports ``(s, m, ...)``.
+        acting: 1 where nodal loads act; dead, following ``(s, n, 6)``; gravity ``(s, 3)``.
+        element: elements with concentrated loads ``(s, loads)``, -1 if none; their basis values ``shape`` and wrenches.
+        end_r, end_q: poses of completely held supports at the end of the step, if that is no stage.
+    """
+
+    target: Floats
+    rate: Floats
+    r: Floats
+    q: Floats
+    twist: Floats
+    twist_rate: Floats
+    acting: Floats
+    dead: Floats
+    following: Floats
+    gravity: Floats
+    element: Integers
+    shape: Floats
+    point_dead: Floats
+    point_following: Floats
+    end_r: Floats
+    end_q: Floats
+
+    @classmethod
+    def of(cls, stages: int, body: Body, loads: int) -> Given:
+        """Allocate for a number of stages and of concentrated loads; supports stand still."""
+        s, n, m = stages, len(body.mass), len(body.nodes)
+        return cls(
+            target=np.zeros((s, m, 6)),
+            rate=np.zeros((s, m, 6)),
+            r=np.tile(body.r0, (s, 1, 1)),
+            q=np.tile(body.q0, (s, 1, 1)),
+            twist=np.zeros((s, m, 6)),
+            twist_rate=np.zeros((s, m, 6)),
+            acting=np.zeros(s),
+            dead=np.zeros((s, n, 6)),
+            following=np.zeros((s, n, 6)),
+            gravity=np.zeros((s, 3)),
+            element=np.full((s, loads), -1, dtype=np.int64),
+            shape=np.zeros((s, loads, body.elements.nodes.shape[1])),
+            point_dead=np.zeros((s, loads, 6)),
+            point_following=np.zeros((s, loads, 6)),
+            end_r=body.r0.copy(),
+            end_q=body.q0.copy(),
+        )
+
+
+class Stages(NamedTuple):
+    """State of all stages of a step (first index): unknowns, what follows from them, and the residual."""
+
+    X: Floats
+    r: Floats
+    q: Floats
+    twist: Floats
+    acceleration: Floats
+    internal: Floats
+    external: Floats
+    force: Floats
+    residual: Floats
+    reaction: Floats
+    strain: Floats
+    strain_rate: Floats
+    section_force: Floats
+    stress: Floats
+    held_power: Floats
+
+    @classmethod
+    def of(cls, stages: int, body: Body) -> Stages:
+        """Allocate."""
+        s, n = stages, len(body.mass)
+        points = (s, *body.elements.reference.shape)
+        return cls(
+            X=np.zeros((s, n, 6)),
+            r=np.zeros((s, n, 3)),
+            q=np.zeros((s, n, 4)),
+            twist=np.zeros((s, n, 6)),
+            acceleration=np.zeros((s, n, 6)),
+            internal=np.zeros((s, n, 6)),
+            external=np.zeros((s, n, 6)),
+            force=np.zeros((s, n, 6)),
+            residual=np.zeros((s, n, 6)),
+            reaction=np.zeros((s, len(body.nodes), 6)),
+            strain=np.zeros(points),
+            strain_rate=np.zeros(points),
+            section_force=np.zeros(points),
+            stress=np.zeros(points),
+            held_power=np.zeros(s),
+        )
+
+
+class Ends(NamedTuple):
+    """Ends of a step for the method that conserves energy between them; unused (``active`` False) by the others.
+
+    Poses and twists at the end of the step ``(n, ...)``, its Gauss points, the strains at the start, and forces that
+    nobody needs.
+    """
+
+    active: bool
+    r: Floats
+    q: Floats
+    twist: Floats
+    strain: Floats
+    strain_rate: Floats
+    section_force: Floats
+    stress: Floats
+    start_strain: Floats
+    force: Floats
+
+    @classmethod
+    def of(cls, body: Body, *, active: bool) -> Ends:
+        """Allocate."""
+        n, points = len(body.mass), body.elements.reference.shape
+        return cls(
+            active,
+            r=np.zeros((n, 3)),
+            q=np.zeros((n, 4)),
+            twist=np.zeros((n, 6)),
+            strain=np.zeros(points),
+            strain_rate=np.zeros(points),
+            section_force=np.zeros(points),
+            stress=np.zeros(points),
+            start_strain=np.zeros(points),
+            force=np.zeros((n, 6)),
+        )
+
+
+class Matrices(NamedTuple):
+    """The frozen Jacobian: bands ``K`` and ``C`` of width 2 w + 1, ``mass (n, 6, 6)``, with supported rows projected.
+
+    ``G, Z (m, 6, 6)`` are the directions of the supports; ``adjoint (n, 6, 6)`` is ``M ad(x)``, which ``C`` contains.
+    """
+
+    K: Floats
+    C: Floats
+    mass: Floats
+    adjoint: Floats
+    G: Floats
+    Z: Floats
+    operators: Operators
+
+    @classmethod
+    def of(cls, body: Body, width: int) -> Matrices:
+        """Allocate for a half width of the band."""
+        n, m = len(body.mass), len(body.nodes)
+        return cls(
+            K=np.zeros((6 * n, 2 * width + 1)),
+            C=np.zeros((6 * n, 2 * width + 1)),
+            mass=np.zeros((n, 6, 6)),
+            adjoint=np.zeros((n, 6, 6)),
+            G=np.zeros((m, 6, 6)),
+            Z=np.zeros((m, 6, 6)),
+            operators=Operators.of(body.elements),
+        )
+
+
+class Factors(NamedTuple):
+    """LU factors of the real and the complex matrix, with the scales of their rows and columns."""
+
+    real: Floats
+    real_integers: Integers
+    real_rows: Floats
+    complex: Floats
+    complex_integers: Integers
+    complex_rows: Floats
+    columns: Floats
+    letter: Bytes
+
+    @classmethod
+    def of(cls, band: BandMatrix, *, with_complex: bool) -> Factors:
+        """Allocate for matrices like ``band``, whose unit of length scales the displacements."""
+        pair = (band.size, 3 * band.width + 1) if with_complex else (1, 1)
+        return cls(
+            real=np.zeros((band.size, 3 * band.width + 1)),
+            real_integers=lapack.pivots(band.size),
+            real_rows=np.ones(band.size),
+            complex=np.zeros(pair, dtype=complex),
+            complex_integers=lapack.pivots(band.size),
+            complex_rows=np.ones(band.size),
+            columns=np.tile([band.unit, band.unit, band.unit, 1.0, 1.0, 1.0], band.nodes),
+            letter=lapack.NO_TRANSPOSE.copy(),
+        )
+
+
+class Work(NamedTuple):
+    """Scratch: one element; right sides ``(6 n,)``; nodal vectors ``(n, 6)``; an unused band."""
+
+    element: ElementWork
+    real: Floats
+    complex: Floats
+    rate: Floats
+    vector: Floats
+    change: Floats
+    reaction: Floats
+    band: Floats
+
+    @classmethod
+    def of(cls, body: Body) -> Work:
+        """Allocate."""
+        n = len(body.mass)
+        return cls(
+            element=ElementWork.of(body.elements.nodes.shape[1] - 1),
+            real=np.zeros(6 * n),
+            complex=np.zeros(6 * n, dtype=complex),
+            rate=np.zeros((n, 6)),
+            vector=np.zeros((n, 6)),
+            change=np.zeros((n, 6)),
+            reaction=np.zeros((len(body.nodes), 6)),
+            band=np.zeros((1, 1)),
+        )

@@ -1,0 +1,100 @@
+"""Coefficients of collocation methods, computed from their nodes.
+
+A method with nodes ``c`` has the matrix ``A`` with ``sum_j a_ij p(c_j) = int_0^{c_i} p`` for polynomials of degree
+below the number of stages. Stage values follow the stage derivatives by ``A``; its inverse ``D`` gives derivatives from
+values, and its eigenvalues decouple the stages in the simplified Newton iteration (Hairer and Wanner 1996, IV.8).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from viscorod.typing import Floats
+
+
+class Tableau(NamedTuple):
+    """A collocation method with one real eigenvalue and at most one complex pair.
+
+    Attributes:
+        nodes: ``c (s,)``; weights: ``b (s,)`` of its quadrature.
+        matrix: ``A (s, s)``; derivative: ``D = A^-1``.
+        to_stages, to_modes: ``T`` and ``T^-1`` with ``D T = T Lambda``, Lambda in real blocks
+            ``real`` and ``[[a, -b], [b, a]]``.
+        real, pair: the eigenvalues of ``D`` (``pair`` is not used by one-stage methods).
+        error: weights ``e (s,)`` of the error estimate ``f(u_0) + sum e_i (u_i - u_0)/h``, filtered by
+            ``(real/h - J)^-1``: the difference to the embedded method of order s with the extra node 0
+            (Hairer and Wanner 1996, IV.8.17).
+        start_derivative: ``(s,)``, h times the derivative at the start is ``sum start_derivative_i (u_i - u_0)``.
+        values, integrals: coefficients ``(s, s)`` of the powers 1 to s of the place in the step, of the polynomials of
+            the stage values and of the integrals of the stage derivatives.
+    """
+
+    nodes: Floats
+    weights: Floats
+    matrix: Floats
+    derivative: Floats
+    to_stages: Floats
+    to_modes: Floats
+    real: float
+    pair: complex
+    error: Floats
+    start_derivative: Floats
+    values: Floats
+    integrals: Floats
+
+    @classmethod
+    def of(cls, nodes: Floats) -> Tableau:
+        """Compute the coefficients of the collocation method with the given nodes."""
+        s = len(nodes)
+        powers = np.vander(nodes, s, increasing=True)
+        k = np.arange(1, s + 1)
+        matrix = (nodes[:, None] ** k / k) @ np.linalg.inv(powers)
+        weights = np.asarray(np.linalg.solve(powers.T, 1.0 / k), dtype=np.float64)
+        derivative = np.linalg.inv(matrix)
+        values, vectors = np.linalg.eig(derivative)
+        first = int(np.argmin(np.abs(values.imag)))
+        real = float(values[first].real)
+        columns = [vectors[:, first].real]
+        pair = complex(real)
+        if s > 1:
+            second = int(np.argmax(values.imag))
+            pair = complex(values[second])
+            columns += [vectors[:, second].real, -vectors[:, second].imag]
+        to_stages = np.ascontiguousarray(np.column_stack(columns))
+        # embedded weights integrate polynomials up to degree s - 1 with the extra weight 1/real at node 0
+        moments = 1.0 / k
+        moments[0] -= 1.0 / real
+        embedded = np.linalg.solve(powers.T, moments)
+        return cls(
+            nodes,
+            weights,
+            matrix,
+            derivative,
+            to_stages,
+            np.linalg.inv(to_stages),
+            real,
+            pair,
+            real * (embedded - weights) @ derivative,
+            np.linalg.solve(powers.T * nodes, np.eye(s)[0]),
+            np.linalg.inv(powers.T * nodes),
+            np.linalg.inv(powers.T) / k,
+        )
+
+    def polynomial(self, place: float) -> Floats:
+        """Values at ``place`` of the polynomials that are one at one node, zero at the others and at 0 ``(s,)``."""
+        values: Floats = self.values @ place ** np.arange(1, len(self.nodes) + 1)
+        return values
+
+    def partial_weights(self, part: float) -> Floats:
+        """Weights ``(s,)`` of the integral of stage values from 0 to ``part`` of the step."""
+        weights: Floats = self.integrals @ part ** np.arange(1, len(self.nodes) + 1)
+        return weights
+
+
+RADAU = Tableau.of(np.array([(4.0 - np.sqrt(6.0)) / 10.0, (4.0 + np.sqrt(6.0)) / 10.0, 1.0]))
+"""Radau IIA with three stages: order 5, L-stable, stiffly accurate."""
+
+MIDPOINT = Tableau.of(np.array([0.5]))
+"""The implicit midpoint rule: order 2, symmetric."""
