@@ -26,10 +26,10 @@ class SimulateSettings(Described):
 
     Args:
         duration: simulated time, s.
-        tolerance: wanted accuracy of the motion: displacements over the size of the model and rotations in rad; the
-            steps follow from it. 1e-4 for "radau" unless given; "generalized_alpha" has equal steps without it.
         time_step: s; the step of integrators with equal steps (None: chosen from the lowest modes), the largest step of
             the others.
+        tolerance: wanted accuracy of the motion: displacements over the size of the model and rotations in rad; the
+            steps follow from it. 1e-4 for "radau" unless given; "generalized_alpha" has equal steps without it.
         initial: what the motion starts from: "equilibrium" under the loads at t = 0-, or the "reference"
             shape.
         integrator: "radau" (order 5, steps that follow the error), "generalized_alpha" or "midpoint" (order 2, which
@@ -40,8 +40,8 @@ class SimulateSettings(Described):
     """
 
     duration: Positive = Field(description="simulated time, s")
-    tolerance: OptionalPositive = None
     time_step: OptionalPositive = None
+    tolerance: OptionalPositive = None
     initial: Annotated[Literal["equilibrium", "reference"], one_of("equilibrium", "reference")] = (
         "equilibrium"
     )

@@ -7,6 +7,7 @@ from scipy import sparse
 
 from viscorod.errors import InputError
 from viscorod.mechanics import inertia, supports
+from viscorod.mechanics.rotation import retract
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.problem import Problem
 from viscorod.solve.system import State
@@ -136,7 +137,8 @@ class SupportState:
         )
         return out
 
-    def _directions(self, k: int, state: State) -> tuple[Floats, Floats, Floats]:
+    def _directions(self, k: int, state: State) -> tuple[Floats, Floats, Floats, Floats]:
+        """Measured components, their derivative G, dual directions Z and rotation vector of a support."""
         value, G, Z, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)
         node = self.set.nodes[k]
         supports.support_directions(
@@ -152,7 +154,7 @@ class SupportState:
             Z,
             psi,
         )
-        return G, Z, psi
+        return value, G, Z, psi
 
     def free_rows(self) -> np.ndarray:
         """Indices of the balance rows that remain after :meth:`impose`."""
@@ -165,16 +167,28 @@ class SupportState:
         blocks = sparse.eye_array(6 * self.problem.size, format="lil")
         for k in self.partial:
             first = 6 * int(self.set.nodes[k])
-            blocks[first : first + 6, first : first + 6] = self._directions(int(k), state)[1]
+            blocks[first : first + 6, first : first + 6] = self._directions(int(k), state)[2]
         return sparse.csc_array(blocks.tocsc()[:, self.free_rows()])
 
     def project_twists(self, state: State) -> None:
         """Give partially supported nodes exactly the prescribed velocity components."""
         for k in self.partial:
             node = self.set.nodes[k]
-            G, Z, _ = self._directions(int(k), state)
+            _, G, Z, _ = self._directions(int(k), state)
             gap = self.set.fixed[k] * (self.rate[k] - G @ state.twist[node])
             state.twist[node] += Z @ gap
+
+    def correct(self, state: State, t: float) -> None:
+        """Put the held components of moving, partially supported nodes exactly where they are at time ``t`` [s]."""
+        if not self.moving or len(self.partial) == 0:
+            return
+        self.update(t)
+        change = np.zeros_like(state.twist)
+        for k in self.partial:
+            value, _, Z, _ = self._directions(int(k), state)
+            change[self.set.nodes[k]] = Z @ (self.set.fixed[k] * (self.target[k] - value))
+        retract(state.r, state.q, change, state.r, state.q)
+        self.project_twists(state)
 
     def add_inertia(self, state: State, residual: Floats) -> None:
         """Add the inertial forces of fully supported nodes, whose accelerations are known, to ``residual (n, 6)``."""

@@ -205,6 +205,8 @@ class Collocation:
             state.q,
             state.twist,
         )
+        t = self.t - (1.0 - part) * h
+        self.supports.correct(state, t)
         weights = self.tableau.polynomial(part)
         stages = self.stages
         points = np.empty((3, len(self._places), 6))
@@ -220,7 +222,6 @@ class Collocation:
             self._stage_reactions = np.array([self._reactions(i) for i in range(self._last + 1)])
         reaction = (1.0 - weights.sum()) * first.reaction + np.tensordot(weights, self._stage_reactions, 1)
         kinetic = kinetic_energy(self.body.mass, state.twist)
-        t = self.t - (1.0 - part) * h
         snapshot = Snapshot(t, state, points[0], points[1], points[2], reaction, kinetic, 0.0)
         quadrature = h * self.tableau.partial_weights(part)
         return snapshot, float(quadrature @ self._powers[0]), float(quadrature @ self._powers[1])

@@ -77,9 +77,9 @@ class Tableau(NamedTuple):
             real,
             pair,
             real * (embedded - weights) @ derivative,
-            np.linalg.solve(powers.T * nodes, np.eye(s)[0]),
-            np.linalg.inv(powers.T * nodes),
-            np.linalg.inv(powers.T) / k,
+            np.asarray(np.linalg.solve(powers.T * nodes, np.eye(s)[0]), dtype=np.float64),
+            np.asarray(np.linalg.inv(powers.T * nodes), dtype=np.float64),
+            np.asarray(np.linalg.inv(powers.T) / k, dtype=np.float64),
         )
 
     def polynomial(self, place: float) -> Floats:
