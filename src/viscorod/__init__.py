@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from viscorod.errors import InputError, SolveError
 
 if TYPE_CHECKING:
-    from viscorod.analysis import Model
     from viscorod.cases.case import load_case
+    from viscorod.front import Model
     from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
     from viscorod.model.material import KelvinVoigt, Material
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
 
 # Where each name lives; the imports above tell type checkers the same.
 _HOMES = {
-    "analysis": ("Model",),
     "cases.case": ("load_case",),
+    "front": ("Model",),
     "model.centreline": ("Arc", "Curve", "Helix", "Points", "Straight"),
     "model.load": ("DistributedForce", "DistributedMoment", "Force", "Gravity", "Moment", "MovingForce"),
     "model.material": ("KelvinVoigt", "Material"),
@@ -108,7 +108,8 @@ def __getattr__(name: str) -> object:
     if name == "__version__":
         from importlib.metadata import version
 
-        return version("viscorod")
+        globals()[name] = version("viscorod")
+        return globals()[name]
     if name in _MODULES:
         value = getattr(importlib.import_module(_MODULES[name]), name)
         globals()[name] = value

@@ -21,8 +21,8 @@ import typer
 from viscorod.errors import InputError, SolveError
 
 if TYPE_CHECKING:
-    from viscorod.analysis import CheckReport
     from viscorod.cases.case import Case
+    from viscorod.check import CheckReport
     from viscorod.results.run import Equilibrium, Run
 
 app = typer.Typer(
@@ -64,8 +64,8 @@ def run(
 ) -> None:
     """Compute a case: print a report, write data and pictures."""
     with _readable_errors():
-        from viscorod.analysis import run_case
         from viscorod.cases.case import load_case
+        from viscorod.front import run_case
         from viscorod.model.settings import SimulateSettings
         from viscorod.progress import reporting
 
@@ -96,8 +96,8 @@ def run(
 def check(case: CaseFile) -> None:
     """Validate a case and print its model."""
     with _readable_errors():
-        from viscorod.analysis import check as check_model
         from viscorod.cases.case import load_case
+        from viscorod.check import check as check_model
 
         loaded = load_case(_existing(case))
         typer.echo(_check_text(check_model(loaded.description)))
