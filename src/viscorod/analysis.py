@@ -6,7 +6,8 @@ import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,6 +33,9 @@ from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
 from viscorod.solve.time_step import chosen_time_step
 from viscorod.solve.transient import Transient
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Workplace"]
 
@@ -97,14 +101,14 @@ class Workplace:
         if path.outcome is not Outcome.COMPLETED:
             message = self._static_failure(path)
             partial = (
-                Equilibrium(self._dataset("equilibrium", attrs | {"message": message}))
+                Equilibrium.later(self._later("equilibrium", attrs | {"message": message}))
                 if path.factors
                 else None
             )
             raise SolveError(message, partial)
         tangent = self.static.tangent(state, scale=factor)
         attrs["negative_eigenvalues"] = small_motion.negative_eigenvalues(tangent)
-        return Equilibrium(self._dataset("equilibrium", attrs))
+        return Equilibrium.later(self._later("equilibrium", attrs))
 
     def modes(self, count: int, about: str) -> Modes:
         """Find the ``count`` slowest small motions; see ``Model.modes``."""
@@ -184,14 +188,18 @@ class Workplace:
             raise SolveError(message, Run(self._dataset("simulate", attrs | {"message": message})))
         return Run(self._dataset("simulate", attrs))
 
-    def _dataset(self, kind: str, attrs: dict[str, Any]) -> Any:
+    def _dataset(self, kind: str, attrs: dict[str, Any]) -> xr.Dataset:
+        return self._later(kind, attrs)()
+
+    def _later(self, kind: str, attrs: dict[str, Any]) -> Callable[[], xr.Dataset]:
+        """The data set of what is known now, built when asked for: that takes half as long as a small equilibrium."""
         complete = {
             "message": "",
             "scale_length": self.problem.length,
             "energy_scale": self.problem.length * max(float(s.stiffness.max()) for s in self.problem.sets),
             "wall_time_s": time.perf_counter() - self.began,
         } | attrs
-        return dataset(kind, self.problem, self.system, self.history, complete)
+        return partial(dataset, kind, self.problem, self.system.gauss_positions(), self.history, complete)
 
     def _static_failure(self, path: StaticPath) -> str:
         assert path.report is not None

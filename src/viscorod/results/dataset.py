@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from viscorod.results.schema import AXES, DIMENSION
 from viscorod.solve.history import History, StationReader
 from viscorod.solve.problem import Problem
-from viscorod.solve.system import State, System
+from viscorod.solve.system import GaussPositions, State
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,13 +20,13 @@ REACTIONS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
 def dataset(
-    kind: str, problem: Problem, system: System, history: History, attrs: dict[str, Any]
+    kind: str, problem: Problem, gauss: GaussPositions, history: History, attrs: dict[str, Any]
 ) -> xr.Dataset:
     """Arrange a history as the data set of a run ("simulate") or an equilibrium.
 
     Args:
         kind: "simulate" or "equilibrium".
-        problem, system: what was solved.
+        problem: what was solved; gauss: where its Gauss points are.
         history: what was recorded.
         attrs: attributes of the whole data set (see ``schema``).
     """
@@ -34,7 +35,6 @@ def dataset(
     along = DIMENSION[kind]
     reader = StationReader(problem)
     r0, q0, _, _ = reader.read(State(problem.positions, problem.quaternions, np.zeros((problem.size, 6))))
-    gauss = system.gauss_positions()
     names = np.array(problem.rods)
     states = (along, "station")
     points = (along, "point")
@@ -64,10 +64,10 @@ def dataset(
             "angular_momentum": ((along, "axis"), np.array(history.momentum)[:, 3:]),
         }
     coordinates: dict[str, Any] = {
+        "axis": _labels("axis", AXES),
+        "quaternion": _labels("quaternion", tuple("wxyz")),
+        "component": _labels("component", COMPONENTS),
         along: np.array(history.instant),
-        "axis": list(AXES),
-        "quaternion": list("wxyz"),
-        "component": list(COMPONENTS),
         "station_rod": ("station", names[problem.stations.rod]),
         "station_s": ("station", problem.stations.s),
         "station_order": ("station", problem.rod_orders[problem.stations.rod]),
@@ -77,8 +77,16 @@ def dataset(
     }
     if problem.supports.names:
         variables["reaction"] = ((along, "support", "motion"), np.array(history.reaction))
-        coordinates |= {"support": list(problem.supports.names), "motion": list(REACTIONS)}
+        coordinates |= {"support": list(problem.supports.names), "motion": _labels("motion", REACTIONS)}
     return xr.Dataset(variables, coordinates, attrs={"kind": kind, **attrs})
+
+
+@lru_cache
+def _labels(dimension: str, words: tuple[str, ...]) -> xr.Variable:
+    """The coordinate of a dimension whose places have names; its index is made once for all results."""
+    import xarray as xr
+
+    return xr.Dataset(coords={dimension: list(words)}).variables[dimension]
 
 
 def _continuous(q: np.ndarray) -> np.ndarray:
