@@ -71,7 +71,7 @@ class Transient:
         Args:
             state: initial poses and twists (overwritten).
             time_step: largest step [s].
-            output_interval: least time between records [s]; None records every step.
+            output_interval: time between records [s], whose multiples steps hit; None records every step.
             progress: called with (time, step) after every step.
         """
         result = TransientResult()
@@ -108,7 +108,7 @@ class Transient:
             )
 
         record(0.0, 0)
-        corners, jumps = self._corners(duration)
+        corners, jumps = self._corners(duration, output_interval)
         next_output = output_interval or 0.0
         begin = 0.0
         for corner in corners:
@@ -152,14 +152,17 @@ class Transient:
             if corner in jumps:
                 self._begin(corner, integrator.state)
 
-    def _corners(self, duration: float) -> tuple[list[float], set[float]]:
+    def _corners(self, duration: float, output_interval: float | None) -> tuple[list[float], set[float]]:
         """Instants that steps must hit, and those among them after which the integrator starts anew.
 
         Instants that only rounding keeps apart are one; the later stands for both.
         """
         corners: list[float] = []
         jumps: set[float] = set()
-        for t in [t for t in self.problem.breakpoints if 0.0 < t < duration] + [duration]:
+        instants = {t for t in self.problem.breakpoints if 0.0 < t < duration}
+        if output_interval is not None:
+            instants.update(output_interval * k for k in range(1, int(duration / output_interval) + 1))
+        for t in [*sorted(t for t in instants if t < duration), duration]:
             jumped = t in self.problem.jumps and t < duration
             if corners and t - corners[-1] < 1e-12 * duration:
                 jumped = jumped or corners[-1] in jumps
