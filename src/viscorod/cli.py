@@ -1,4 +1,4 @@
-"""The command line: run, check and copy cases.
+"""The command line: run, check and copy cases, compile kernels.
 
 Heavy packages are imported inside the commands, so that ``--help`` and ``--version`` answer at once.
 """
@@ -101,6 +101,22 @@ def check(case: CaseFile) -> None:
 
         loaded = load_case(_existing(case))
         typer.echo(_check_text(check_model(loaded.description)))
+
+
+@app.command()
+def warmup() -> None:
+    """Compile all kernels now, so that later runs start at once."""
+    from viscorod.progress import counting
+    from viscorod.warmup import kernels, warm_up
+
+    count = len(kernels())
+    with counting(count, "kernels") as progress:
+        done = warm_up(progress)
+    folders = ", ".join(map(str, done.folders))
+    if done.compiled:
+        typer.echo(f"{count} kernels compiled in {done.seconds:.1f} s; machine code is in {folders}")
+    else:
+        typer.echo(f"all {count} kernels are there, in {folders}; loading them took {done.seconds:.1f} s")
 
 
 @app.command()
