@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from viscorod.results.energy import Energy
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.storage import load
+    from viscorod.results.sweep import Member, Sweep
+    from viscorod.sweeps import sweep
 
     __version__: str
 
@@ -52,6 +54,8 @@ _HOMES = {
     "results.energy": ("Energy",),
     "results.run": ("Equilibrium", "Run"),
     "results.storage": ("load",),
+    "results.sweep": ("Member", "Sweep"),
+    "sweeps": ("sweep",),
 }
 _MODULES = {name: f"viscorod.{module}" for module, names in _HOMES.items() for name in names}
 
@@ -77,6 +81,7 @@ __all__ = [
     "InputError",
     "KelvinVoigt",
     "Material",
+    "Member",
     "Model",
     "Moment",
     "MovingForce",
@@ -96,11 +101,13 @@ __all__ = [
     "StiffnessSection",
     "Straight",
     "Support",
+    "Sweep",
     "Table",
     "Taper",
     "Until",
     "load",
     "load_case",
+    "sweep",
 ]
 
 
