@@ -51,6 +51,7 @@ bench: $(VENV)/.stamp-test
 	$(BIN)/python bench/newton_iteration.py
 	$(BIN)/python bench/mesh_accuracy.py
 	$(BIN)/python bench/statics.py
+	$(BIN)/python bench/sweep.py
 	$(BIN)/python bench/startup.py
 
 clean:
