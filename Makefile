@@ -50,6 +50,8 @@ docs: $(VENV)/.stamp-test
 bench: $(VENV)/.stamp-test
 	$(BIN)/python bench/newton_iteration.py
 	$(BIN)/python bench/mesh_accuracy.py
+	$(BIN)/python bench/statics.py
+	$(BIN)/python bench/sweep.py
 	$(BIN)/python bench/startup.py
 
 clean:

@@ -1,8 +1,8 @@
-"""Start-up: import, a warm and a cold run of the demo, each as whole processes.
+"""Start-up: imports, a warm and a cold run of the demo, all kernels, each as whole processes.
 
     python bench/startup.py [--rounds 3]
 
-The cold run uses an empty cache of compiled kernels.
+Cold ones use an empty cache of compiled kernels.
 """
 
 from __future__ import annotations
@@ -29,15 +29,22 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     rounds = parser.parse_args().rounds
     bare = [sys.executable, "-c", "pass"]
+    package = [sys.executable, "-c", "import viscorod"]
     imports = [sys.executable, "-c", "import viscorod as vr; vr.Model, vr.Rod, vr.Material"]
     with tempfile.TemporaryDirectory() as folder:
         run = [sys.executable, "-m", "viscorod", "run", str(CASE), "-o", folder]
         seconds(run)  # kernels are on disk from here on
+        warmup = [sys.executable, "-m", "viscorod", "warmup"]
         rows = {
             "python alone": [seconds(bare) for _ in range(rounds)],
+            "import viscorod": [seconds(package) for _ in range(rounds)],
             "import viscorod and its model": [seconds(imports) for _ in range(rounds)],
             "warm run of the demo": [seconds(run) for _ in range(rounds)],
             "cold run of the demo": [seconds(run, NUMBA_CACHE_DIR=f"{folder}/numba")],
+            "all kernels, cold": [seconds(warmup, NUMBA_CACHE_DIR=f"{folder}/all")],
+            "all kernels, from disk": [
+                seconds(warmup, NUMBA_CACHE_DIR=f"{folder}/all") for _ in range(rounds)
+            ],
         }
     print(f"{'':32s}{'best [s]':>9s}{'worst [s]':>10s}")
     for name, values in rows.items():

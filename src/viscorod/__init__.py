@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from viscorod.errors import InputError, SolveError
 
 if TYPE_CHECKING:
-    from viscorod.analysis import Model
     from viscorod.cases.case import load_case
+    from viscorod.front import Model
     from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
     from viscorod.model.material import KelvinVoigt, Material
@@ -29,13 +29,15 @@ if TYPE_CHECKING:
     from viscorod.results.energy import Energy
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.storage import load
+    from viscorod.results.sweep import Member, Sweep
+    from viscorod.sweeps import sweep
 
     __version__: str
 
 # Where each name lives; the imports above tell type checkers the same.
 _HOMES = {
-    "analysis": ("Model",),
     "cases.case": ("load_case",),
+    "front": ("Model",),
     "model.centreline": ("Arc", "Curve", "Helix", "Points", "Straight"),
     "model.load": ("DistributedForce", "DistributedMoment", "Force", "Gravity", "Moment", "MovingForce"),
     "model.material": ("KelvinVoigt", "Material"),
@@ -52,6 +54,8 @@ _HOMES = {
     "results.energy": ("Energy",),
     "results.run": ("Equilibrium", "Run"),
     "results.storage": ("load",),
+    "results.sweep": ("Member", "Sweep"),
+    "sweeps": ("sweep",),
 }
 _MODULES = {name: f"viscorod.{module}" for module, names in _HOMES.items() for name in names}
 
@@ -77,6 +81,7 @@ __all__ = [
     "InputError",
     "KelvinVoigt",
     "Material",
+    "Member",
     "Model",
     "Moment",
     "MovingForce",
@@ -96,11 +101,13 @@ __all__ = [
     "StiffnessSection",
     "Straight",
     "Support",
+    "Sweep",
     "Table",
     "Taper",
     "Until",
     "load",
     "load_case",
+    "sweep",
 ]
 
 
@@ -108,7 +115,8 @@ def __getattr__(name: str) -> object:
     if name == "__version__":
         from importlib.metadata import version
 
-        return version("viscorod")
+        globals()[name] = version("viscorod")
+        return globals()[name]
     if name in _MODULES:
         value = getattr(importlib.import_module(_MODULES[name]), name)
         globals()[name] = value

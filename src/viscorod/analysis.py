@@ -1,4 +1,4 @@
-"""The analyses of a model: equilibrium, simulation, modes; each returns a result object."""
+"""The analyses of one discretised model, put together from the solvers; each returns a result object."""
 
 from __future__ import annotations
 
@@ -6,17 +6,16 @@ import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.check import CheckReport, check
 from viscorod.errors import InputError, SolveError
 from viscorod.mechanics import geometric
 from viscorod.mechanics.compiled import announce_compilation
 from viscorod.model.description import ModelDescription
-from viscorod.model.settings import EquilibriumSettings, SimulateSettings
-from viscorod.model.values import number
+from viscorod.model.settings import SimulateSettings
 from viscorod.results.dataset import dataset
 from viscorod.results.run import Equilibrium, Run
 from viscorod.solve import modes as small_motion
@@ -37,7 +36,10 @@ from viscorod.solve.system import State, System
 from viscorod.solve.time_step import chosen_time_step
 from viscorod.solve.transient import Transient
 
-__all__ = ["Case", "CheckReport", "Model", "as_model", "check", "run_case"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Workplace"]
 
 TOLERANCE = 1e-4
 SPECTRAL_RADIUS = 0.6
@@ -49,145 +51,8 @@ STEPS_PER_PERIOD = 6
 Progress = Callable[[float, float], None]
 
 
-class Model(ModelDescription):
-    """Rods, supports and loads (see :class:`ModelDescription`), and what can be computed of them."""
-
-    def equilibrium(
-        self,
-        *,
-        load_factor: float = 1.0,
-        load_steps: int | None = None,
-        progress: Progress | None = None,
-        title: str = "",
-    ) -> Equilibrium:
-        """Find the static equilibrium under the loads at t = 0- (just before t = 0).
-
-        Args:
-            load_factor: multiple of all loads and prescribed motions.
-            load_steps: number of equal load steps to start with; steps adapt anyway. None starts with one.
-            progress: called with (load factor, step) after every load step.
-            title: kept with the result.
-
-        Raises:
-            InputError: the model is inconsistent, or free to move as a rigid body.
-            SolveError: no equilibrium was found; ``run`` holds the load steps that were.
-        """
-        settings = EquilibriumSettings(**({} if load_steps is None else {"load_steps": load_steps}))
-        work = _Workplace.of(self)
-        try:
-            factor = number(load_factor)
-        except InputError:
-            raise InputError(f"load_factor = {load_factor!r}: give a finite number such as 1.0") from None
-        return work.equilibrium(factor, settings.load_steps or 1, progress, self._attrs(title))
-
-    def simulate(
-        self,
-        duration: float,
-        *,
-        tolerance: float | None = None,
-        time_step: float | None = None,
-        initial: str = "equilibrium",
-        integrator: str = "radau",
-        spectral_radius: float | None = None,
-        output_interval: float | None = None,
-        progress: Progress | None = None,
-        title: str = "",
-    ) -> Run:
-        """Compute the motion from t = 0 to ``duration``.
-
-        Args:
-            duration: simulated time [s].
-            tolerance: wanted accuracy: displacements over the size of the model, rotations in rad (1e-4 for "radau";
-                "generalized_alpha" has equal steps without it).
-            time_step: the step [s] of integrators with equal steps (None chooses it from the lowest modes), the
-                largest step of the others.
-            initial: "equilibrium" under the loads at t = 0-, or the "reference" shape.
-            integrator: "radau", "generalized_alpha" or "midpoint".
-            spectral_radius: numerical damping of unresolved frequencies by "generalized_alpha", 0 (most) to 1 (none).
-            output_interval: time between stored states [s]; None stores every step.
-            progress: called with (time, step) after every step.
-            title: kept with the result.
-
-        Raises:
-            InputError: the model or a setting is wrong.
-            SolveError: a step failed however small; ``run`` holds the motion up to there.
-        """
-        given: dict[str, Any] = {"duration": duration, "initial": initial, "integrator": integrator}
-        optional = {
-            "tolerance": tolerance,
-            "time_step": time_step,
-            "spectral_radius": spectral_radius,
-            "output_interval": output_interval,
-        }
-        given |= {name: value for name, value in optional.items() if value is not None}
-        settings = SimulateSettings(**given)
-        return _Workplace.of(self).simulate(settings, progress, self._attrs(title))
-
-    def modes(self, count: int = 6, *, about: str = "equilibrium") -> Modes:
-        """Find the slowest small damped vibrations about the equilibrium at t = 0- or about the reference shape.
-
-        Args:
-            count: number of modes.
-            about: "equilibrium" or "reference" (as if free of load).
-
-        Returns:
-            eigenvalues [1/s], frequencies [Hz], damping ratios and shapes.
-        """
-        if about not in ("equilibrium", "reference"):
-            raise InputError(f"about = {about!r}: give 'equilibrium' or 'reference'")
-        if not isinstance(count, int | np.integer) or count < 1:
-            raise InputError(f"count = {count!r}: give a whole number of at least 1")
-        work = _Workplace.of(self)
-        state = work.reference()
-        if about == "equilibrium":
-            work.settle(state)
-        linear = small_motion.linearise(work.static, state, scale=1.0 if about == "equilibrium" else 0.0)
-        return small_motion.complex_modes(work.static, state, linear, count)
-
-    def _attrs(self, title: str) -> dict[str, Any]:
-        from viscorod import __version__
-
-        return {"title": title, "case": json.dumps(self.to_dict()), "version": __version__}
-
-
-class Case(Protocol):
-    """What a case file holds: a described model, the settings of one analysis, a title."""
-
-    @property
-    def description(self) -> ModelDescription:
-        """The described model."""
-
-    @property
-    def settings(self) -> SimulateSettings | EquilibriumSettings:
-        """The settings of the analysis that the file asks for."""
-
-    @property
-    def title(self) -> str:
-        """The title, or empty."""
-
-
-def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibrium:
-    """Do what a case file asks for."""
-    model = as_model(case.description)
-    given = {name: getattr(case.settings, name) for name in case.settings.model_fields_set}
-    if isinstance(case.settings, EquilibriumSettings):
-        return model.equilibrium(**given, progress=progress, title=case.title)
-    return model.simulate(**given, progress=progress, title=case.title)
-
-
-def as_model(description: ModelDescription) -> Model:
-    """Give a description its analyses."""
-    return Model.of(
-        description.rods,
-        description.supports,
-        description.loads,
-        description.attachments,
-        description.velocities,
-    )
-
-
 @dataclass
-class _Workplace:
+class Workplace:
     """One discretised model with the objects that solve it."""
 
     problem: Problem
@@ -198,7 +63,12 @@ class _Workplace:
     began: float = field(default_factory=time.perf_counter)
 
     @classmethod
-    def of(cls, model: ModelDescription, formulation: str = "geometric") -> _Workplace:
+    def of(cls, model: ModelDescription, formulation: str = "geometric") -> Workplace:
+        """Discretise a model.
+
+        Raises:
+            InputError: it is inconsistent.
+        """
         problem = discretise(model)
         announce_compilation(geometric.assemble)
         system = FORMULATIONS[formulation](problem)
@@ -206,12 +76,14 @@ class _Workplace:
         return cls(problem, system, supports, StaticSolver(system, supports))
 
     def reference(self) -> State:
+        """Return the reference shape at rest."""
         n = self.problem.size
         return State(self.problem.positions.copy(), self.problem.quaternions.copy(), np.zeros((n, 6)))
 
     def equilibrium(
         self, factor: float, load_steps: int, progress: Progress | None, attrs: dict[str, Any]
     ) -> Equilibrium:
+        """Find the equilibrium at ``factor`` times the loads; see ``Model.equilibrium``."""
         self._require_held(self.static.loads.at(0.0, True, factor))
         state = self.reference()
         last = 0.0
@@ -236,14 +108,22 @@ class _Workplace:
         if path.outcome is not Outcome.COMPLETED:
             message = self._static_failure(path)
             partial = (
-                Equilibrium(self._dataset("equilibrium", attrs | {"message": message}))
+                Equilibrium.later(self._later("equilibrium", attrs | {"message": message}))
                 if path.factors
                 else None
             )
             raise SolveError(message, partial)
         tangent = self.static.tangent(state, scale=factor)
         attrs["negative_eigenvalues"] = small_motion.negative_eigenvalues(tangent)
-        return Equilibrium(self._dataset("equilibrium", attrs))
+        return Equilibrium.later(self._later("equilibrium", attrs))
+
+    def modes(self, count: int, about: str) -> Modes:
+        """Find the ``count`` slowest small motions; see ``Model.modes``."""
+        state = self.reference()
+        if about == "equilibrium":
+            self.settle(state)
+        linear = small_motion.linearise(self.static, state, scale=1.0 if about == "equilibrium" else 0.0)
+        return small_motion.complex_modes(self.static, state, linear, count)
 
     def settle(self, state: State) -> None:
         """Move ``state`` to the equilibrium at t = 0-; the reference shape itself if nothing acts."""
@@ -271,6 +151,7 @@ class _Workplace:
             )
 
     def simulate(self, settings: SimulateSettings, progress: Progress | None, attrs: dict[str, Any]) -> Run:
+        """Compute the motion; see ``Model.simulate``."""
         state = self.reference()
         if settings.initial == "equilibrium":
             self.settle(state)
@@ -339,14 +220,18 @@ class _Workplace:
             step = chosen_time_step(self.problem, frequencies, duration)
         return make(self.system, self.supports, **given), FixedSteps(step), given | {"time_step": step}
 
-    def _dataset(self, kind: str, attrs: dict[str, Any]) -> Any:
+    def _dataset(self, kind: str, attrs: dict[str, Any]) -> xr.Dataset:
+        return self._later(kind, attrs)()
+
+    def _later(self, kind: str, attrs: dict[str, Any]) -> Callable[[], xr.Dataset]:
+        """The data set of what is known now, built when asked for: that takes half as long as a small equilibrium."""
         complete = {
             "message": "",
             "scale_length": self.problem.length,
             "energy_scale": self.problem.length * max(float(s.stiffness.max()) for s in self.problem.sets),
             "wall_time_s": time.perf_counter() - self.began,
         } | attrs
-        return dataset(kind, self.problem, self.system, self.history, complete)
+        return partial(dataset, kind, self.problem, self.system.gauss_positions(), self.history, complete)
 
     def _static_failure(self, path: StaticPath) -> str:
         assert path.report is not None

@@ -1,4 +1,4 @@
-"""The command line: run, check and copy cases.
+"""The command line: run, sweep, check and copy cases, compile kernels.
 
 Heavy packages are imported inside the commands, so that ``--help`` and ``--version`` answer at once.
 """
@@ -14,15 +14,15 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from viscorod.errors import InputError, SolveError
 
 if TYPE_CHECKING:
-    from viscorod.analysis import CheckReport
     from viscorod.cases.case import Case
+    from viscorod.check import CheckReport
     from viscorod.results.run import Equilibrium, Run
 
 app = typer.Typer(
@@ -64,8 +64,8 @@ def run(
 ) -> None:
     """Compute a case: print a report, write data and pictures."""
     with _readable_errors():
-        from viscorod.analysis import run_case
         from viscorod.cases.case import load_case
+        from viscorod.front import run_case
         from viscorod.model.settings import SimulateSettings
         from viscorod.progress import reporting
 
@@ -96,11 +96,75 @@ def run(
 def check(case: CaseFile) -> None:
     """Validate a case and print its model."""
     with _readable_errors():
-        from viscorod.analysis import check as check_model
         from viscorod.cases.case import load_case
+        from viscorod.check import check as check_model
 
         loaded = load_case(_existing(case))
         typer.echo(_check_text(check_model(loaded.description)))
+
+
+@app.command()
+def sweep(
+    case: CaseFile,
+    values: Annotated[
+        list[str],
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUES",
+            help="Key of the case file and its values, one per member: rods.beam.elements=1,2,4. "
+            "Repeat it for keys that vary together.",
+        ),
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", metavar="DIR", help="Folder for results [default: out/CASE]", show_default=False
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers", min=1, help="Number of processes [default: one per processor]", show_default=False
+        ),
+    ] = None,
+) -> None:
+    """Compute a case several times with other values, in parallel: print a table, write data."""
+    with _readable_errors():
+        from viscorod.cases.case import load_case
+        from viscorod.progress import counting
+        from viscorod.sweeps import sweep as compute
+
+        loaded = load_case(_existing(case))
+        table = dict(map(_column, values))
+        folder = output or Path("out") / case.stem
+        _writable(folder)
+        count = max(map(len, table.values()), default=0)
+        try:
+            with counting(count, "members") as progress:
+                result = compute(loaded, table, workers=workers, progress=progress)
+        except SolveError as error:
+            typer.echo(f"error: {error}", err=True)
+            result = error.run
+        typer.echo(result.report())
+        typer.echo(f"\nWritten: {result.save(folder / 'sweep.nc')}")
+        if result.failed:
+            raise typer.Exit(1)
+
+
+@app.command()
+def warmup() -> None:
+    """Compile all kernels now, so that later runs start at once."""
+    from viscorod.progress import counting
+    from viscorod.warmup import kernels, warm_up
+
+    count = len(kernels())
+    with counting(count, "kernels") as progress:
+        done = warm_up(progress)
+    folders = ", ".join(map(str, done.folders))
+    if done.compiled:
+        typer.echo(f"{count} kernels compiled in {done.seconds:.1f} s; machine code is in {folders}")
+    else:
+        typer.echo(f"all {count} kernels are there, in {folders}; loading them took {done.seconds:.1f} s")
 
 
 @app.command()
@@ -150,6 +214,21 @@ def _readable_errors() -> Iterator[None]:
     except InputError as error:
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(2) from None
+
+
+def _column(text: str) -> tuple[str, list[Any]]:
+    """A key and its values from ``key=1,2,4``; values are written as in a case file."""
+    key, sign, values = text.partition("=")
+    try:
+        column = tomllib.loads(f"values = [{values}]")["values"]
+    except tomllib.TOMLDecodeError:
+        column = []
+    if not sign or not column:
+        raise InputError(
+            f"--set {text}: give a key and values as in a case file, separated by commas, such as "
+            'rods.beam.elements=1,2,4 or rods.beam.section="thin","thick"'
+        )
+    return key.strip(), column
 
 
 def _existing(case: Path) -> Path:

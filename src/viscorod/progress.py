@@ -26,6 +26,35 @@ def reporting(total: float, *, static: bool) -> Iterator[Progress]:
 
 
 @contextmanager
+def counting(total: int, noun: str) -> Iterator[Callable[[float], None]]:
+    """Show how many of ``total`` things are done, fractions included; ``noun`` says what they are."""
+    if sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+        columns = (
+            TextColumn("{task.completed:.1f} of {task.total:g} " + noun),
+            BarColumn(bar_width=None),
+            TimeRemainingColumn(),
+            TextColumn("left"),
+        )
+        with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+            task = bar.add_task("", total=total)
+            yield lambda done: bar.update(task, completed=done)
+        return
+    shown = 0
+
+    def update(done: float) -> None:
+        nonlocal shown
+        part = int(_LINES * done / total * (1.0 + 1e-9))
+        if part > shown:
+            shown = part
+            print(f"{done:.1f} of {total} {noun}", file=sys.stderr, flush=True)
+
+    yield update
+
+
+@contextmanager
 def _bar(total: float, *, static: bool) -> Iterator[Progress]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn

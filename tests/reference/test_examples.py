@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from viscorod.analysis import run_case
 from viscorod.cases.case import load_case
 from viscorod.cases.shipped import shipped_cases
+from viscorod.front import run_case
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -55,6 +55,7 @@ def test_shipped_case_runs(name, results, tmp_path):
 def test_python_in_documents_runs(page, results, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     results("cantilever_swing").save("out/cantilever_swing/run.nc")  # what the pages on results start from
+    (tmp_path / "cantilever_swing.toml").write_bytes(shipped_cases()["cantilever_swing"].read_bytes())
     for code in blocks(page, "python"):
         exec(compile(code, str(page), "exec"), {"__name__": "__main__"})
 

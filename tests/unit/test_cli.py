@@ -8,9 +8,9 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
-import viscorod.analysis
 import viscorod.cases.case
 import viscorod.check
+import viscorod.front
 from synthetic import rolled_up, swing
 from viscorod.cases.shipped import shipped_case
 from viscorod.cli import app
@@ -52,9 +52,9 @@ def solving(monkeypatch):
 
         case = SimpleNamespace(description=None, settings=settings)
         monkeypatch.setattr(viscorod.cases.case, "load_case", lambda path: case)
-        monkeypatch.setattr(viscorod.analysis, "check", lambda model: REPORT)
+        monkeypatch.setattr(viscorod.check, "check", lambda model: REPORT)
         monkeypatch.setattr(viscorod.check, "doubts", lambda model, settled: ["the rod is thick"])
-        monkeypatch.setattr(viscorod.analysis, "run_case", run_case)
+        monkeypatch.setattr(viscorod.front, "run_case", run_case)
 
     return prepare
 

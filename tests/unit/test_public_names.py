@@ -23,10 +23,22 @@ def test_lists_of_names_agree():
     assert lazy | {"InputError", "SolveError"} == set(viscorod.__all__)
 
 
-@pytest.mark.parametrize("module", ["viscorod", "viscorod.cli"])
-def test_import_is_light(module):
-    allowed = () if module == "viscorod" else ("typer", "rich")
-    code = f"import sys, {module}; print(*sys.modules)"
+BUILDING = """viscorod
+rubber = viscorod.Material(1e9, poissons_ratio=0.3, density=1000.0)
+beam = viscorod.Rod.straight((0, 0, 0), (1, 0, 0), section=viscorod.Circle(0.01), material=rubber)
+model = viscorod.Model()
+model.add("beam", beam)
+model.clamp("beam.start")
+model.force("beam.end", (0, 1, 0))"""
+
+
+@pytest.mark.parametrize(
+    ("module", "allowed"),
+    [("viscorod", ()), ("viscorod.cli", ("typer", "rich")), (BUILDING, ("pydantic",))],
+    ids=["package", "command line", "model"],
+)
+def test_import_is_light(module, allowed):
+    code = f"import sys, {module}\nprint(*sys.modules)"
     loaded = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     ).stdout.split()

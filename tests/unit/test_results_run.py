@@ -1,5 +1,8 @@
 """What a run and an equilibrium answer, on data sets in closed form, fresh and read back."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -31,6 +34,30 @@ def test_file_holds_exactly_what_was_saved(kind, data, tmp_path):
     for name, variable in again.data.variables.items():
         if variable.dtype.kind == "f":
             assert np.all(np.isfinite(variable.values)), name
+
+
+def test_a_data_set_that_is_built_later_is_built_once_and_the_same():
+    calls = []
+
+    def build():
+        calls.append(1)
+        return rolled_up(1.2)
+
+    late, early = Equilibrium.later(build), Equilibrium(rolled_up(1.2))
+    assert not calls
+    assert late.position("beam.end") == pytest.approx(early.position("beam.end"), abs=0.0)
+    assert late.data.identical(early.data)
+    assert late.report() == early.report()
+    assert calls == [1]
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda it: pickle.loads(pickle.dumps(it))])
+def test_copies_of_a_result(copied):
+    for result in (Run(swing()), Equilibrium.later(lambda: rolled_up(1.2))):
+        again = copied(result)
+        assert type(again) is type(result)
+        assert again.data.identical(result.data)
+        assert again.report() == result.report()
 
 
 def test_file_is_netcdf4_with_units_that_other_tools_read(tmp_path):

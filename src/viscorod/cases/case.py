@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -29,12 +29,14 @@ class Case:
         description: the model.
         settings: of the analysis that is asked for.
         source: the file, if there is one.
+        content: the keys and values it was read from.
     """
 
     title: str
     description: ModelDescription
     settings: SimulateSettings | EquilibriumSettings
     source: Path | None = None
+    content: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def kind(self) -> str:
@@ -87,7 +89,7 @@ def case_from_dict(data: Mapping[str, Any], source: Path | None = None) -> Case:
     if reader.problems or reader.settings is None:
         raise InputError(reader.problems, heading=str(source) if source is not None else "case")
     title = reader.title or (source.stem if source is not None else "untitled")
-    return Case(title, reader.model, reader.settings, source)
+    return Case(title, reader.model, reader.settings, source, data)
 
 
 def _content(path: Path) -> str:

@@ -32,6 +32,12 @@ def gauss(count: int) -> tuple[Floats, Floats]:
     return points, weights
 
 
+@lru_cache
+def gauss_table(order: int) -> tuple[Floats, Floats]:
+    """Return the Lagrange basis and its derivative at the ``order`` Gauss points; see :func:`lagrange`."""
+    return lagrange(order, gauss(order)[0])
+
+
 def lagrange(order: int, xi: Floats) -> tuple[Floats, Floats]:
     """Evaluate the Lagrange basis on the Gauss-Lobatto nodes and its derivative.
 

@@ -11,18 +11,32 @@ import numba
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
+KERNELS: list[Any] = []
+"""All kernels that have been imported, as Numba's dispatchers."""
+
 
 def kernel(function: Kernel) -> Kernel:
-    """Compile ``function`` with Numba at its first call and keep the machine code on disk."""
+    """Compile ``function`` with Numba at its first call and keep the machine code on disk.
+
+    Copy rows entry by entry: one assignment of an array to a slice compiles, for the message of its error, two to
+    three seconds of text formatting.
+    """
     compiled: Any = numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})(function)
+    KERNELS.append(compiled)
     return cast(Kernel, compiled)
+
+
+def on_disk(compiled: Any) -> bool:
+    """Whether there is machine code of a kernel on disk."""
+    function = compiled.py_func
+    stem = f"{function.__module__.rpartition('.')[2]}.{function.__name__}-{function.__code__.co_firstlineno}."
+    return any(Path(compiled.stats.cache_path).glob(f"{stem}*.nbi"))
 
 
 def announce_compilation(largest: Any) -> None:
     """Say so if the machine code of the kernel ``largest`` is neither in memory nor on disk yet."""
-    folder = Path(largest.stats.cache_path)
-    stem = f"{largest.py_func.__module__.rpartition('.')[2]}.{largest.py_func.__name__}-"
-    if not largest.signatures and not any(folder.glob(f"{stem}*.nbi")):
+    if not largest.signatures and not on_disk(largest):
         logging.getLogger("viscorod").warning(
-            "viscorod: compiling its kernels, once, for about half a minute; later runs start at once"
+            "viscorod: compiling its kernels, once, for about half a minute; later runs start at once "
+            "(viscorod warmup compiles all of them)"
         )

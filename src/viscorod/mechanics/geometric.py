@@ -153,7 +153,8 @@ def assemble(
             for k in range(m):
                 n = nodes[e, k]
                 if links[e, k] < 0:
-                    te[k] = twist[n]
+                    for i in range(6):
+                        te[k, i] = twist[n, i]
                 else:
                     for i in range(6):
                         te[k, i] = 0.0

@@ -287,14 +287,3 @@ def energies(elements: Elements, points: Points) -> tuple[float, float]:
                     elastic += 0.5 * weight * eps[i] * C[i, j] * eps[j]
                     power += weight * rate[i] * D[i, j] * rate[j]
     return elastic, power
-
-
-@kernel
-def strain_energy(weights: Floats, stiffness: Floats, strain: Floats) -> float:
-    """Return the elastic energy [J] of strains ``(m, 6)`` at Gauss points of given lengths and section matrices."""
-    total = 0.0
-    for g in range(strain.shape[0]):
-        for i in range(6):
-            for j in range(6):
-                total += 0.5 * weights[g] * strain[g, i] * stiffness[g, i, j] * strain[g, j]
-    return total

@@ -98,7 +98,8 @@ def linearise(
         element_poses(nodes, links, elements.link_positions, elements.link_quaternions, r, q, re, qe)
         linked = False
         for k in range(m):
-            te[k] = twist[nodes[k]]
+            for i in range(6):
+                te[k, i] = twist[nodes[k], i]
             if links[k] >= 0:
                 linked = True
                 link_map(elements.link_positions[links[k]], elements.link_quaternions[links[k]], X_all[k])

@@ -50,8 +50,10 @@ def element_poses(
     for k in range(nodes.shape[0]):
         n = nodes[k]
         if links[k] < 0:
-            re[k] = r[n]
-            qe[k] = q[n]
+            for i in range(3):
+                re[k, i] = r[n, i]
+            for i in range(4):
+                qe[k, i] = q[n, i]
         else:
             rotate(q[n], link_positions[links[k]], offset)
             for i in range(3):

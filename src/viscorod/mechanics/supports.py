@@ -338,7 +338,8 @@ def prescribed_motion(
                 psi[0, a] += e * target[s, 3 + i]
                 psi[1, a] += e * rate[s, 3 + i]
                 psi[2, a] += e * acceleration[s, 3 + i]
-        step[0, 3:6] = psi[0]
+        for a in range(3):
+            step[0, 3 + a] = psi[0, a]
         origin = np.zeros((1, 3))
         retract(origin, q0[s : s + 1], step, origin, q[s : s + 1])
         rotation_matrix(q[s], R)

@@ -180,6 +180,8 @@ def _clashes(model: ModelDescription) -> Iterator[Problem]:
 
     Two supports clash when the directions they hold are linearly dependent, whatever axes they are given in.
     """
+    if len(model.supports) < 2:
+        return
     groups = joined_places(model)
     for first, second in combinations(resolved_supports(model), 2):
         if not _one_node(model, first.place, second.place, groups):

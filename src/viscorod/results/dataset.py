@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from viscorod.mechanics import inertia
 from viscorod.results.schema import AXES, DIMENSION
 from viscorod.solve.history import History, StationReader
 from viscorod.solve.problem import Problem
-from viscorod.solve.system import System
+from viscorod.solve.system import GaussPositions
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -21,13 +22,13 @@ REACTIONS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
 def dataset(
-    kind: str, problem: Problem, system: System, history: History, attrs: dict[str, Any]
+    kind: str, problem: Problem, gauss: GaussPositions, history: History, attrs: dict[str, Any]
 ) -> xr.Dataset:
     """Arrange a history as the data set of a run ("simulate") or an equilibrium.
 
     Args:
         kind: "simulate" or "equilibrium".
-        problem, system: what was solved.
+        problem: what was solved; gauss: where its Gauss points are.
         history: what was recorded.
         attrs: attributes of the whole data set (see ``schema``).
     """
@@ -41,7 +42,6 @@ def dataset(
     q = np.array([snapshot.state.q for snapshot in snapshots])
     twist = np.array([snapshot.state.twist for snapshot in snapshots])
     position, rotation, velocity, spin = reader.read(r, q, twist)
-    gauss = system.gauss_positions()
     names = np.array(problem.rods)
     states = (along, "station")
     points = (along, "point")
@@ -66,7 +66,7 @@ def dataset(
         variables |= {
             "velocity": ((*states, "axis"), velocity),
             "angular_velocity": ((*states, "axis"), spin),
-            "dissipation": (points, np.einsum("kgi,gij,kgj->kg", rate, system.gauss_damping(), rate)),
+            "dissipation": (points, np.einsum("kgi,gij,kgj->kg", rate, gauss.damping, rate)),
             "kinetic": (along, energy[:, 0]),
             "viscous": (along, energy[:, 2]),
             "external": (along, energy[:, 3]),
@@ -76,10 +76,10 @@ def dataset(
             "angular_momentum": ((along, "axis"), momentum[:, 3:]),
         }
     coordinates: dict[str, Any] = {
+        "axis": _labels("axis", AXES),
+        "quaternion": _labels("quaternion", tuple("wxyz")),
+        "component": _labels("component", COMPONENTS),
         along: np.array(history.instant),
-        "axis": list(AXES),
-        "quaternion": list("wxyz"),
-        "component": list(COMPONENTS),
         "station_rod": ("station", names[problem.stations.rod]),
         "station_s": ("station", problem.stations.s),
         "station_order": ("station", problem.rod_orders[problem.stations.rod]),
@@ -92,8 +92,16 @@ def dataset(
             (along, "support", "motion"),
             np.array([snapshot.reaction for snapshot in snapshots]),
         )
-        coordinates |= {"support": list(problem.supports.names), "motion": list(REACTIONS)}
+        coordinates |= {"support": list(problem.supports.names), "motion": _labels("motion", REACTIONS)}
     return xr.Dataset(variables, coordinates, attrs={"kind": kind, **attrs})
+
+
+@lru_cache
+def _labels(dimension: str, words: tuple[str, ...]) -> xr.Variable:
+    """The coordinate of a dimension whose places have names; its index is made once for all results."""
+    import xarray as xr
+
+    return xr.Dataset(coords={dimension: list(words)}).variables[dimension]
 
 
 def _momenta(problem: Problem, r: Floats, q: Floats, twist: Floats) -> Floats:

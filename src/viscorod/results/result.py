@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
 
@@ -21,18 +22,35 @@ Quantity: TypeAlias = Literal["position", "displacement", "velocity"]
 
 
 class Result(ABC):
-    """A data set with the questions that every kind of result answers.
-
-    Attributes:
-        data: the ``xarray.Dataset`` behind everything; names and units are in ``viscorod.results.schema``.
-        sites: the stations, by rod and arc length.
-    """
+    """A data set with the questions that every kind of result answers."""
 
     kind: ClassVar[str]
+    _build: Callable[[], xr.Dataset]
 
     def __init__(self, data: xr.Dataset) -> None:
         self.data = annotated(data, self.kind)
-        self.sites = Sites(self.data)
+
+    @classmethod
+    def later(cls, build: Callable[[], xr.Dataset]) -> Self:
+        """A result whose data set is built when it is first asked for; ``build`` must not depend on when."""
+        result = cls.__new__(cls)
+        result._build = build
+        return result
+
+    @cached_property
+    def data(self) -> xr.Dataset:
+        """The ``xarray.Dataset`` behind everything; names and units are in ``viscorod.results.schema``."""
+        data = annotated(self._build(), self.kind)
+        del self._build
+        return data
+
+    @cached_property
+    def sites(self) -> Sites:
+        """The stations, by rod and arc length."""
+        return Sites(self.data)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.data,)
 
     @property
     def dimension(self) -> str:

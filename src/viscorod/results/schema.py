@@ -100,9 +100,9 @@ def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
             "use a file that viscorod wrote"
         )
     result = data.copy()
-    for name in result.variables:
+    for name, variable in result.variables.items():
         unit, long_name = VARIABLES.get(str(name), ("", ""))
-        attributes = result[name].attrs
+        attributes = variable.attrs
         if unit:
             attributes.setdefault("units", unit)
         if long_name:

@@ -74,8 +74,10 @@ class BandMatrix:
             solution[:, :3] *= self.unit
         return solution.reshape(right_side.shape)
 
-    def sparse(self) -> sparse.csr_array:
+    def sparse(self) -> sparse.csc_array:
         """Return the (not yet factorised) matrix as a sparse array."""
-        offsets = np.arange(-self.width, self.width + 1)  # column minus row
-        diagonals = self.data[:, self.diagonal - offsets].T
-        return sparse.csr_array(sparse.dia_array((diagonals, offsets), shape=(self.size, self.size)))
+        columns = self.data[:, self.width :]
+        rows = np.arange(self.size)[:, None] + np.arange(-self.width, self.width + 1)
+        stored = (columns != 0.0) & (rows >= 0) & (rows < self.size)
+        ends = np.concatenate([[0], np.cumsum(np.count_nonzero(stored, axis=1))])
+        return sparse.csc_array((columns[stored], rows[stored], ends), shape=(self.size, self.size))

@@ -6,7 +6,7 @@ import numpy as np
 
 from viscorod.mechanics import geometric, loading
 from viscorod.mechanics.basis import lobatto
-from viscorod.mechanics.internal_force import Elements, strain_energy
+from viscorod.mechanics.internal_force import Elements
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.loads import LoadState
 from viscorod.solve.problem import ElementSet, Problem
@@ -57,14 +57,10 @@ class GeometricSystem:
         self.parts = [_Part(problem, elements) for elements in problem.sets]
         self._no_map = np.zeros((problem.size, 6, 6))
         self._order, self._positions = self._gauss_positions()
-        damping = [part.elements.damping[part.elements.section].reshape(-1, 6, 6) for part in self.parts]
-        self._damping = np.concatenate(damping)[self._order]
-        stiffness = [part.elements.stiffness[part.elements.section].reshape(-1, 6, 6) for part in self.parts]
-        self._stiffness = np.concatenate(stiffness)[self._order]
 
     def _gauss_positions(self) -> tuple[Integers, GaussPositions]:
         """Order of the Gauss points by rod and arc length, and their places in that order."""
-        rod, s, length, half_width = [], [], [], []
+        rod, s, length, half_width, damping = [], [], [], [], []
         for part in self.parts:
             e = part.elements
             count = e.section.shape[1]
@@ -73,10 +69,15 @@ class GeometricSystem:
             s.append((e.start[:, None] + e.half_lengths[:, None] * (1.0 + inside)).ravel())
             length.append((e.half_lengths[:, None] * e.weights).ravel())
             half_width.append(e.half_widths.ravel())
+            damping.append(e.damping[e.section].reshape(-1, 6, 6))
         rods, places = np.concatenate(rod), np.concatenate(s)
         order = np.lexsort((places, rods))
         return order, GaussPositions(
-            rods[order], places[order], np.concatenate(length)[order], np.concatenate(half_width)[order]
+            rods[order],
+            places[order],
+            np.concatenate(length)[order],
+            np.concatenate(half_width)[order],
+            np.concatenate(damping)[order],
         )
 
     def assemble(
@@ -194,14 +195,6 @@ class GeometricSystem:
             strain_rate=gather([part.strain_rate for part in self.parts]),
             section_force=gather([part.section_force for part in self.parts]),
         )
-
-    def gauss_damping(self) -> Floats:
-        """See :class:`~viscorod.solve.system.System`."""
-        return self._damping
-
-    def strain_energy(self, strain: Floats) -> float:
-        """See :class:`~viscorod.solve.system.System`."""
-        return strain_energy(self._positions.length, self._stiffness, strain)
 
     def gauss_places(self) -> Integers:
         """See :class:`~viscorod.solve.system.System`."""

@@ -11,7 +11,7 @@ import numpy as np
 from viscorod.errors import InputError
 from viscorod.errors import Problem as Fault
 from viscorod.mechanics.attachment import link_map
-from viscorod.mechanics.basis import gauss, lagrange, lobatto
+from viscorod.mechanics.basis import gauss, gauss_table, lobatto
 from viscorod.mechanics.quaternion import conjugate, from_matrices, matrices, product
 from viscorod.model.rod import Rod
 from viscorod.model.section import MaterialSection
@@ -276,7 +276,7 @@ def element_sets(mesh: Mesh) -> tuple[tuple[ElementSet, ...], Floats]:
                 columns, (nodes, links, np.full(len(start), i), start, half, section, widths), strict=True
             ):
                 columns[key].append(column)
-        shapes, slopes = lagrange(order, points)
+        shapes, slopes = gauss_table(order)
         joined: dict[str, Any] = {
             key: np.ascontiguousarray(np.concatenate(value)) for key, value in columns.items()
         }

@@ -108,11 +108,11 @@ def natural_frequencies(linear: Linearisation, count: int) -> Floats:
     return np.asarray(np.sqrt(np.maximum(values, 0.0)))
 
 
-def negative_eigenvalues(tangent: sparse.csr_array) -> int:
+def negative_eigenvalues(tangent: sparse.csc_array) -> int:
     """Return the number of negative eigenvalues of the symmetric part of a tangent stiffness."""
     import scipy.sparse.linalg as spla
 
-    symmetric = sparse.csc_array(0.5 * (tangent + tangent.T))
+    symmetric = 0.5 * (tangent + sparse.csc_array(tangent.T))
     # Sylvester's law of inertia: without row exchanges the signs of the pivots are those of the eigenvalues, and unlike
     # the eigenvalues themselves they do not drown in the round-off of the stiffest directions
     try:

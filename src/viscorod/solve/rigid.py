@@ -67,7 +67,7 @@ def free_motions(problem: Problem) -> list[FreeMotion]:
 
 
 def undetermined(
-    problem: Problem, external: Floats, stiffness: sparse.csr_array, motions: list[FreeMotion]
+    problem: Problem, external: Floats, stiffness: sparse.csc_array, motions: list[FreeMotion]
 ) -> list[FreeMotion]:
     """Return the free motions to be named because no equilibrium is near the reference shape; none if there is one.
 

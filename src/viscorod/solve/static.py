@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import sparse
@@ -108,7 +108,12 @@ class StaticSolver:
         supports.update(t, before, scale)
         loads = self.loads.at(t, before, scale)
         convergence = Convergence(problem.length, self.tolerance, self.iterations)
-        count, size, imbalance, node = 0, 0.0, 0.0, 0
+        count, size = 0, 0.0
+
+        def report(outcome: Outcome) -> NewtonReport:
+            imbalance, node = worst_node(supports.unbalanced(residual), problem.length)
+            return NewtonReport(outcome, count, size, imbalance, node)
+
         while True:
             system.assemble(state, loads, None, tangent=True, moving=False)
             residual = system.internal - system.external
@@ -116,23 +121,22 @@ class StaticSolver:
                 bad = int(np.flatnonzero(~np.isfinite(residual).all(axis=1))[0])
                 return NewtonReport(Outcome.NOT_FINITE, count, size, np.inf, bad)
             supports.impose(state, residual, system.band, tangent=True)
-            imbalance, node = worst_node(supports.unbalanced(residual), problem.length)
             try:
                 system.band.factorise()
             except SingularMatrixError as error:
-                return NewtonReport(Outcome.SINGULAR, count, size, imbalance, error.row // 6)
+                return replace(report(Outcome.SINGULAR), node=error.row // 6)
             increment = system.band.solve(-residual)
             count += 1
             verdict, size = convergence.judge(increment, count)
             if verdict is Outcome.NOT_FINITE:
-                return NewtonReport(Outcome.SINGULAR, count, size, imbalance, node)
+                return report(Outcome.SINGULAR)
             retract(state.r, state.q, increment, state.r, state.q)
             system.carry_stress(increment)
             if verdict is None:
                 continue
             if verdict is Outcome.CONVERGED:
                 self._restore(state, t, before=before, scale=scale)
-            return NewtonReport(verdict, count, size, imbalance, node)
+            return report(verdict)
 
     def _restore(self, state: State, t: float, *, before: bool, scale: float) -> None:
         """Evaluate forces and reactions at ``state`` and take its section forces as stress iterate."""
@@ -144,7 +148,7 @@ class StaticSolver:
 
     def tangent(
         self, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0
-    ) -> sparse.csr_array:
+    ) -> sparse.csc_array:
         """Return the tangent stiffness at an equilibrium, restricted to the motions that the supports leave free.
 
         At an equilibrium of a conservative system it is symmetric; the number of its negative eigenvalues counts the
@@ -156,4 +160,4 @@ class StaticSolver:
         residual = system.internal - system.external
         supports.impose(state, residual, system.band, tangent=True)
         basis = supports.free_basis(state)
-        return sparse.csr_array(system.band.sparse()[supports.free_rows()] @ basis)
+        return (system.band.sparse() @ basis)[supports.free_rows()]

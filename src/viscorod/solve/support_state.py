@@ -164,11 +164,17 @@ class SupportState:
 
     def free_basis(self, state: State) -> sparse.csc_array:
         """Columns spanning the body increments that the supports allow, one per free row."""
-        blocks = sparse.eye_array(6 * self.problem.size, format="lil")
+        free = self.free_rows()
+        size = 6 * self.problem.size
+        if len(self.partial) == 0:
+            return sparse.csc_array(
+                (np.ones(len(free)), free, np.arange(len(free) + 1)), shape=(size, len(free))
+            )
+        blocks = sparse.eye_array(size, format="lil")
         for k in self.partial:
             first = 6 * int(self.set.nodes[k])
             blocks[first : first + 6, first : first + 6] = self._directions(int(k), state)[2]
-        return sparse.csc_array(blocks.tocsc()[:, self.free_rows()])
+        return sparse.csc_array(blocks.tocsc()[:, free])
 
     def project_twists(self, state: State) -> None:
         """Give partially supported nodes exactly the prescribed velocity components."""

@@ -45,12 +45,13 @@ class GaussPoints:
 
 @dataclass(frozen=True)
 class GaussPositions:
-    """Rod index, arc length [m], quadrature length [m] and half width of the section [m] of every Gauss point."""
+    """Rod, arc length [m], quadrature length [m], half width [m] and damping of the section of every Gauss point."""
 
     rod: Integers
     s: Floats
     length: Floats
     half_width: Floats
+    damping: Floats
 
 
 class System(Protocol):
@@ -83,12 +84,6 @@ class System(Protocol):
 
     def gauss_points(self) -> GaussPoints:
         """Return the Gauss-point fields of the last assembly."""
-
-    def gauss_damping(self) -> Floats:
-        """Return the damping matrices of the sections at all Gauss points ``(m, 6, 6)``, in the same order."""
-
-    def strain_energy(self, strain: Floats) -> float:
-        """Return the elastic energy [J] of strains ``(m, 6)`` at all Gauss points, in the same order."""
 
     def gauss_places(self) -> Integers:
         """Return the places of all Gauss points, in the same order, in the flattened arrays of :meth:`elements`."""

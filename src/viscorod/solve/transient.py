@@ -88,7 +88,7 @@ class Transient:
 
         Args:
             state: initial poses and twists (overwritten).
-            output_interval: time between records [s]; None records every step.
+            output_interval: time between records [s]; None records every step and what lies between.
             progress: called with (time, step) after every step.
         """
         result = TransientResult()
@@ -151,13 +151,15 @@ class Transient:
                     effort.smallest_why = self._why(report)
                 if progress is not None:
                     progress(end, end - t)
-                for part in self._records(t, end, output_interval, end == duration):
-                    if part == 1.0:
-                        history.record(integrator.snapshot(), account, end - t, report.iterations)
+                for at in self._records(t, end, output_interval, end == duration):
+                    part = (at - t) / (end - t)
+                    if part > 1.0 - 1e-9:
+                        last = replace(integrator.snapshot(), instant=at)
+                        history.record(last, account, end - t, report.iterations)
                         continue
                     between, work, loss = integrator.between(part)
                     energy = before.between(account, part, between.kinetic, work, loss)
-                    history.record(between, energy, end - t, report.iterations)
+                    history.record(replace(between, instant=at), energy, end - t, report.iterations)
                 if control.exhausted:
                     result.outcome, result.failed_at = Outcome.TOO_SMALL, end
                     return
@@ -166,15 +168,14 @@ class Transient:
                 self._begin(corner, integrator.state)
 
     def _records(self, t: float, end: float, output_interval: float | None, final: bool) -> list[float]:
-        """Return the parts of the step from ``t`` to ``end`` at which states are recorded."""
+        """Return the times in the step from ``t`` to ``end`` at which states are recorded."""
         if output_interval is None:
             count = self.integrator.records
-            return [(k + 1) / count for k in range(count)]
+            return [*(t + k / count * (end - t) for k in range(1, count)), end]
         first = int(np.floor(t / output_interval * (1.0 + 1e-12) + 1e-9)) + 1
         last = int(np.floor(end / output_interval * (1.0 + 1e-12) + 1e-9))
-        parts = [(k * output_interval - t) / (end - t) for k in range(first, last + 1)]
-        parts = [1.0 if part > 1.0 - 1e-9 else part for part in parts]
-        return [*parts, 1.0] if final and (not parts or parts[-1] < 1.0) else parts
+        times = [k * output_interval for k in range(first, last + 1)]
+        return [*times, end] if final and (not times or times[-1] < end * (1.0 - 1e-9)) else times
 
     def _why(self, report: StepReport) -> str:
         """What limited an accepted step, in words."""
@@ -190,7 +191,8 @@ class Transient:
         """
         corners: list[float] = []
         jumps: set[float] = set()
-        for t in [t for t in self.problem.breakpoints if 0.0 < t < duration] + [duration]:
+        instants = {t for t in self.problem.breakpoints if 0.0 < t < duration}
+        for t in [*sorted(t for t in instants if t < duration), duration]:
             jumped = t in self.problem.jumps and t < duration
             if corners and t - corners[-1] < 1e-12 * duration:
                 jumped = jumped or corners[-1] in jumps

@@ -106,7 +106,9 @@ def project(
             if fixed[s, i] == 0.0:
                 complete = False
         if complete:
-            G[s] = np.eye(6)
+            for i in range(6):
+                for j in range(6):
+                    G[s, i, j] = 1.0 if i == j else 0.0
         for band in (K, C):
             for j in range(max(0, 6 * k - width), min(size, 6 * k + 6 + width)):
                 for i in range(6):

@@ -1,0 +1,163 @@
+"""A model that can be computed, and what a case file asks for.
+
+The solvers are imported when something is first computed, so that a model is built at once.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.model.description import ModelDescription
+from viscorod.model.settings import EquilibriumSettings, SimulateSettings
+from viscorod.model.values import number
+
+if TYPE_CHECKING:
+    from viscorod.analysis import Workplace
+    from viscorod.results.run import Equilibrium, Run
+    from viscorod.solve.modes import Modes
+
+__all__ = ["Case", "Model", "as_model", "run_case"]
+
+Progress = Callable[[float, float], None]
+
+
+class Model(ModelDescription):
+    """Rods, supports and loads (see :class:`ModelDescription`), and what can be computed of them."""
+
+    def equilibrium(
+        self,
+        *,
+        load_factor: float = 1.0,
+        load_steps: int | None = None,
+        progress: Progress | None = None,
+        title: str = "",
+    ) -> Equilibrium:
+        """Find the static equilibrium under the loads at t = 0- (just before t = 0).
+
+        Args:
+            load_factor: multiple of all loads and prescribed motions.
+            load_steps: number of equal load steps to start with; steps adapt anyway. None starts with one.
+            progress: called with (load factor, step) after every load step.
+            title: kept with the result.
+
+        Raises:
+            InputError: the model is inconsistent, or free to move as a rigid body.
+            SolveError: no equilibrium was found; ``run`` holds the load steps that were.
+        """
+        settings = EquilibriumSettings(**({} if load_steps is None else {"load_steps": load_steps}))
+        work = self._discretised()
+        try:
+            factor = number(load_factor)
+        except InputError:
+            raise InputError(f"load_factor = {load_factor!r}: give a finite number such as 1.0") from None
+        return work.equilibrium(factor, settings.load_steps or 1, progress, self._attrs(title))
+
+    def simulate(
+        self,
+        duration: float,
+        *,
+        tolerance: float | None = None,
+        time_step: float | None = None,
+        initial: str = "equilibrium",
+        integrator: str = "radau",
+        spectral_radius: float | None = None,
+        output_interval: float | None = None,
+        progress: Progress | None = None,
+        title: str = "",
+    ) -> Run:
+        """Compute the motion from t = 0 to ``duration``.
+
+        Args:
+            duration: simulated time [s].
+            tolerance: wanted accuracy: displacements over the size of the model, rotations in rad (1e-4 for "radau";
+                "generalized_alpha" has equal steps without it).
+            time_step: the step [s] of integrators with equal steps (None chooses it from the lowest modes), the
+                largest step of the others.
+            initial: "equilibrium" under the loads at t = 0-, or the "reference" shape.
+            integrator: "radau", "generalized_alpha" or "midpoint".
+            spectral_radius: numerical damping of unresolved frequencies by "generalized_alpha", 0 (most) to 1 (none).
+            output_interval: time between stored states [s]; None stores every step.
+            progress: called with (time, step) after every step.
+            title: kept with the result.
+
+        Raises:
+            InputError: the model or a setting is wrong.
+            SolveError: a step failed however small; ``run`` holds the motion up to there.
+        """
+        given: dict[str, Any] = {"duration": duration, "initial": initial, "integrator": integrator}
+        optional = {
+            "tolerance": tolerance,
+            "time_step": time_step,
+            "spectral_radius": spectral_radius,
+            "output_interval": output_interval,
+        }
+        given |= {name: value for name, value in optional.items() if value is not None}
+        settings = SimulateSettings(**given)
+        return self._discretised().simulate(settings, progress, self._attrs(title))
+
+    def modes(self, count: int = 6, *, about: str = "equilibrium") -> Modes:
+        """Find the slowest small damped vibrations about the equilibrium at t = 0- or about the reference shape.
+
+        Args:
+            count: number of modes.
+            about: "equilibrium" or "reference" (as if free of load).
+
+        Returns:
+            eigenvalues [1/s], frequencies [Hz], damping ratios and shapes.
+        """
+        if about not in ("equilibrium", "reference"):
+            raise InputError(f"about = {about!r}: give 'equilibrium' or 'reference'")
+        if not isinstance(count, int | np.integer) or count < 1:
+            raise InputError(f"count = {count!r}: give a whole number of at least 1")
+        return self._discretised().modes(int(count), about)
+
+    def _discretised(self) -> Workplace:
+        from viscorod.analysis import Workplace
+
+        return Workplace.of(self)
+
+    def _attrs(self, title: str) -> dict[str, Any]:
+        from viscorod import __version__
+
+        return {"title": title, "case": json.dumps(self.to_dict()), "version": __version__}
+
+
+class Case(Protocol):
+    """What a case file holds: a described model, the settings of one analysis, a title."""
+
+    @property
+    def description(self) -> ModelDescription:
+        """The described model."""
+
+    @property
+    def settings(self) -> SimulateSettings | EquilibriumSettings:
+        """The settings of the analysis that the file asks for."""
+
+    @property
+    def title(self) -> str:
+        """The title, or empty."""
+
+
+def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibrium:
+    """Do what a case file asks for."""
+    model = as_model(case.description)
+    given = {name: getattr(case.settings, name) for name in case.settings.model_fields_set}
+    if isinstance(case.settings, EquilibriumSettings):
+        return model.equilibrium(**given, progress=progress, title=case.title)
+    return model.simulate(**given, progress=progress, title=case.title)
+
+
+def as_model(description: ModelDescription) -> Model:
+    """Give a description its analyses."""
+    return Model.of(
+        description.rods,
+        description.supports,
+        description.loads,
+        description.attachments,
+        description.velocities,
+    )

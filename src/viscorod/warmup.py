@@ -1,0 +1,126 @@
+"""Compiling all kernels at once: a small model with everything that has a kernel of its own is computed."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from numba.core import event
+
+from viscorod.analysis import Workplace
+from viscorod.front import Model
+from viscorod.mechanics.compiled import KERNELS
+from viscorod.model.material import KelvinVoigt, Material
+from viscorod.model.rod import Rod
+from viscorod.model.settings import SimulateSettings
+from viscorod.model.shapes import Rectangle
+from viscorod.model.time_function import Ramp
+from viscorod.solve.formulations import FORMULATIONS
+from viscorod.solve.integrators import INTEGRATORS
+
+SIZE = 0.01
+"""Length of the rods [m]: small enough to need the scaling of the linear algebra."""
+SPAN = 1e-5
+"""Simulated time [s]; a few steps do."""
+
+
+@dataclass(frozen=True)
+class WarmUp:
+    """What a warm-up did.
+
+    Attributes:
+        seconds: how long it took.
+        compiled: number of kernels that had to be compiled; 0 if all were on disk.
+        folders: where machine code is kept.
+    """
+
+    seconds: float
+    compiled: int
+    folders: tuple[Path, ...]
+
+
+def kernels() -> list[Any]:
+    """All kernels, as Numba's dispatchers."""
+    return list(KERNELS)
+
+
+def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
+    """Compile every kernel that is not on disk yet.
+
+    Args:
+        progress: called with the number of kernels that are ready, as they are compiled.
+    """
+    begin = time.perf_counter()
+    before = _misses()
+    with _watched(progress), _unannounced():
+        model = small_model()
+        model.equilibrium()
+        model.modes(1)
+        for formulation in FORMULATIONS:
+            for integrator in INTEGRATORS:
+                given = {"duration": SPAN, "time_step": 0.5 * SPAN, "integrator": integrator}
+                settings = SimulateSettings.model_validate(given)
+                Workplace.of(model, formulation).simulate(settings, None, {})
+    folders = dict.fromkeys(Path(kernel.stats.cache_path) for kernel in KERNELS)
+    return WarmUp(time.perf_counter() - begin, _misses() - before, tuple(folders))
+
+
+def small_model() -> Model:
+    """Two damped rods with a rigid corner, and every kind of support and load."""
+    material = Material(1e9, poissons_ratio=0.3, density=1000.0, damping=KelvinVoigt(1e-4, 1e-4))
+    section = Rectangle(0.1 * SIZE, 0.1 * SIZE)
+
+    def rod(start: tuple[float, float, float], end: tuple[float, float, float]) -> Rod:
+        return Rod.straight(start, end, section=section, material=material, elements=1, order=2)
+
+    model = Model()
+    model.add("post", rod((0, 0, 0), (0, 0, SIZE)))
+    model.add("beam", rod((0, 0, SIZE), (SIZE, 0, SIZE)))
+    model.attach("post.end", "beam.start")
+    still = Ramp(0.0, SPAN, 0.0)
+    model.clamp("post.start", motion={"rz": still})
+    model.support("beam.end", fixed=["uy"], motion={"rx": still})
+    model.gravity()
+    model.force("beam.end", (0, 0, 1e-3), following=True)
+    model.moment(f"beam@{0.3 * SIZE}", (1e-6, 0, 0))
+    model.distributed_force("beam", (0, 0, 1e-3))
+    model.moving_force("beam", (0, 0, 1e-3), speed=0.5 * SIZE / SPAN)
+    return model
+
+
+def _misses() -> int:
+    return sum(bool(kernel.stats.cache_misses) for kernel in KERNELS)
+
+
+@contextmanager
+def _unannounced() -> Iterator[None]:
+    """Keep back the message that kernels are compiled: that is what was asked for."""
+    logger = logging.getLogger("viscorod")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
+
+
+@contextmanager
+def _watched(progress: Callable[[float], None] | None) -> Iterator[None]:
+    if progress is None:
+        yield
+        return
+    call = progress
+
+    class Watch(event.Listener):
+        def on_start(self, _event: Any) -> None: ...
+
+        def on_end(self, _event: Any) -> None:
+            call(sum(bool(kernel.signatures) for kernel in KERNELS))
+
+    with event.install_listener("numba:compile", Watch()):
+        yield

@@ -1,0 +1,265 @@
+"""Sweeps: values land where they should, members are the single runs, failures stay where they are."""
+
+import copy
+import os
+import signal
+import tomllib
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import viscorod as vr
+import viscorod.sweeps
+from viscorod.cases.case import case_from_dict
+from viscorod.cli import app
+from viscorod.front import run_case
+from viscorod.results.run import Equilibrium, Run
+
+SWING = """
+title = "A swing"
+
+[materials.rubber]
+youngs_modulus = 1.0e6
+poissons_ratio = 0.3
+density = 1000.0
+damping = { shear_time = 0.02, bulk_time = 0.02 }
+
+[sections.thin]
+shape = "rectangle"
+width = 0.01
+height = 0.01
+
+[rods.beam]
+shape = "straight"
+start = [0.0, 0.0, 0.0]
+end = [0.3, 0.0, 0.0]
+section = "thin"
+material = "rubber"
+elements = 1
+order = 3
+
+[[supports]]
+kind = "clamp"
+at = "beam.start"
+
+[[loads]]
+kind = "force"
+at = "beam.end"
+value = [0.0, 0.02, 0.0]
+until = 0.0
+
+[simulate]
+duration = 0.2
+time_step = 0.01
+"""
+HELD = SWING.split("[simulate]", maxsplit=1)[0] + "[equilibrium]\n"
+SHEAR = "materials.rubber.damping.shear_time"
+
+
+@pytest.fixture
+def case(tmp_path):
+    path = tmp_path / "swing.toml"
+    path.write_text(SWING)
+    return path
+
+
+@pytest.fixture
+def held(tmp_path):
+    path = tmp_path / "held.toml"
+    path.write_text(HELD)
+    return path
+
+
+def single(text, output_interval=0.001, **values):
+    """The run of one member, computed alone."""
+    content = tomllib.loads(text)
+    content["materials"]["rubber"]["damping"]["shear_time"] = values["shear_time"]
+    content["loads"][0]["value"] = values["force"]
+    content["simulate"]["output_interval"] = output_interval
+    return run_case(case_from_dict(content))
+
+
+def without_times(data):
+    return data.assign_attrs(wall_time_s=0.0)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_members_are_exactly_the_single_runs(case, workers):
+    times, forces = [0.01, 0.04], [[0.0, 0.02, 0.0], [0.0, 0.0, 0.01]]
+    done = []
+    sweep = vr.sweep(case, {SHEAR: times, "loads[0].value": forces}, workers=workers, progress=done.append)
+    assert [member.completed for member in sweep.members] == [True, True]
+    for member, shear_time, force in zip(sweep.members, times, forces, strict=True):
+        alone = single(SWING, shear_time=shear_time, force=force)
+        assert without_times(member.result.data).identical(without_times(alone.data))
+        stacked = sweep.data["position"].sel(member=member.number)
+        assert np.array_equal(stacked, alone.data["position"])
+    assert done[-1] == pytest.approx(2.0)
+    assert sweep.data[SHEAR].values.tolist() == times
+    assert sweep.data["loads[0].value"].values.tolist() == [str(force) for force in forces]
+    assert sweep.data["time"].values == pytest.approx(0.001 * np.arange(201), abs=1e-15)
+    assert "output_interval = 0.001 s" in sweep.report()
+
+
+def test_one_value_inside_a_list_and_rows_instead_of_columns(case):
+    rows = [
+        {"loads[0].value[1]": force, "simulate.output_interval": 0.05} for force in np.array([0.01, 0.02])
+    ]
+    sweep = vr.sweep(vr.load_case(case), rows, workers=1)
+    tips = sweep.data["position"].isel(time=0, station=-1).sel(axis="y")
+    linear = np.array([0.01, 0.02]) * 0.3**3 / (3.0 * 1e6 * 0.01**4 / 12.0)
+    assert tips.values == pytest.approx(linear, rel=0.3)
+    assert tips.values[1] < 2.0 * tips.values[0]
+    assert sweep.data.sizes["time"] == 5
+    assert sweep.notes == ()
+
+
+def test_times_are_common_whatever_the_steps(case):
+    sweep = vr.sweep(
+        case, {"simulate.time_step": [0.01, 0.0037], "simulate.output_interval": [0.03, 0.03]}, workers=1
+    )
+    assert not sweep.separate
+    assert sweep.data["time"].values == pytest.approx([0, 0.03, 0.06, 0.09, 0.12, 0.15, 0.18, 0.2], abs=1e-12)
+    assert sweep.data["steps"].values[1] > sweep.data["steps"].values[0]
+
+
+def test_different_meshes_are_kept_apart(case, tmp_path):
+    sweep = vr.sweep(case, {"rods.beam.elements": [1, 2]}, workers=1)
+    assert sweep.separate == "their numbers of stations differ (4 and 7)"
+    assert "kept apart" in sweep.report()
+    assert "position" not in sweep.data
+    assert sweep.data["steps"].dims == ("member",)
+    again = vr.load(sweep.save(tmp_path / "sweep.nc"))
+    assert again.report() == sweep.report()
+    for member, other in zip(sweep.members, again.members, strict=True):
+        assert other.result.data.identical(member.result.data)
+
+
+def test_equilibria(held, tmp_path):
+    sweep = vr.sweep(held, {"loads[0].value": [[0, 0.001, 0], [0, 0.002, 0]]}, workers=1)
+    assert all(isinstance(member.result, Equilibrium) for member in sweep.members)
+    assert sweep.data["position"].dims == ("member", "load_factor", "station", "axis")
+    assert vr.load(sweep.save(tmp_path / "sweep.nc")).data.identical(sweep.data)
+
+
+def test_a_failing_member_leaves_the_others_alone(case, monkeypatch, tmp_path):
+    def fails_in_the_middle(case, *, progress):
+        run = run_case(case, progress=progress)
+        damping = case.description.rods["beam"].material.damping
+        if damping.shear_time == 0.02:
+            raise vr.SolveError(
+                "it broke at 0.1 s", Run(run.data.isel(time=slice(0, 100)).assign_attrs(outcome="slow"))
+            )
+        if damping.shear_time == 0.03:
+            raise vr.InputError("not like this")
+        if damping.shear_time == 0.04:
+            raise ZeroDivisionError("a defect")
+        return run
+
+    monkeypatch.setattr(viscorod.sweeps, "run_case", fails_in_the_middle)
+    fresh = vr.sweep(case, {SHEAR: [0.01, 0.02, 0.03, 0.04, 0.05]}, workers=1)
+    for sweep in (fresh, vr.load(fresh.save(tmp_path / "sweep.nc"))):
+        assert [m.outcome for m in sweep.members] == ["completed", "slow", "refused", "failed", "completed"]
+        assert sweep.data["member"].values.tolist() == [0, 4]
+        assert sweep.data[SHEAR].values.tolist() == [0.01, 0.05]
+        assert sweep.members[1].result.time.size == 100
+        assert sweep.members[2].result is None
+        assert sweep.report() == fresh.report()
+    for words in (
+        "5 members, 2 completed",
+        "member 1: it broke at 0.1 s",
+        "member 3: ZeroDivisionError: a defect",
+    ):
+        assert words in fresh.report()
+    for member, other in zip(fresh.members, sweep.members, strict=True):
+        assert (other.result is None) == (member.result is None)
+        if member.result is not None:
+            assert other.result.data.identical(member.result.data)
+
+
+def test_a_member_that_no_mesh_fits_fails_in_its_process(case):
+    text = SWING.replace('at = "beam.start"', 'at = "beam@0.1"').replace("elements = 1", "elements = 2")
+    case.write_text(text)
+    sweep = vr.sweep(case, {"rods.beam.elements": [1, 2]}, workers=2)
+    assert [member.outcome for member in sweep.members] == ["refused", "completed"]
+    assert "give at least 2" in sweep.members[0].message
+
+
+WRONG = [
+    (
+        {"rods.beam.elments": [1, 2]},
+        "rods.beam.elments: 1: no such key; did you mean elements? The keys here are shape",
+    ),
+    ({"rods.bean.elements": [1]}, "rods.bean: no such key; did you mean beam? The keys here are beam"),
+    ({"materials.gum": [1]}, "materials.gum: no such key; The keys here are rubber"),
+    ({"rod.beam.elements": [1]}, "rod: no such key; did you mean rods? The keys here are title, materials"),
+    ({"rods.beam.elements": [1, 0]}, "rods.beam.elements: 0: a whole number is needed here"),
+    ({"rods.beam.section": ["thin", "thik"]}, "there is no section of this name; did you mean 'thin'?"),
+    (
+        {"loads[1].value": [[0, 0, 1]]},
+        "loads[1]: a list of 1: there is no such entry; give a number from 0 to 0",
+    ),
+    ({"loads.value": [[0, 0, 1]]}, "this has no keys of its own; name an entry, the first is [0]"),
+    ({"rods.beam.elements.more": [1]}, "rods.beam.elements.more: 1: this has no keys of its own"),
+    ({"rods..elements": [1]}, "this is no key of a case file"),
+    ({"rods.beam.elements": 3}, "a list of values is needed here"),
+    ({"rods.beam.elements": [1, 2], SHEAR: [0.1]}, "vary together; give every key one value per member"),
+    ([{SHEAR: 0.1}, {"rods.beam.elements": 1}], "give all members the same keys"),
+    ({}, "there is nothing to vary"),
+]
+
+
+@pytest.mark.parametrize(("values", "words"), WRONG)
+def test_wrong_keys_and_values_are_refused_before_anything_runs(case, values, words, monkeypatch):
+    monkeypatch.setattr(viscorod.sweeps, "run_case", lambda *_, **__: pytest.fail("computed"))
+    given = copy.deepcopy(values)
+    with pytest.raises(vr.InputError) as caught:
+        vr.sweep(case, values, workers=1)
+    assert words in str(caught.value)
+    assert len(caught.value.problems) == 1
+    assert values == given
+
+
+def test_wrong_number_of_workers(case):
+    with pytest.raises(vr.InputError, match="workers: 0: a whole number of at least 1"):
+        vr.sweep(case, {SHEAR: [0.1]}, workers=0)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_interruption_keeps_what_there_is(case, workers):
+    case.write_text(SWING.replace("duration = 0.2", "duration = 2000.0"))
+
+    def interrupt(done):
+        if done > 0.0:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    handler = signal.getsignal(signal.SIGINT)
+    times = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06]
+    once = iter([interrupt])
+    with pytest.raises(vr.SolveError, match="0 of 6 members are done") as caught:
+        vr.sweep(
+            case, {SHEAR: times}, workers=workers, progress=lambda d: d > 0 and next(once, lambda _: None)(d)
+        )
+    sweep = caught.value.run
+    assert sweep.members[0].outcome == "interrupted"
+    assert sweep.members[0].result.time.size >= 1
+    assert sweep.members[-1].outcome == "not run"
+    assert signal.getsignal(signal.SIGINT) is handler
+
+
+def test_command_line(case, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    arguments = ["sweep", str(case), "--set", f"{SHEAR}=0.01, 0.02", "--workers", "1"]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 0, result.output
+    assert "A swing: 2 members, 2 completed" in result.stdout
+    assert "2.0 of 2 members" in result.stderr
+    assert vr.load(tmp_path / "out" / "swing" / "sweep.nc").data[SHEAR].values.tolist() == [0.01, 0.02]
+    for wrong in ("rods.beam.elements", "rods.beam.elements=", "rods.beam.section=thin"):
+        refused = CliRunner().invoke(app, ["sweep", str(case), "--set", wrong])
+        assert refused.exit_code == 2
+        assert "give a key and values as in a case file" in refused.stderr
+    unknown = CliRunner().invoke(app, ["sweep", str(case), "--set", "rods.beam.lenght=1"])
+    assert unknown.exit_code == 2
+    assert "no such key" in unknown.stderr

@@ -1,0 +1,28 @@
+"""Compiling everything beforehand, from an empty cache, in processes of their own."""
+
+import os
+import re
+import subprocess
+import sys
+
+CHECK = """
+from viscorod.mechanics.compiled import on_disk
+from viscorod.warmup import kernels
+print(*[kernel.py_func.__name__ for kernel in kernels() if not on_disk(kernel)])
+"""
+
+
+def test_everything_is_compiled_once(tmp_path):
+    def output(*arguments):
+        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+        command = [sys.executable, *arguments]
+        return subprocess.run(command, check=True, capture_output=True, text=True, env=environment)
+
+    first = output("-m", "viscorod", "warmup")
+    count = int(re.search(r"^(\d+) kernels compiled in [\d.]+ s; machine code is in ", first.stdout)[1])
+    assert str(tmp_path) in first.stdout
+    assert f"{count}.0 of {count} kernels" in first.stderr
+    assert output("-c", CHECK).stdout.strip() == "", "a kernel that the warm-up does not reach"
+    second = output("-m", "viscorod", "warmup")
+    assert second.stdout.startswith(f"all {count} kernels are there, in {tmp_path}")
+    assert "compil" not in second.stderr
