@@ -15,6 +15,15 @@ KERNELS: list[Any] = []
 """All kernels that have been imported, as Numba's dispatchers."""
 
 
+def inlined(function: Kernel) -> Kernel:
+    """Make ``function`` a part of the kernels that call it, once each: it costs no compilation of its own.
+
+    What takes many arrays is dear to compile as a function that is called.
+    """
+    part: Any = numba.njit(inline="always", error_model="numpy", fastmath={"contract", "nsz"})(function)
+    return cast(Kernel, part)
+
+
 def kernel(function: Kernel) -> Kernel:
     """Compile ``function`` with Numba at its first call and keep the machine code on disk.
 

@@ -12,16 +12,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics import loading
+from viscorod.mechanics import inertia, loading
 from viscorod.mechanics import supports as support_kernels
-from viscorod.mechanics.inertia import kinetic_energy
 from viscorod.mechanics.interpolation import interpolate
 from viscorod.mechanics.linearised import linearise
 from viscorod.mechanics.motion import extrapolate
 from viscorod.solve import lapack
 from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators import iteration, jacobian, solved_step
-from viscorod.solve.integrators import stages as kernels
 from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.integrators.solved_step import try_step
 from viscorod.solve.integrators.stage_data import Body, Ends, Factors, Given, Matrices, Stages, Work
@@ -96,16 +94,11 @@ class Collocation:
 
     def start(self, t: float, state: State) -> None:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        supports, last = self.supports, self._last
+        supports = self.supports
         supports.update(t, False)
         supports.prescribe(state)
         supports.project_twists(state)
-        self.t, self.state = t, state
-        self._prepare(last, t, before=False, first=True)
-        self._evaluate_at(state, None)
-        self.kinetic = kinetic_energy(self.body.mass, state.twist)
-        self.elastic = solved_step.account(self.body, self.given, self.stages, self._powers)
-        self._snapshot = self._take(self.t)
+        self._settle(t, state, before=False)
         self._earlier = None
         self._rate = 1.0
         self._have_jacobian = False
@@ -170,7 +163,7 @@ class Collocation:
         self._earlier = (self.state, stages.X.copy(), np.concatenate([self._stress[None], stages.stress]), h)
         self._arrive()
         self.t, self._step = self._end, h
-        self.kinetic = kinetic_energy(self.body.mass, self.state.twist)
+        self.kinetic = inertia.kinetic_energy(self.body.mass, self.state.twist)
         self._fresh_jacobian = False
         if self._rate > self.stale:
             self._have_jacobian = False
@@ -221,7 +214,7 @@ class Collocation:
         if self._stage_reactions is None:
             self._stage_reactions = np.array([self._reactions(i) for i in range(self._last + 1)])
         reaction = (1.0 - weights.sum()) * first.reaction + np.tensordot(weights, self._stage_reactions, 1)
-        kinetic = kinetic_energy(self.body.mass, state.twist)
+        kinetic = inertia.kinetic_energy(self.body.mass, state.twist)
         snapshot = Snapshot(t, state, points[0], points[1], points[2], reaction, kinetic, 0.0)
         quadrature = h * self.tableau.partial_weights(part)
         return snapshot, float(quadrature @ self._powers[0]), float(quadrature @ self._powers[1])
@@ -259,23 +252,28 @@ class Collocation:
 
     # --- parts
 
-    def _evaluate_at(self, state: State, acceleration: Floats | None) -> None:
-        """Evaluate forces and reactions at ``state`` with the loads of the last stage, as the state at ``t``."""
-        stages, last = self.stages, self._last
-        stages.r[last], stages.q[last], stages.twist[last] = state.r, state.q, state.twist
-        kernels.evaluate_forces(self.body, self.given, stages, last, False, self.scratch)
+    def _settle(self, t: float, state: State, *, before: bool, acceleration: Floats | None = None) -> None:
+        """Make ``state`` the one at ``t``: forces, energies and reactions there.
+
+        Without accelerations those of free nodes are unknown, and reactions lack the inertia of partly held ones.
+        """
+        system, supports, mass = self.system, self.supports, self.body.mass
+        self.t, self.state = t, state
+        system.assemble(state, self.loads.at(t, before), None, tangent=False, moving=True)
         self.evaluations += 1
-        self._force[:], self._stress[:] = stages.force[last], stages.stress[last]
-        residual = stages.residual[last]
-        np.negative(self._force, out=residual)
+        np.subtract(system.internal, system.external, out=self._force)
+        inertia.add_coriolis(mass, state.twist, self._force)
+        residual = self._force.copy()
+        np.negative(self._force, out=self._force)
         if acceleration is None:
-            self.supports.add_acceleration(residual)
+            supports.add_acceleration(residual)
         else:
-            residual += np.einsum("nij,nj->ni", self.body.mass, acceleration)
-        stages.held_power[last] = 0.0
-        kernels.impose(self.body, self.given, stages, last, self.scratch)
-        self.ends.start_strain[:] = stages.strain[last]
-        self._snapshot = self._take(self.t)
+            residual += np.einsum("nij,nj->ni", mass, acceleration)
+        supports.impose(state, residual, system.band, tangent=False)
+        self.kinetic = inertia.kinetic_energy(mass, state.twist)
+        self.elastic = system.elastic_energy()
+        self._snapshot = Snapshot.of(t, state, system, supports, self.kinetic)
+        self._stress.reshape(-1, 6)[self._places] = self._snapshot.section_force
 
     def _gather(self, fields: Floats) -> Floats:
         """Bring Gauss-point fields ``(..., e, points, 6)`` into the order of results ``(..., m, 6)``."""
@@ -316,14 +314,14 @@ class Collocation:
         if self.supports.moving:
             self.supports.update(t, before)
 
-    def _prepare(self, i: int, t: float, *, before: bool, first: bool = False) -> None:
+    def _prepare(self, i: int, t: float, *, before: bool) -> None:
         """Evaluate loads and prescribed motions of stage ``i`` at time ``t``."""
         given, supports = self.given, self.supports
-        if supports.moving or first:
+        if supports.moving:
             supports.update(t, before)
             given.target[i], given.rate[i] = supports.target, supports.rate
             c = supports.complete
-            if supports.moving and len(c):
+            if len(c):
                 r, q, twist, rate = supports.complete_motion()
                 given.r[i, c], given.q[i, c], given.twist[i, c], given.twist_rate[i, c] = r, q, twist, rate
         loads = self.loads.at(t, before)

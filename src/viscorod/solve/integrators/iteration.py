@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import inlined
 from viscorod.mechanics.linearised import Operators, carry_stress
 from viscorod.mechanics.motion import coordinate_rates
 from viscorod.solve import lapack
@@ -16,7 +16,7 @@ from viscorod.typing import Floats
 CONVERGED, SLOW, DIVERGED, NOT_FINITE = 0, 1, 2, 3
 
 
-@kernel
+@inlined
 def solve_stages(
     tableau: Tableau, h: float, factors: Factors, operators: Operators, stages: Stages, body: Body, work: Work
 ) -> tuple[float, int]:
@@ -77,7 +77,7 @@ def solve_stages(
     return largest, where
 
 
-@kernel
+@inlined
 def newton(
     body: Body,
     given: Given,
@@ -104,23 +104,30 @@ def newton(
     Returns:
         code, iterations, size of the last change, convergence rate, unknown of the largest change.
     """
-    last = 0.0
+    last = size = 0.0
     rate = known_rate**0.8  # trusted less with every step that does not confirm it
-    size, node = 0.0, 0
-    for count in range(1, limit + 1):
-        evaluate(body, given, r0, q0, twist0, h, tableau, operators, stages, ends, work, False)
-        size, node = solve_stages(tableau, h, factors, operators, stages, body, work)
+    unknown = count = 0
+    code = SLOW
+    done = False
+    while True:
+        evaluate(body, given, r0, q0, twist0, h, tableau, operators, stages, ends, work, done)
+        if done or count == limit:
+            break
+        size, unknown = solve_stages(tableau, h, factors, operators, stages, body, work)
+        count += 1
         if not size <= 1e3:
-            return (DIVERGED if size <= 1e300 else NOT_FINITE), count, size, rate, node
+            code = DIVERGED if size <= 1e300 else NOT_FINITE
+            break
         if count > 1:
             rate = max(size / last, 1e-3) if count == 2 else math.sqrt(rate * max(size / last, 1e-6))
             if rate >= 0.99 and size > tolerance:
-                return DIVERGED, count, size, rate, node
+                code = DIVERGED
+                break
             left = limit - count
             if rate < 1.0 and size * rate**left / (1.0 - rate) > tolerance and left < limit - 2:
-                return SLOW, count, size, rate, node
+                break
         if size == 0.0 or (rate < 1.0 and size * rate / (1.0 - rate) <= tolerance):
-            evaluate(body, given, r0, q0, twist0, h, tableau, operators, stages, ends, work, True)
-            return CONVERGED, count, size, rate, node
+            code = CONVERGED
+            done = True
         last = size
-    return SLOW, limit, size, rate, node
+    return code, count, size, rate, unknown

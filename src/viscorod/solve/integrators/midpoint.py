@@ -6,11 +6,11 @@ import numpy as np
 
 from viscorod.mechanics.motion import coordinates, place
 from viscorod.solve.integrators.collocation import Collocation
-from viscorod.solve.integrators.solved_step import account
 from viscorod.solve.integrators.stage_data import Ends
 from viscorod.solve.integrators.tableau import MIDPOINT
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
+from viscorod.typing import Floats
 
 
 class Midpoint(Collocation):
@@ -74,8 +74,11 @@ class Midpoint(Collocation):
         c = self.supports.complete
         if self.supports.moving and len(c):
             state.twist[self.supports.set.nodes[c]] = self._end_twist
-        acceleration = stages.acceleration[0].copy()
-        self.t, self.state = self._end, state
-        self._prepare(0, self.t, before=True)
-        self._evaluate_at(state, acceleration)
-        self.elastic = account(self.body, self.given, stages, np.empty((2, 1)))
+        supports = self.supports
+        if supports.moving:
+            supports.update(self._end, True)
+        self._settle(self._end, state, before=True, acceleration=stages.acceleration[0])
+
+    def _settle(self, t: float, state: State, *, before: bool, acceleration: Floats | None = None) -> None:
+        super()._settle(t, state, before=before, acceleration=acceleration)
+        self.ends.start_strain.reshape(-1, 6)[self._places] = self._snapshot.strain

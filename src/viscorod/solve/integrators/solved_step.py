@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import inlined, kernel
 from viscorod.mechanics.internal_force import energies
 from viscorod.solve import lapack
 from viscorod.solve.integrators.iteration import CONVERGED, newton
@@ -12,7 +12,7 @@ from viscorod.solve.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
 
-@kernel
+@inlined
 def account(body: Body, given: Given, stages: Stages, powers: Floats) -> float:
     """Write powers of loads and viscosity at all stages ``(2, s)`` [W]; return the elastic energy [J] of the last."""
     elastic = 0.0
@@ -31,7 +31,7 @@ def account(body: Body, given: Given, stages: Stages, powers: Floats) -> float:
     return elastic
 
 
-@kernel
+@inlined
 def estimate_error(
     body: Body,
     twist0: Floats,

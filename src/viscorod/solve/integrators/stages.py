@@ -16,7 +16,7 @@ the model (Hairer and Wanner 1996, IV.8, for the second-order form).
 from __future__ import annotations
 
 from viscorod.mechanics import supports
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import inlined
 from viscorod.mechanics.internal_force import Points, conserve_energy, internal_forces
 from viscorod.mechanics.linearised import Operators, add_frozen_forces
 from viscorod.mechanics.loading import add_nodal_loads, add_station_load
@@ -26,13 +26,13 @@ from viscorod.solve.integrators.tableau import Tableau
 from viscorod.typing import Floats
 
 
-@kernel
+@inlined
 def points_of(stages: Stages, i: int) -> Points:
     """Return the Gauss points of stage ``i``."""
     return Points(stages.strain[i], stages.strain_rate[i], stages.section_force[i], stages.stress[i])
 
 
-@kernel
+@inlined
 def evaluate_forces(body: Body, given: Given, stages: Stages, i: int, mixed: bool, work: Work) -> None:
     """Internal and external forces of stage ``i``, and ``force``: what accelerates the nodes (body components).
 
@@ -94,7 +94,7 @@ def evaluate_forces(body: Body, given: Given, stages: Stages, i: int, mixed: boo
         force[k, 5] -= v0 * p1 - v1 * p0 + w0 * h1 - w1 * h0
 
 
-@kernel
+@inlined
 def impose(body: Body, given: Given, stages: Stages, i: int, work: Work) -> None:
     """Replace the supported rows of the residual of stage ``i``; keeps the reactions."""
     supports.impose(
@@ -115,7 +115,7 @@ def impose(body: Body, given: Given, stages: Stages, i: int, work: Work) -> None
     )
 
 
-@kernel
+@inlined
 def hold(body: Body, given: Given, stages: Stages, i: int) -> None:
     """Put completely held nodes where their supports are at stage ``i``."""
     for m in range(body.nodes.shape[0]):
@@ -130,7 +130,7 @@ def hold(body: Body, given: Given, stages: Stages, i: int) -> None:
                 stages.acceleration[i, k, a] = given.twist_rate[i, m, a]
 
 
-@kernel
+@inlined
 def reach_end(
     body: Body,
     given: Given,
@@ -160,7 +160,7 @@ def reach_end(
     internal_forces(body.elements, ends.r, ends.q, ends.twist, points, False, work.element, ends.force)
 
 
-@kernel
+@inlined
 def hold_ends(body: Body, given: Given, stages: Stages, ends: Ends, work: Work) -> None:
     """Ask partly held nodes to be at their targets at the end of the step rather than in its middle."""
     residual = work.vector
@@ -189,7 +189,7 @@ def hold_ends(body: Body, given: Given, stages: Stages, ends: Ends, work: Work) 
                     stages.residual[0, body.nodes[m], a] = 0.5 * residual[body.nodes[m], a]
 
 
-@kernel
+@inlined
 def evaluate(
     body: Body,
     given: Given,
