@@ -35,7 +35,7 @@ def hermite(
 
 @kernel
 def interpolate(
-    x: float,
+    parts: Floats,
     h: float,
     r0: Floats,
     q0: Floats,
@@ -51,7 +51,7 @@ def interpolate(
     q: Floats,
     twist: Floats,
 ) -> None:
-    """Write poses and body twists of all nodes at the part ``x`` of an interval of ``h`` [s].
+    """Write poses and body twists of all nodes at ``parts (k,)`` (0 to 1) of an interval of ``h`` [s].
 
     The coordinates of ``motion`` are interpolated, so that a steady turn is followed exactly; they turn by less than
     pi in the interval.
@@ -60,7 +60,7 @@ def interpolate(
         r0, q0, twist0, rate0: poses, twists and their rates at the start; the same with 1 at the end.
         split: per node, whether displacement and rotation are separate coordinates.
         smooth: use the rates (degree 5, error of order 6) or not (degree 3, error of order 4).
-        r, q, twist: outputs.
+        r, q, twist: outputs ``(k, n, 3)``, ``(k, n, 4)``, ``(k, n, 6)``.
     """
     X = np.zeros((2, 6))
     speed = np.empty((2, 6))
@@ -89,16 +89,17 @@ def interpolate(
             coordinate_rates(at, xe, apart, other)
             for i in range(6):
                 acceleration[end, i] += (one[i] - other[i]) / (2.0 * small)
-        for i in range(6):
-            at[i], at_rate[i] = hermite(
-                x,
-                h,
-                0.0,
-                speed[0, i],
-                acceleration[0, i],
-                X[1, i],
-                speed[1, i],
-                acceleration[1, i],
-                smooth,
-            )
-        place(r0[k], q0[k], at, at_rate, apart, r[k], q[k], twist[k])
+        for j in range(parts.shape[0]):
+            for i in range(6):
+                at[i], at_rate[i] = hermite(
+                    parts[j],
+                    h,
+                    0.0,
+                    speed[0, i],
+                    acceleration[0, i],
+                    X[1, i],
+                    speed[1, i],
+                    acceleration[1, i],
+                    smooth,
+                )
+            place(r0[k], q0[k], at, at_rate, apart, r[j, k], q[j, k], twist[j, k])

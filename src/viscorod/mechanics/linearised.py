@@ -198,18 +198,17 @@ def add_frozen_forces(
     elements: Elements, operators: Operators, section_force: Floats, stress: Floats, force: Floats
 ) -> None:
     """Add ``sum_g w_g B^T (S - sigma)`` with the frozen ``B`` to the nodal forces ``(n, 6)``."""
+    B, nodes = operators.strain, elements.nodes
     for e in range(elements.order.shape[0]):
         order = elements.order[e]
-        B = operators.strain[e]
         for g in range(order):
             weight = elements.weights[order, g] * elements.half_lengths[e]
             for a in range(6):
                 excess = weight * (section_force[e, g, a] - stress[e, g, a])
-                row = B[6 * g + a]
                 for k in range(order + 1):
-                    n = elements.nodes[e, k]
+                    n = nodes[e, k]
                     for i in range(6):
-                        force[n, i] += excess * row[6 * k + i]
+                        force[n, i] += excess * B[e, 6 * g + a, 6 * k + i]
 
 
 @kernel
@@ -227,14 +226,18 @@ def carry_stress(
         change, rate: body increments of the nodes ``(n, 6)`` and their rates [1/s].
         section_force: of the poses before the change ``(e, points, 6)``; stress: output.
     """
+    A, P, nodes = operators.force, operators.viscous, elements.nodes
     for e in range(elements.order.shape[0]):
         order = elements.order[e]
         for g in range(order):
             for a in range(6):
                 total = section_force[e, g, a]
-                A, P = operators.force[e, 6 * g + a], operators.viscous[e, 6 * g + a]
+                row = 6 * g + a
                 for k in range(order + 1):
-                    n = elements.nodes[e, k]
+                    n = nodes[e, k]
                     for i in range(6):
-                        total += A[6 * k + i] * change[n, i] + P[6 * k + i] * rate[n, i]
+                        total += A[e, row, 6 * k + i] * change[n, i]
+                    if elements.damped:
+                        for i in range(6):
+                            total += P[e, row, 6 * k + i] * rate[n, i]
                 stress[e, g, a] = total

@@ -151,15 +151,16 @@ class Transient:
                     effort.smallest_why = self._why(report)
                 if progress is not None:
                     progress(end, end - t)
-                for at in self._records(t, end, output_interval, end == duration):
-                    part = (at - t) / (end - t)
-                    if part > 1.0 - 1e-9:
-                        last = replace(integrator.snapshot(), instant=at)
-                        history.record(last, account, end - t, report.iterations)
-                        continue
-                    between, work, loss = integrator.between(part)
-                    energy = before.between(account, part, between.kinetic, work, loss)
+                times = self._records(t, end, output_interval, end == duration)
+                parts = (np.array(times) - t) / (end - t)
+                inside = parts <= 1.0 - 1e-9
+                states = integrator.between(parts[inside]) if inside.any() else []
+                for (between, work, loss), at, part in zip(states, times, parts, strict=False):
+                    energy = before.between(account, float(part), between.kinetic, work, loss)
                     history.record(replace(between, instant=at), energy, end - t, report.iterations)
+                if len(times) > len(states):
+                    last = replace(integrator.snapshot(), instant=times[-1])
+                    history.record(last, account, end - t, report.iterations)
                 if control.exhausted:
                     result.outcome, result.failed_at = Outcome.TOO_SMALL, end
                     return

@@ -88,7 +88,6 @@ class Collocation:
         self._factor_step = self._end = self._step = 0.0
         self._rate = 1.0
         self._before: tuple[State, Floats, Snapshot] | None = None
-        self._stage_reactions: Floats | None = None
 
     # --- the contract
 
@@ -159,7 +158,6 @@ class Collocation:
         self.elastic = self._next_elastic
         self.work, self.loss = h * float(weights @ self._powers[0]), h * float(weights @ self._powers[1])
         self._before = (self.state, self._start_rate(h), self._snapshot)
-        self._stage_reactions = None
         self._earlier = (self.state, stages.X.copy(), np.concatenate([self._stress[None], stages.stress]), h)
         self._arrive()
         self.t, self._step = self._end, h
@@ -172,7 +170,7 @@ class Collocation:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         return self._snapshot
 
-    def between(self, part: float) -> tuple[Snapshot, float, float]:
+    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`.
 
         Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), Gauss points
@@ -180,9 +178,10 @@ class Collocation:
         """
         assert self._before is not None
         (old, start_rate, first), new, h = self._before, self.state, self._step
-        state = old.copy()
+        count, stages = len(parts), self.stages
+        r, q, twist = (np.empty((count, *shape.shape)) for shape in (new.r, new.q, new.twist))
         interpolate(
-            part,
+            parts,
             h,
             old.r,
             old.q,
@@ -194,30 +193,31 @@ class Collocation:
             self._end_rate,
             self.body.split,
             self._last > 0,
-            state.r,
-            state.q,
-            state.twist,
+            r,
+            q,
+            twist,
         )
-        t = self.t - (1.0 - part) * h
-        self.supports.correct(state, t)
-        weights = self.tableau.polynomial(part)
-        stages = self.stages
-        points = np.empty((3, len(self._places), 6))
-        for k, (start, values) in enumerate(
-            (
-                (first.strain, stages.strain),
-                (first.strain_rate, stages.strain_rate),
-                (first.section_force, stages.stress),
-            )
+        weights = self.tableau.polynomials(parts)
+        points = np.empty((3, count, len(self._places), 6))
+        for start, values, out in (
+            (first.strain, stages.strain, points[0]),
+            (first.strain_rate, stages.strain_rate, points[1]),
+            (first.section_force, stages.stress, points[2]),
         ):
-            solved_step.follow(weights, start, values, self._places, points[k])
-        if self._stage_reactions is None:
-            self._stage_reactions = np.array([self._reactions(i) for i in range(self._last + 1)])
-        reaction = (1.0 - weights.sum()) * first.reaction + np.tensordot(weights, self._stage_reactions, 1)
-        kinetic = inertia.kinetic_energy(self.body.mass, state.twist)
-        snapshot = Snapshot(t, state, points[0], points[1], points[2], reaction, kinetic, 0.0)
-        quadrature = h * self.tableau.partial_weights(part)
-        return snapshot, float(quadrature @ self._powers[0]), float(quadrature @ self._powers[1])
+            solved_step.follow(weights, start, values, self._places, out)
+        reactions = np.array([self._reactions(i) for i in range(self._last + 1)])
+        reaction = first.reaction + np.einsum("ks,smi->kmi", weights, reactions - first.reaction)
+        work, loss = h * self._powers @ self.tableau.partial_weights(parts).T
+        found = []
+        for k, part in enumerate(parts):
+            t = self.t - (1.0 - part) * h
+            state = State(r[k], q[k], twist[k])
+            self.supports.correct(state, t)
+            kinetic = inertia.kinetic_energy(self.body.mass, twist[k])
+            strain, rate, force = points[0, k], points[1, k], points[2, k]
+            snapshot = Snapshot(t, state, strain, rate, force, reaction[k], kinetic, 0.0)
+            found.append((snapshot, float(work[k]), float(loss[k])))
+        return found
 
     # --- what methods differ in
 
@@ -344,7 +344,7 @@ class Collocation:
             stages.stress[:] = self._stress
             return
         old, coordinates_, stress, old_step = self._earlier
-        weights = np.array([self.tableau.polynomial(1.0 + c * h / old_step) for c in nodes])
+        weights = self.tableau.polynomials(1.0 + nodes * (h / old_step))
         all_weights = np.concatenate([1.0 - weights.sum(axis=1, keepdims=True), weights], axis=1)
         np.dot(all_weights, stress.reshape(len(stress), -1), out=stages.stress.reshape(len(nodes), -1))
         extrapolate(

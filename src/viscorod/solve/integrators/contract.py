@@ -8,6 +8,7 @@ from typing import Protocol
 from viscorod.solve.history import Snapshot
 from viscorod.solve.newton import Outcome
 from viscorod.solve.system import State
+from viscorod.typing import Floats
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class Integrator(Protocol):
     3. ``accept()`` takes the last attempt, which converged: ``t`` and ``state`` have moved; ``work`` and ``loss`` are
        what loads and supports put in and what viscosity took during the step [J], ``kinetic`` and ``elastic`` the
        energies [J] at ``t``.
-    4. ``snapshot()`` is everything at ``t``, ``between(part)`` everything at a part of the last step, with the work and
+    4. ``snapshot()`` is everything at ``t``, ``between(parts)`` everything at parts of the last step, with the work and
        the loss up to there.
 
     ``order`` is that of the error estimate: it grows as the power ``order + 1`` of the step. ``records`` is the number
@@ -102,5 +103,5 @@ class Integrator(Protocol):
     def snapshot(self) -> Snapshot:
         """Return everything at ``t``."""
 
-    def between(self, part: float) -> tuple[Snapshot, float, float]:
-        """Return everything at ``part`` (0 to 1) of the last step, and work and loss [J] from its start."""
+    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
+        """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start."""

@@ -241,12 +241,13 @@ class GeneralizedAlpha:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         return Snapshot.of(self.t, self.state, self.system, self.supports, self.kinetic)
 
-    def between(self, part: float) -> tuple[Snapshot, float, float]:
+    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`: cubic in the poses, linear in the rest."""
-        (old, before), new = self._start, self.state
-        state = old.copy()
+        (old, before), new, after = self._start, self.state, self.snapshot()
+        count = len(parts)
+        r, q, twist = (np.empty((count, *shape.shape)) for shape in (new.r, new.q, new.twist))
         interpolate(
-            part,
+            parts,
             self._step,
             old.r,
             old.q,
@@ -258,11 +259,18 @@ class GeneralizedAlpha:
             self._rate,
             np.zeros(len(new.r)),
             False,
-            state.r,
-            state.q,
-            state.twist,
+            r,
+            q,
+            twist,
         )
-        return before.blend(self.snapshot(), part, state, self.system), part * self.work, part * self.loss
+        return [
+            (
+                before.blend(after, part, State(r[k], q[k], twist[k]), self.system),
+                part * self.work,
+                part * self.loss,
+            )
+            for k, part in enumerate(parts)
+        ]
 
     def _solve(self, t: float, before: bool, relation: Relation, increment: Floats) -> Solution:
         """Solve the balance at time ``t`` for the poses reached by ``increment`` (predicted) from the last state."""

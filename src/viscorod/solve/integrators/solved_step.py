@@ -109,23 +109,21 @@ def follow(weights: Floats, start: Floats, values: Floats, places: Integers, out
     """Interpolate Gauss-point fields between the stages of a step.
 
     Args:
-        weights: of the stages at the wanted instant; the start has the rest of one.
+        weights: of the stages at the wanted instants ``(k, s)``; the start has the rest of one.
         start: field at the start of the step ``(m, 6)``, in the order of results; values: at the stages
             ``(s, e, points, 6)``.
         places: where the points of the results are in ``(e, points)`` flattened.
-        out: ``(m, 6)``.
+        out: ``(k, m, 6)``.
     """
-    rest = 1.0
-    for weight in weights:
-        rest -= weight
     top = values.shape[2]
-    for g in range(places.shape[0]):
-        e, point = places[g] // top, places[g] % top
-        for a in range(6):
-            total = rest * start[g, a]
-            for i in range(weights.shape[0]):
-                total += weights[i] * values[i, e, point, a]
-            out[g, a] = total
+    for k in range(weights.shape[0]):
+        for g in range(places.shape[0]):
+            e, point = places[g] // top, places[g] % top
+            for a in range(6):
+                total = start[g, a]
+                for i in range(weights.shape[1]):
+                    total += weights[k, i] * (values[i, e, point, a] - start[g, a])
+                out[k, g, a] = total
 
 
 @kernel

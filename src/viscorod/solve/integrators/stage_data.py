@@ -23,9 +23,8 @@ class Body(NamedTuple):
     """What does not change in a run: elements, inertia, supports.
 
     ``mass (n, 6, 6)``; ``held``, ``split (n,)`` mark nodes whose pose is prescribed / held in part; ``nodes, fixed,
-    axes, r0,
-    q0, complete`` describe the supports as in ``mechanics.supports.impose``; ``loaded`` lists the nodes that loads act
-    on.
+    axes, r0, q0, complete`` describe the supports as in ``mechanics.supports.impose``, ``partly``: any of them leaves
+    motions free; ``loaded`` lists the nodes that loads act on.
     """
 
     elements: Elements
@@ -38,6 +37,7 @@ class Body(NamedTuple):
     r0: Floats
     q0: Floats
     complete: Floats
+    partly: bool
     loaded: Integers
     length: float
 
@@ -65,6 +65,7 @@ class Body(NamedTuple):
             supports.r0,
             supports.q0,
             complete,
+            len(supports.partial) > 0,
             np.flatnonzero(loaded).astype(np.int64),
             problem.length,
         )

@@ -259,12 +259,18 @@ def evaluate(
                 residual[k, a] = total
         if not final:
             add_frozen_forces(body.elements, operators, stages.section_force[i], stages.stress[i], residual)
-        power = 0.0
-        for m in range(body.nodes.shape[0]):
-            if body.complete[m] != 0.0:
+        if final:
+            power = 0.0
+            for m in range(body.nodes.shape[0]):
+                if body.complete[m] != 0.0:
+                    for a in range(6):
+                        power += residual[body.nodes[m], a] * twist[i, body.nodes[m], a]
+            stages.held_power[i] = power
+        if final or body.partly:
+            impose(body, given, stages, i, work)
+        for k in range(n):
+            if body.held[k] != 0.0:
                 for a in range(6):
-                    power += residual[body.nodes[m], a] * twist[i, body.nodes[m], a]
-        stages.held_power[i] = power
-        impose(body, given, stages, i, work)
+                    residual[k, a] = 0.0
         if ends.active:
             hold_ends(body, given, stages, ends, work)

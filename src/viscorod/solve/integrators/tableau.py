@@ -82,15 +82,17 @@ class Tableau(NamedTuple):
             np.asarray(np.linalg.inv(powers.T) / k, dtype=np.float64),
         )
 
-    def polynomial(self, place: float) -> Floats:
-        """Values at ``place`` of the polynomials that are one at one node, zero at the others and at 0 ``(s,)``."""
-        values: Floats = self.values @ place ** np.arange(1, len(self.nodes) + 1)
-        return values
+    def polynomials(self, places: Floats) -> Floats:
+        """Values ``(k, s)`` at ``places (k,)`` of the polynomials that are one at one node, else zero, and at 0."""
+        return self._powers(places) @ self.values.T
 
-    def partial_weights(self, part: float) -> Floats:
-        """Weights ``(s,)`` of the integral of stage values from 0 to ``part`` of the step."""
-        weights: Floats = self.integrals @ part ** np.arange(1, len(self.nodes) + 1)
-        return weights
+    def partial_weights(self, parts: Floats) -> Floats:
+        """Weights ``(k, s)`` of the integrals of stage values from 0 to ``parts (k,)`` of the step."""
+        return self._powers(parts) @ self.integrals.T
+
+    def _powers(self, places: Floats) -> Floats:
+        powers: Floats = places[:, None] ** np.arange(1, len(self.nodes) + 1)
+        return powers
 
 
 RADAU = Tableau.of(np.array([(4.0 - np.sqrt(6.0)) / 10.0, (4.0 + np.sqrt(6.0)) / 10.0, 1.0]))
