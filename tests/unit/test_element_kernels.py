@@ -8,6 +8,7 @@ import pytest
 from derivatives import slope_of
 from viscorod.mechanics import geometric, loading
 from viscorod.mechanics.basis import gauss, lagrange
+from viscorod.mechanics.lanes import LANES
 from viscorod.mechanics.rotation import inverse_motion_tangent, retract
 
 rng = np.random.default_rng(7)
@@ -87,16 +88,26 @@ class Element:
         diagonal = 6 * m - 1
         band = np.zeros((6 * m, 2 * diagonal + 1))
         strain, rate, S = np.zeros((3, 1, g, 6))
-        operator = np.zeros((1, g, 6, 6 * m))
+        operator = np.full((-(-g // LANES), m, 6, 6, LANES), np.nan)
+        self.rate_band = np.zeros_like(band)
         if stress is None:
             stress = np.zeros((1, g, 6))
         geometric.assemble(
             self.nodes, self.links, self.link_r, self.link_q, self.shapes, self.slopes, self.weights,
-            np.array([self.half]), self.section, self.C, self.D, True, self.reference, stress, r, q, twist, moving,
-            self.rate_map, True, force, band, diagonal, strain, rate, S, operator,
+            np.array([self.half]), self.section, self.C, self.D, True, True, self.reference, stress, r, q, twist, moving,
+            self.rate_map, True, force, band, self.rate_band, diagonal, strain, rate, S, operator,
         )  # fmt: skip
         K = np.array([[band[j, diagonal + i - j] for j in range(6 * m)] for i in range(6 * m)])
-        return force.ravel(), K, strain, rate, S, operator
+        return force.ravel(), K, strain, rate, S, self.section_columns(S, operator)
+
+    def section_columns(self, S, operator):
+        """The change of the section forces per unit increment, as Newton's method carries them."""
+        columns = np.empty((6 * self.m, *S.shape))
+        for column, u in zip(columns, np.eye(6 * self.m), strict=True):
+            geometric.update_stress(
+                self.nodes, self.links, self.link_r, self.link_q, S, operator, u.reshape(self.m, 6), column
+            )
+        return np.moveaxis(columns - S, 0, -1)
 
     def attached(self, r, q):
         r, q = r.copy(), q.copy()

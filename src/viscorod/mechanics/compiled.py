@@ -18,6 +18,14 @@ def kernel(function: Kernel) -> Kernel:
     return cast(Kernel, compiled)
 
 
+def lane_kernel(function: Kernel) -> Kernel:
+    """Compile a loop over lanes into its caller, where row lengths are constants: without them it cannot vectorise."""
+    compiled: Any = numba.njit(
+        cache=True, error_model="numpy", fastmath={"contract", "nsz"}, forceinline=True
+    )(function)
+    return cast(Kernel, compiled)
+
+
 def announce_compilation(largest: Any) -> None:
     """Say so if the machine code of the kernel ``largest`` is neither in memory nor on disk yet."""
     folder = Path(largest.stats.cache_path)

@@ -46,13 +46,15 @@ def element_poses(
     ``links[k] >= 0`` names the constant pose of the element's node in the frame of the shared node (a rigid
     attachment).
     """
-    offset = np.empty(3)
     for k in range(nodes.shape[0]):
         n = nodes[k]
         if links[k] < 0:
-            re[k] = r[n]
-            qe[k] = q[n]
+            for i in range(3):
+                re[k, i] = r[n, i]
+            for i in range(4):
+                qe[k, i] = q[n, i]
         else:
+            offset = np.empty(3)
             rotate(q[n], link_positions[links[k]], offset)
             for i in range(3):
                 re[k, i] = r[n, i] + offset[i]
