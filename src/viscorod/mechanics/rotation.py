@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.vectors import dot, vector
 from viscorod.typing import Floats
 
 
@@ -232,16 +233,29 @@ def inverse_motion_tangent(increment: Floats, scale: float, out: Floats) -> None
         out: ``(n, 6, 6)``.
     """
     for k in range(increment.shape[0]):
-        m = out[k]
-        m[:, :] = 0.0
-        theta = increment[k, 3:6]
-        inverse_rotation_tangent(theta, m[0:3, 0:3])
-        inverse_rotation_tangent_rate(theta, increment[k, 0:3], m[0:3, 3:6])
+        a = vector(increment, k, 0)
+        theta = vector(increment, k, 3)
+        phi2 = dot(theta, theta)
+        t = dot(theta, a)
+        c, d = inverse_coefficients(phi2)
+        # inverse_rotation_tangent and its rate along a, written out: no slices in a loop over all nodes
         for i in range(3):
             for j in range(3):
-                m[i, j] *= scale
-                m[i, 3 + j] *= scale
-                m[3 + i, 3 + j] = m[i, j]
+                turn = c * theta[i] * theta[j]
+                push = c * (theta[i] * a[j] + a[i] * theta[j]) + d * t * theta[i] * theta[j]
+                if i == j:
+                    turn += 1.0 - c * phi2
+                    push -= (2.0 * c + d * phi2) * t
+                elif j == (i + 1) % 3:
+                    turn -= 0.5 * theta[3 - i - j]
+                    push -= 0.5 * a[3 - i - j]
+                else:
+                    turn += 0.5 * theta[3 - i - j]
+                    push += 0.5 * a[3 - i - j]
+                out[k, i, j] = scale * turn
+                out[k, i, 3 + j] = scale * push
+                out[k, 3 + i, j] = 0.0
+                out[k, 3 + i, 3 + j] = scale * turn
 
 
 @kernel
