@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, lane_kernel
 from viscorod.mechanics.rotation import rotation_matrix
+from viscorod.mechanics.vectors import Quaternion, Vector, cross, plus, rotated, scaled
 from viscorod.typing import Floats
 
 
@@ -23,22 +24,6 @@ def link_map(position: Floats, quaternion: Floats, X: Floats) -> None:
         X[i, 3] = R[2, i] * position[1] - R[1, i] * position[2]
         X[i, 4] = R[0, i] * position[2] - R[2, i] * position[0]
         X[i, 5] = R[1, i] * position[0] - R[0, i] * position[1]
-
-
-@kernel
-def inverse_link_map(position: Floats, quaternion: Floats, X: Floats) -> None:
-    """Write the inverse of :func:`link_map` into ``X`` (6, 6): ``theta = R theta_k``, ``a = R a_k + d x theta``."""
-    R = np.empty((3, 3))
-    rotation_matrix(quaternion, R)
-    for i in range(3):
-        for j in range(3):
-            X[i, j] = R[i, j]
-            X[3 + i, 3 + j] = R[i, j]
-            X[3 + i, j] = 0.0
-    for j in range(3):
-        X[0, 3 + j] = position[1] * R[2, j] - position[2] * R[1, j]
-        X[1, 3 + j] = position[2] * R[0, j] - position[0] * R[2, j]
-        X[2, 3 + j] = position[0] * R[1, j] - position[1] * R[0, j]
 
 
 @kernel
@@ -67,30 +52,22 @@ def map_rows(A: Floats, first: int, X: Floats) -> None:
             A[first + i, j] = column[i]
 
 
-@kernel
-def attached_rate_map(
-    link: int, positions: Floats, quaternions: Floats, n: int, rate_map: Floats, out: Floats
-) -> None:
-    """Write ``X T X^-1``: the rate map of an attached pose from that of its shared node ``n``."""
-    X = np.empty((6, 6))
-    link_map(positions[link], quaternions[link], X)
-    for i in range(6):
-        for j in range(6):
-            total = 0.0
-            for a in range(6):
-                total += X[i, a] * rate_map[n, a, j]
-            out[i, j] = total
-    inverse_link_map(positions[link], quaternions[link], X)
-    map_columns(out, 0, X)
+@lane_kernel
+def attached_twist(d: Vector, own: Quaternion, v: Vector, w: Vector) -> tuple[Vector, Vector]:
+    """Return ``X (v, w)``: twist or increment at a pose attached with offset ``d`` and quaternion ``own``."""
+    back = own[0], scaled(-1.0, own[1])
+    return rotated(back, plus(v, 1.0, cross(w, d))), rotated(back, w)
 
 
-@kernel
-def attach_block(row: int, column: int, positions: Floats, quaternions: Floats, block: Floats) -> None:
-    """Take a 6x6 block from attached poses (links ``row`` and ``column``, -1 for none) to the shared nodes."""
-    X = np.empty((6, 6))
-    if column >= 0:
-        link_map(positions[column], quaternions[column], X)
-        map_columns(block, 0, X)
-    if row >= 0:
-        link_map(positions[row], quaternions[row], X)
-        map_rows(block, 0, X)
+@lane_kernel
+def shared_wrench(d: Vector, own: Quaternion, f: Vector, m: Vector) -> tuple[Vector, Vector]:
+    """Return ``X^T (f, m)``: the wrench on the attached pose as one on the shared node."""
+    force = rotated(own, f)
+    return force, plus(rotated(own, m), 1.0, cross(d, force))
+
+
+@lane_kernel
+def attached_wrench(d: Vector, own: Quaternion, f: Vector, m: Vector) -> tuple[Vector, Vector]:
+    """Return ``X^-T (f, m)``, the inverse of :func:`shared_wrench`."""
+    back = own[0], scaled(-1.0, own[1])
+    return rotated(back, f), rotated(back, plus(m, -1.0, cross(d, f)))

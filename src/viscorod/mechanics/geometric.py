@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.attachment import attach_block, attached_rate_map
+from viscorod.mechanics.attachment import attached_twist, attached_wrench, shared_wrench
 from viscorod.mechanics.compiled import kernel, lane_kernel
 from viscorod.mechanics.lanes import (
     AT_FORCE,
@@ -46,7 +46,7 @@ from viscorod.mechanics.tangent_lanes import (
 )
 from viscorod.mechanics.vectors import (
     Quaternion,
-    cross,
+    Vector,
     dot,
     load,
     plus,
@@ -117,8 +117,7 @@ def gather_nodes(
                 d, own = vector(link_positions, link, 0), quaternion(link_quaternions, link)
                 place = plus(place, 1.0, rotated(turn, d))
                 turn = product(turn, own)
-                back = own[0], scaled(-1.0, own[1])
-                v, w = rotated(back, plus(v, 1.0, cross(w, d))), rotated(back, w)
+                v, w = attached_twist(d, own, v, w)
             if before[0] * turn[0] + dot(before[1], turn[1]) < 0.0:
                 turn = -turn[0], scaled(-1.0, turn[1])
             before = turn
@@ -130,7 +129,13 @@ def gather_nodes(
 
 @lane_kernel
 def gather_sections(
-    count: int, element: Integers, place: Integers, section: Integers, coupled: bool, matrices: Floats, out: Floats
+    count: int,
+    element: Integers,
+    place: Integers,
+    section: Integers,
+    coupled: bool,
+    matrices: Floats,
+    out: Floats,
 ) -> None:
     """Put the section matrices into their lanes, their diagonals only unless ``coupled``."""
     for lane in range(count):
@@ -155,22 +160,32 @@ def gather_rate_maps(
     link_positions: Floats,
     link_quaternions: Floats,
     rate_map: Floats,
-    Y: Floats,
     out: Floats,
 ) -> None:
-    """Put the rate maps of nodes j into their lanes, as (column, row)."""
+    """Put the rate maps of nodes j into their lanes, as (column, row); ``X T X^-1`` for attached ones."""
     for lane in range(count):
         e = element[lane]
         n, link = nodes[e, j], links[e, j]
-        if link < 0:
+        for a in range(6):
+            for b in range(6):
+                out[b, a, lane] = rate_map[n, a, b]
+        if link >= 0:
+            d, own = vector(link_positions, link, 0), quaternion(link_quaternions, link)
             for a in range(6):
-                for b in range(6):
-                    out[b, a, lane] = rate_map[n, a, b]
-        else:
-            attached_rate_map(link, link_positions, link_quaternions, n, rate_map, Y)
-            for a in range(6):
-                for b in range(6):
-                    out[b, a, lane] = Y[a, b]
+                f, m = attached_wrench(d, own, row(out, 0, a, lane), row(out, 3, a, lane))
+                for b in range(3):
+                    out[b, a, lane] = f[b]
+                    out[3 + b, a, lane] = m[b]
+            for b in range(6):
+                v, w = attached_twist(d, own, load(out, b, 0, lane), load(out, b, 3, lane))
+                store(out, b, 0, lane, v)
+                store(out, b, 3, lane, w)
+
+
+@lane_kernel
+def row(block: Floats, b: int, a: int, lane: int) -> Vector:
+    """Return three entries of row ``a`` of a (column, row) block, from column ``b`` on."""
+    return block[b, a, lane], block[b + 1, a, lane], block[b + 2, a, lane]
 
 
 @lane_kernel
@@ -184,27 +199,32 @@ def add_blocks(
     link_positions: Floats,
     link_quaternions: Floats,
     block: Floats,
-    Y: Floats,
     band: Floats,
     diagonal: int,
 ) -> None:
-    """Add the blocks (node k, node j) of all lanes to the band, attached nodes through their maps."""
+    """Add the blocks (node k, node j) of all lanes to the band, those of attached nodes as seen by the shared ones."""
     for lane in range(count):
         e = element[lane]
-        row, column = nodes[e, k], nodes[e, j]
-        start = diagonal + 6 * (row - column)
-        if links[e, k] < 0 and links[e, j] < 0:
+        n, o = nodes[e, k], nodes[e, j]
+        link = links[e, k]
+        if link >= 0:
+            d, own = vector(link_positions, link, 0), quaternion(link_quaternions, link)
             for b in range(6):
-                for a in range(6):
-                    band[6 * column + b, start - b + a] += block[b, a, lane]
-        else:
-            for b in range(6):
-                for a in range(6):
-                    Y[a, b] = block[b, a, lane]
-            attach_block(links[e, k], links[e, j], link_positions, link_quaternions, Y)
-            for b in range(6):
-                for a in range(6):
-                    band[6 * column + b, start - b + a] += Y[a, b]
+                f, m = shared_wrench(d, own, load(block, b, 0, lane), load(block, b, 3, lane))
+                store(block, b, 0, lane, f)
+                store(block, b, 3, lane, m)
+        link = links[e, j]
+        if link >= 0:
+            d, own = vector(link_positions, link, 0), quaternion(link_quaternions, link)
+            for a in range(6):
+                f, m = shared_wrench(d, own, row(block, 0, a, lane), row(block, 3, a, lane))
+                for b in range(3):
+                    block[b, a, lane] = f[b]
+                    block[3 + b, a, lane] = m[b]
+        start = diagonal + 6 * (n - o)
+        for b in range(6):
+            for a in range(6):
+                band[6 * o + b, start - b + a] += block[b, a, lane]
 
 
 @lane_kernel
@@ -225,9 +245,7 @@ def add_forces(
         n, link = nodes[e, k], links[e, k]
         f, m = load(nodal, 0, 0, lane), load(nodal, 0, 3, lane)
         if link >= 0:
-            own = quaternion(link_quaternions, link)
-            f, m = rotated(own, f), rotated(own, m)
-            m = plus(m, 1.0, cross(vector(link_positions, link, 0), f))
+            f, m = shared_wrench(vector(link_positions, link, 0), quaternion(link_quaternions, link), f, m)
         for i in range(3):
             force[n, i] += f[i]
             force[n, 3 + i] += m[i]
@@ -308,7 +326,6 @@ def assemble(
     nodal = np.empty((1, 6, LANES))
     element = np.empty(LANES, np.int64)
     place = np.empty(LANES, np.int64)
-    Y = np.empty((6, 6))
     e = g = 0
     for first in range(0, total, LANES):
         count = min(LANES, total - first)
@@ -341,9 +358,7 @@ def assemble(
                 section_force[at, of, i] = point[0, AT_FORCE + i, lane]
         for k in range(m):
             forces_on(count, point, node, maps, k, nodal)
-            add_forces(
-                count, element, k, nodes, links, link_positions, link_quaternions, nodal, force
-            )
+            add_forces(count, element, k, nodes, links, link_positions, link_quaternions, nodal, force)
         if not with_tangent:
             continue
         conjugate_stress(count, point)
@@ -352,7 +367,7 @@ def assemble(
             section_columns(count, coupled, C, B, True, A)
             if viscous:
                 gather_rate_maps(
-                    count, element, j, nodes, links, link_positions, link_quaternions, rate_map, Y, T
+                    count, element, j, nodes, links, link_positions, link_quaternions, rate_map, T
                 )
                 rate_columns(count, point, node, maps, j, E)
                 follow_twist(count, B, T, E)
@@ -368,7 +383,17 @@ def assemble(
                 if k == j:
                     add_turning_frame(count, point, node, maps, k, block)
                 add_blocks(
-                    count, element, k, j, nodes, links, link_positions, link_quaternions, block, Y, band, diagonal
+                    count,
+                    element,
+                    k,
+                    j,
+                    nodes,
+                    links,
+                    link_positions,
+                    link_quaternions,
+                    block,
+                    band,
+                    diagonal,
                 )
             if separate:
                 section_columns(count, coupled, D, B, True, A)
@@ -376,8 +401,17 @@ def assemble(
                 for k in range(m):
                     block_of(count, node, maps, k, F, block)
                     add_blocks(
-                        count, element, k, j, nodes, links, link_positions, link_quaternions, block, Y,
-                        rate_band, diagonal,
+                        count,
+                        element,
+                        k,
+                        j,
+                        nodes,
+                        links,
+                        link_positions,
+                        link_quaternions,
+                        block,
+                        rate_band,
+                        diagonal,
                     )
 
 
@@ -417,8 +451,7 @@ def update_stress(
                 else:
                     v, w = vector(increment, n, 0), vector(increment, n, 3)
                     d, own = vector(link_positions, link, 0), quaternion(link_quaternions, link)
-                    back = own[0], scaled(-1.0, own[1])
-                    v, w = rotated(back, plus(v, 1.0, cross(w, d))), rotated(back, w)
+                    v, w = attached_twist(d, own, v, w)
                     for i in range(3):
                         x[i, lane] = v[i]
                         x[3 + i, lane] = w[i]

@@ -19,7 +19,6 @@ from viscorod.mechanics.variation import (
 from viscorod.mechanics.vectors import (
     Quaternion,
     Vector,
-    cross,
     dot,
     load,
     load4,
@@ -105,7 +104,11 @@ def nodal_force(
     g0 = n * Fy[0] + s * Fb[0]
     g = plus(scaled(n, Fy[1]), s, Fb[1])
     one, two, three = 3 * k, 3 * k + 1, 3 * k + 2
-    force = dot(load(maps, one, 0, lane), f), dot(load(maps, two, 0, lane), f), dot(load(maps, three, 0, lane), f)
+    force = (
+        dot(load(maps, one, 0, lane), f),
+        dot(load(maps, two, 0, lane), f),
+        dot(load(maps, three, 0, lane), f),
+    )
     moment = (
         maps[one, 3, lane] * g0 + dot(load(maps, one, 4, lane), g),
         maps[two, 3, lane] * g0 + dot(load(maps, two, 4, lane), g),
@@ -132,7 +135,10 @@ def rates(count: int, point: Floats, node: Floats, maps: Floats) -> None:
             store(point, 0, AT_B + 1, lane, plus(load(point, 0, AT_B + 1, lane), 0.5 * s, x))
     for lane in range(count):
         V_rate, U_rate = first_variation(
-            load(point, 0, AT_V, lane), load(point, 0, AT_U, lane), point[0, AT_Z0, lane], flat_rates(point, lane)
+            load(point, 0, AT_V, lane),
+            load(point, 0, AT_U, lane),
+            point[0, AT_Z0, lane],
+            flat_rates(point, lane),
         )
         store(point, 0, AT_RATE, lane, V_rate)
         store(point, 0, AT_RATE + 3, lane, U_rate)
@@ -186,7 +192,13 @@ def forces_on(count: int, point: Floats, node: Floats, maps: Floats, k: int, out
     """Force and moment of the section forces on one node into ``out`` (6, LANES)."""
     for lane in range(count):
         force, moment = nodal_force(
-            node, maps, k, lane, load(point, 0, AT_FC, lane), load4(point, 0, AT_FY, lane), load4(point, 0, AT_FB, lane)
+            node,
+            maps,
+            k,
+            lane,
+            load(point, 0, AT_FC, lane),
+            load4(point, 0, AT_FY, lane),
+            load4(point, 0, AT_FB, lane),
         )
         store(out, 0, 0, lane, force)
         store(out, 0, 3, lane, moment)

@@ -207,19 +207,6 @@ def inverse_rotation_tangent(theta: Floats, out: Floats) -> None:
 
 
 @kernel
-def inverse_rotation_tangent_rate(theta: Floats, rate: Floats, out: Floats) -> None:
-    """Write the directional derivative of ``T(theta)^-1`` along ``rate`` into ``out``."""
-    phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
-    c, d = inverse_coefficients(phi2)
-    t = theta[0] * rate[0] + theta[1] * rate[1] + theta[2] * rate[2]
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = c * (theta[i] * rate[j] + rate[i] * theta[j]) + d * t * theta[i] * theta[j]
-        out[i, i] -= 2.0 * c * t + d * t * phi2
-    add_skew(rate, 0.5, out)
-
-
-@kernel
 def inverse_motion_tangent(increment: Floats, scale: float, out: Floats) -> None:
     """Write ``scale`` times the inverse right tangent of the exponential on SE(3) into ``out``.
 
@@ -238,7 +225,7 @@ def inverse_motion_tangent(increment: Floats, scale: float, out: Floats) -> None
         phi2 = dot(theta, theta)
         t = dot(theta, a)
         c, d = inverse_coefficients(phi2)
-        # inverse_rotation_tangent and its rate along a, written out: no slices in a loop over all nodes
+        # as inverse_rotation_tangent, and its derivative along a; slices would cost more than the formula
         for i in range(3):
             for j in range(3):
                 turn = c * theta[i] * theta[j]
