@@ -221,10 +221,12 @@ def add_blocks(
                 for b in range(3):
                     block[b, a, lane] = f[b]
                     block[3 + b, a, lane] = m[b]
+        # unsigned indices: signed ones are tested for counting from the end, which costs more than the sum
         start = diagonal + 6 * (n - o)
         for b in range(6):
+            column, top = np.uint64(6 * o + b), np.uint64(start - b)
             for a in range(6):
-                band[6 * o + b, start - b + a] += block[b, a, lane]
+                band[column, top + np.uint64(a)] += block[b, a, lane]
 
 
 @lane_kernel

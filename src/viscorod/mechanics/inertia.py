@@ -93,8 +93,9 @@ def add_momentum_rate(
             block[3 + a, 3 + i] += m[b]
             block[3 + b, 3 + i] -= m[a]
         for j in range(6):
+            column, top = np.uint64(6 * k + j), np.uint64(diagonal - j)
             for i in range(6):
-                band[6 * k + j, diagonal + i - j] += block[i, j]
+                band[column, top + np.uint64(i)] += block[i, j]
 
 
 @kernel
