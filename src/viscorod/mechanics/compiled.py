@@ -19,9 +19,14 @@ def kernel(function: Kernel) -> Kernel:
 
 
 def lane_kernel(function: Kernel) -> Kernel:
-    """Compile a loop over lanes into its caller, where row lengths are constants: without them it cannot vectorise."""
-    compiled: Any = numba.njit(
-        cache=True, error_model="numpy", fastmath={"contract", "nsz"}, forceinline=True
+    """Compile ``function`` into its callers only: loops over lanes vectorise where row lengths are constants."""
+    njit: Any = numba.njit
+    compiled = njit(
+        error_model="numpy",
+        fastmath={"contract", "nsz"},
+        forceinline=True,
+        no_cpython_wrapper=True,
+        no_cfunc_wrapper=True,
     )(function)
     return cast(Kernel, compiled)
 

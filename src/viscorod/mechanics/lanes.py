@@ -31,8 +31,10 @@ from viscorod.mechanics.vectors import (
 from viscorod.typing import Floats
 
 LANES = 16
+"""With fewer, the compiler finds it too dear to check that arrays do not overlap; more do not fit into the L1 cache."""
 
-# rows of ``point``: r', q~, q~'; strains and maps; flat rates; strain, rate, force; stress iterate; conjugate forces
+# rows of ``point`` (1, rows, LANES): r', q~, q~'; V, U, z0, conj(q~)/|q~|^2; flat rates; strain, rate, section force,
+# stress iterate (weighted), weight; forces conjugate to (c, y, b)
 AT_T, AT_F, AT_G = 0, 3, 7
 AT_V, AT_U, AT_Z0, AT_INVERSE = 11, 14, 17, 18
 AT_C, AT_Y, AT_B = 22, 25, 29
@@ -63,7 +65,7 @@ def interpolate(count: int, point: Floats, node: Floats, maps: Floats) -> None:
                 point[0, AT_F + i, lane] += n * node[k, AT_Q + i, lane]
                 point[0, AT_G + i, lane] += s * (node[k, AT_Q + i, lane] - node[0, AT_Q + i, lane])
     for lane in range(count):
-        V, U, z0, inverse, _ = strain_measures(
+        V, U, z0, inverse = strain_measures(
             load(point, 0, AT_T, lane), load4(point, 0, AT_F, lane), load4(point, 0, AT_G, lane)
         )
         store(point, 0, AT_V, lane, V)

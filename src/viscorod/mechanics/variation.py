@@ -21,17 +21,15 @@ Flat: TypeAlias = tuple[Vector, Quaternion, Quaternion]
 
 
 @lane_kernel
-def strain_measures(
-    t: Vector, f: Quaternion, g: Quaternion
-) -> tuple[Vector, Vector, float, Quaternion, float]:
-    """Return ``V, U, z0, conj(q~)/|q~|^2`` and ``|q~|^2`` from ``t = r'``, ``f = q~`` and ``g = q~'``."""
+def strain_measures(t: Vector, f: Quaternion, g: Quaternion) -> tuple[Vector, Vector, float, Quaternion]:
+    """Return ``V, U, z0, conj(q~)/|q~|^2`` from ``t = r'``, ``f = q~`` and ``g = q~'``."""
     norm2 = f[0] * f[0] + dot(f[1], f[1])
     inverse = f[0] / norm2, scaled(-1.0 / norm2, f[1])
     z0, zv = product(inverse, g)
     # R^T t = conj(q~) t q~/|q~|^2, written as t + 2 (x0 t x xv + (t x xv) x xv)/|q~|^2
     w = cross(t, f[1])
     V = plus(t, 2.0 / norm2, plus(cross(w, f[1]), f[0], w))
-    return V, scaled(2.0, zv), z0, inverse, norm2
+    return V, scaled(2.0, zv), z0, inverse
 
 
 @lane_kernel
