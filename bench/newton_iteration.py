@@ -3,11 +3,9 @@
     python bench/newton_iteration.py [--elements 10 100 1000] [--order 1]
 
 An iteration is all of: poses from increments, assembly of residual and tangent (elastic, viscous, geometric, inertial,
-supports), factorisation, solution, update of poses and section forces. LAPACK's part is dgbtrf + dgbtrs on the
-very matrix of
-that iteration. Both are timed in turn in one process, best of several rounds; the ratio is what counts. The second
-table
-shows the cost per element from 100 to 10 000 elements.
+supports), factorisation, solution, update of poses and section forces. LAPACK's part is dgbtrf + dgbtrs on the very
+matrix of that iteration. Both are timed in turn in one process, best of many short rounds; the ratio is what counts.
+The second table shows cost and memory per element from 50 to 10 000 elements, in one rod and in 1000 rods.
 """
 
 from __future__ import annotations
@@ -30,17 +28,19 @@ from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State
 
 
-def integrator_of(elements: int, order: int) -> GeneralizedAlpha:
-    """The damped cantilever of Linn, Lang and Tuganov with many elements, on its way."""
+def integrator_of(elements: int, order: int, rods: int = 1) -> GeneralizedAlpha:
+    """The damped cantilever of Linn, Lang and Tuganov with many elements, on its way; or many of them side by side."""
     material = vr.Material(1e6, poissons_ratio=0.3, density=1000.0, damping=vr.KelvinVoigt(0.02, 0.02))
     model = vr.Model()
     section = vr.Rectangle(0.01, 0.01)
-    rod = vr.Rod.straight(
-        (0, 0, 0), (0.3, 0, 0), section=section, material=material, elements=elements, order=order
-    )
-    model.add("beam", rod)
-    model.clamp("beam.start")
-    model.force("beam.end", (0, 0.01, 0.005))
+    for k in range(rods):
+        y = 0.05 * k
+        rod = vr.Rod.straight(
+            (0, y, 0), (0.3, y, 0), section=section, material=material, elements=elements // rods, order=order
+        )
+        model.add(f"beam{k}", rod)
+        model.clamp(f"beam{k}.start")
+        model.force(f"beam{k}.end", (0, 0.01, 0.005))
     problem = discretise(model)
     system = GeometricSystem(problem)
     integrator = GeneralizedAlpha(system, SupportState(problem))
@@ -61,9 +61,30 @@ def best_of(function: Callable[[], object], rounds: int, repeats: int) -> float:
     return best
 
 
-def measure(elements: int, order: int) -> tuple[float, float, int]:
-    """Seconds of an iteration and of LAPACK's part, and the number of unknowns."""
-    integrator = integrator_of(elements, order)
+def bytes_of(*owners: object) -> int:
+    """Bytes of all distinct arrays that objects of this package hold, directly or through each other."""
+    found: dict[int, np.ndarray] = {}
+    seen: set[int] = set()
+    waiting = list(owners)
+    while waiting:
+        item = waiting.pop()
+        if id(item) in seen:
+            continue
+        seen.add(id(item))
+        if isinstance(item, np.ndarray):
+            base = item if item.base is None else item.base
+            if isinstance(base, np.ndarray):
+                found[id(base)] = base
+        elif isinstance(item, (list, tuple)):
+            waiting.extend(item)
+        elif type(item).__module__.startswith("viscorod"):
+            waiting.extend(vars(item).values())
+    return sum(array.nbytes for array in found.values())
+
+
+def measure(elements: int, order: int, rods: int = 1) -> tuple[float, float, int, int]:
+    """Seconds of an iteration and of LAPACK's part, the number of unknowns, and bytes of problem, system and band."""
+    integrator = integrator_of(elements, order, rods)
     system = integrator.system
     n = system.problem.size
     slope = 2e3
@@ -71,7 +92,7 @@ def measure(elements: int, order: int) -> tuple[float, float, int]:
     loads = integrator.loads.at(integrator.t)
     new = integrator.state.copy()
     increment = 1e-6 * np.random.default_rng(0).normal(size=(n, 6))
-    increment[0] = 0.0
+    increment[integrator.supports.set.nodes] = 0.0
     start = increment.copy()
 
     def iteration() -> None:
@@ -98,30 +119,40 @@ def measure(elements: int, order: int) -> tuple[float, float, int]:
         _, pivots, _ = dgbtrf(work.T, band.width, band.width, overwrite_ab=1)
         dgbtrs(work.T, band.width, band.width, right, pivots, overwrite_b=1)
 
-    repeats = max(2, 4000 // elements)
-    ours = theirs = np.inf
-    for _ in range(5):  # in turn: both see the same noise
+    repeats = max(1, 400 // elements)
+    ours = theirs = copied = np.inf
+    for _ in range(max(10, min(50, 20_000 // elements))):  # in turn: all see the same noise
         ours = min(ours, best_of(iteration, 2, repeats))
-        theirs = min(theirs, best_of(lapack, 2, repeats) - best_of(copy, 2, repeats))
-    return ours, theirs, 6 * n
+        theirs = min(theirs, best_of(lapack, 2, repeats))
+        copied = min(copied, best_of(copy, 2, repeats))
+    return ours, theirs - copied, 6 * n, bytes_of(system.problem, system, band)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--elements", type=int, nargs="+", default=[10, 100, 1000])
+    parser.add_argument("--elements", type=int, nargs="+")
     parser.add_argument("--order", type=int, default=1)
     args = parser.parse_args()
-    print(f"order {args.order}")
-    print("elements  unknowns   iteration [us]  LAPACK [us]   ratio")
-    for count in args.elements:
-        ours, theirs, unknowns = measure(count, args.order)
-        print(f"{count:8d}  {unknowns:8d}   {ours * 1e6:14.0f}  {theirs * 1e6:11.0f}   {ours / theirs:5.2f}")
-    print("\nelements  iteration per element [us]  against 100 elements")
-    reference = None
-    for count in (100, 1000, 10_000):
-        per_element = measure(count, args.order)[0] / count
-        reference = reference or per_element
-        print(f"{count:8d}  {per_element * 1e6:26.2f}  {per_element / reference:20.3f}")
+    if args.elements:
+        cases = [(count, args.order) for count in args.elements]
+    else:
+        cases = [(10, 1), (50, 1), (100, 1), (1000, 1), (4, 3), (33, 3), (333, 3)]
+    print("order  elements  unknowns   iteration [us]  LAPACK [us]   ratio")
+    for count, order in cases:
+        ours, theirs, unknowns, _ = measure(count, order)
+        print(
+            f"{order:5d}  {count:8d}  {unknowns:8d}   {ours * 1e6:14.0f}  {theirs * 1e6:11.0f}   {ours / theirs:5.2f}"
+        )
+    if args.elements:
+        return
+    print("\n rods  elements  iteration per element [us]  against 100 elements  memory per element [bytes]")
+    reference = measure(100, 1)[0] / 100
+    for rods, count in ((1, 50), (1, 100), (1, 300), (1, 1000), (1, 3000), (1, 10_000), (1000, 2000)):
+        ours, _, _, memory = measure(count, 1, rods)
+        per_element = ours / count
+        print(
+            f"{rods:5d}  {count:8d}  {per_element * 1e6:26.2f}  {per_element / reference:20.3f}  {memory / count:26.0f}"
+        )
 
 
 if __name__ == "__main__":

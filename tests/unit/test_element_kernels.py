@@ -8,6 +8,7 @@ import pytest
 from derivatives import slope_of
 from viscorod.mechanics import geometric, loading
 from viscorod.mechanics.basis import gauss, lagrange
+from viscorod.mechanics.lanes import LANES
 from viscorod.mechanics.rotation import inverse_motion_tangent, retract
 
 rng = np.random.default_rng(7)
@@ -78,6 +79,7 @@ class Element:
         a = rng.normal(size=(2, 6, 6))
         self.D = a @ a.transpose(0, 2, 1)
         self.section = rng.integers(0, 2, size=(1, order))
+        self.coupled = True
         self.reference = 0.2 * rng.normal(size=(1, order, 6))
         self.rate_map = rng.normal(size=(m, 6, 6))
 
@@ -87,16 +89,26 @@ class Element:
         diagonal = 6 * m - 1
         band = np.zeros((6 * m, 2 * diagonal + 1))
         strain, rate, S = np.zeros((3, 1, g, 6))
-        operator = np.zeros((1, g, 6, 6 * m))
+        operator = np.full((-(-g // LANES), m, 6, 6, LANES), np.nan)
+        self.rate_band = np.zeros_like(band)
         if stress is None:
             stress = np.zeros((1, g, 6))
         geometric.assemble(
             self.nodes, self.links, self.link_r, self.link_q, self.shapes, self.slopes, self.weights,
-            np.array([self.half]), self.section, self.C, self.D, True, self.reference, stress, r, q, twist, moving,
-            self.rate_map, True, force, band, diagonal, strain, rate, S, operator,
+            np.array([self.half]), self.section, self.C, self.D, self.coupled, True, self.reference, stress, r, q,
+            twist, moving, self.rate_map, True, force, band, self.rate_band, diagonal, strain, rate, S, operator,
         )  # fmt: skip
         K = np.array([[band[j, diagonal + i - j] for j in range(6 * m)] for i in range(6 * m)])
-        return force.ravel(), K, strain, rate, S, operator
+        return force.ravel(), K, strain, rate, S, self.section_columns(S, operator)
+
+    def section_columns(self, S, operator):
+        """The change of the section forces per unit increment, as Newton's method carries them."""
+        columns = np.empty((6 * self.m, *S.shape))
+        for column, u in zip(columns, np.eye(6 * self.m), strict=True):
+            geometric.update_stress(
+                self.nodes, self.links, self.link_r, self.link_q, S, operator, u.reshape(self.m, 6), column
+            )
+        return np.moveaxis(columns - S, 0, -1)
 
     def attached(self, r, q):
         r, q = r.copy(), q.copy()
@@ -150,6 +162,53 @@ def test_tangent_and_stress_operator_match_finite_differences(order, links):
     assert K == pytest.approx(reference, abs=2e-8 * np.abs(reference).max())
     reference = slope_of(lambda x: moved(x)[4].ravel(), 6 * e.m).reshape(1, order, 6, -1)
     assert operator == pytest.approx(reference, abs=2e-8 * np.abs(reference).max())
+
+
+@pytest.mark.parametrize("links", [False, True])
+@pytest.mark.parametrize("order", [1, 3, 8])
+def test_damping_matrix_is_what_the_rate_map_multiplies(order, links):
+    """It is the difference of the tangents for the rate maps T + I and T, and symmetric."""
+    e = Element(order, links)
+    _, with_map, *_ = e.assemble(e.r, e.q, e.twist)
+    e.rate_map += np.eye(6)
+    _, with_more, *_ = e.assemble(e.r, e.q, e.twist)
+    size = 6 * e.m
+    damping = np.array([[e.rate_band[j, size - 1 + i - j] for j in range(size)] for i in range(size)])
+    assert damping == pytest.approx(with_more - with_map, abs=1e-12 * np.abs(with_more).max())
+    assert damping == pytest.approx(damping.T, abs=1e-12 * np.abs(damping).max())
+
+
+def test_uncoupled_sections_may_skip_the_off_diagonals():
+    e = Element(3)
+    e.C, e.D = (np.array([np.diag(np.diag(a)) for a in matrices]) for matrices in (e.C, e.D))
+    full = e.assemble(e.r, e.q, e.twist)
+    e.coupled = False
+    for a, b in zip(full, e.assemble(e.r, e.q, e.twist), strict=True):
+        assert b == pytest.approx(a, abs=1e-12 * np.abs(a).max())
+
+
+@pytest.mark.parametrize("count", [LANES - 1, LANES, LANES + 1, 2 * LANES])
+def test_every_element_of_a_batch_is_assembled(count):
+    """Copies of one element, side by side, each with its own nodes: all get the same forces and blocks."""
+    e = Element(1)
+    force, K, strain, _, S, _ = e.assemble(e.r, e.q, e.twist)
+    n = 2 * count
+    r, q, twist, rate_map = (np.concatenate([a] * count) for a in (e.r, e.q, e.twist, e.rate_map))
+    nodes = np.arange(n).reshape(count, 2)
+    repeat = [np.repeat(a, count, axis=0) for a in (e.links, e.section, e.reference)]
+    total, band = np.zeros((n, 6)), np.zeros((6 * n, 23))
+    points = np.zeros((3, count, 1, 6))
+    geometric.assemble(
+        nodes, repeat[0], e.link_r, e.link_q, e.shapes, e.slopes, e.weights, np.full(count, e.half), repeat[1],
+        e.C, e.D, True, True, repeat[2], np.zeros((count, 1, 6)), r, q, twist, True, rate_map,
+        True, total, band, np.zeros((0, 0)), 11, *points, np.zeros((-(-count // LANES), 2, 6, 6, LANES)),
+    )  # fmt: skip
+    assert total.reshape(count, -1) == pytest.approx(np.tile(force, (count, 1)), rel=1e-12)
+    assert points[0] == pytest.approx(np.repeat(strain, count, axis=0), rel=1e-12)
+    assert points[2] == pytest.approx(np.repeat(S, count, axis=0), rel=1e-12)
+    for first in range(0, 6 * n, 12):
+        block = [[band[first + j, 11 + i - j] for j in range(12)] for i in range(12)]
+        assert np.array(block) == pytest.approx(K, abs=1e-12 * np.abs(K).max())
 
 
 def test_tangent_of_static_equilibrium_is_symmetric():

@@ -9,6 +9,7 @@ import viscorod as vr
 from derivatives import slope_of
 from viscorod.mechanics import supports as kernels
 from viscorod.mechanics.rotation import inverse_motion_tangent, retract
+from viscorod.solve.banded import BandMatrix
 from viscorod.solve.discretise import discretise
 from viscorod.solve.geometric_system import GeometricSystem
 from viscorod.solve.integrators.generalized_alpha import GeneralizedAlpha, Relation
@@ -94,6 +95,22 @@ def test_residual_and_tangent_with_inertia_and_all_loads():
     K = work.system.band.sparse().toarray()
     reference = slope_of(lambda x: work.residual(work.moved(x))[1].ravel(), 6 * work.n, h=2e-4)
     assert K == pytest.approx(reference, abs=3e-7 * np.abs(reference).max())
+
+
+def test_damping_matrix_comes_with_the_tangent():
+    """It is what the rate map multiplies: the difference of the tangents for T + I and T."""
+    work = Workplace(loaded_frame())
+    new, _ = work.residual(work.increment)
+    system, rate_map = work.system, work.integrator._map
+    apart = BandMatrix(work.n, system.band.reach)
+    tangents = []
+    for maps in (rate_map, rate_map + np.eye(6)):
+        system.assemble(new, work.loads, maps, tangent=True, moving=True, rate_band=apart)
+        tangents.append(system.band.sparse().toarray())
+    difference = tangents[1] - tangents[0]
+    assert apart.sparse().toarray() == pytest.approx(difference, abs=1e-12 * np.abs(tangents[0]).max())
+    system.assemble(new, work.loads, rate_map, tangent=True, moving=True)
+    assert np.array_equal(system.band.sparse().toarray(), tangents[0])
 
 
 def test_supports_replace_rows_consistently():

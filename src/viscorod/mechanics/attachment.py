@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, lane_kernel
 from viscorod.mechanics.rotation import rotation_matrix
+from viscorod.mechanics.vectors import Quaternion, Vector, cross, plus, rotated, scaled
 from viscorod.typing import Floats
 
 
@@ -49,3 +50,24 @@ def map_rows(A: Floats, first: int, X: Floats) -> None:
                 column[i] += X[a, i] * A[first + a, j]
         for i in range(6):
             A[first + i, j] = column[i]
+
+
+@lane_kernel
+def attached_twist(d: Vector, own: Quaternion, v: Vector, w: Vector) -> tuple[Vector, Vector]:
+    """Return ``X (v, w)``: twist or increment at a pose attached with offset ``d`` and quaternion ``own``."""
+    back = own[0], scaled(-1.0, own[1])
+    return rotated(back, plus(v, 1.0, cross(w, d))), rotated(back, w)
+
+
+@lane_kernel
+def shared_wrench(d: Vector, own: Quaternion, f: Vector, m: Vector) -> tuple[Vector, Vector]:
+    """Return ``X^T (f, m)``: the wrench on the attached pose as one on the shared node."""
+    force = rotated(own, f)
+    return force, plus(rotated(own, m), 1.0, cross(d, force))
+
+
+@lane_kernel
+def attached_wrench(d: Vector, own: Quaternion, f: Vector, m: Vector) -> tuple[Vector, Vector]:
+    """Return ``X^-T (f, m)``, the inverse of :func:`shared_wrench`."""
+    back = own[0], scaled(-1.0, own[1])
+    return rotated(back, f), rotated(back, plus(m, -1.0, cross(d, f)))

@@ -42,6 +42,19 @@ def on_disk(compiled: Any) -> bool:
     return any(Path(compiled.stats.cache_path).glob(f"{stem}*.nbi"))
 
 
+def lane_kernel(function: Kernel) -> Kernel:
+    """Compile ``function`` into its callers only: loops over lanes vectorise where row lengths are constants."""
+    njit: Any = numba.njit
+    compiled = njit(
+        error_model="numpy",
+        fastmath={"contract", "nsz"},
+        forceinline=True,
+        no_cpython_wrapper=True,
+        no_cfunc_wrapper=True,
+    )(function)
+    return cast(Kernel, compiled)
+
+
 def announce_compilation(largest: Any) -> None:
     """Say so if the machine code of the kernel ``largest`` is neither in memory nor on disk yet."""
     if not largest.signatures and not on_disk(largest):

@@ -1,21 +1,56 @@
 """Forces and tangents of geometric elements: one pass over the Gauss points of all elements of one order.
 
 The element is described in ``strain``; here its section forces are turned into nodal forces, and their derivative is
-assembled into the band.
+assembled into the band. Gauss points are taken in batches of LANES, so that the formulas of ``lanes`` and
+``tangent_lanes`` run on whole vector registers; only what is in ``gathering`` goes point by point.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.attachment import link_map, map_columns, map_rows
+from viscorod.mechanics.attachment import attached_twist
 from viscorod.mechanics.compiled import kernel
-from viscorod.mechanics.geometric_stiffness import add_geometric_stiffness
-from viscorod.mechanics.strain import (
-    element_poses,
-    gauss_point,
-    strain_operator,
-    strain_rate_operator,
+from viscorod.mechanics.gathering import (
+    add_blocks,
+    add_forces,
+    gather_nodes,
+    gather_rate_maps,
+    gather_sections,
+)
+from viscorod.mechanics.lanes import (
+    AT_FORCE,
+    AT_RATE,
+    AT_SHAPE,
+    AT_SLOPE,
+    AT_STRAIN,
+    AT_STRESS,
+    AT_WEIGHT,
+    LANES,
+    MAP_ROWS,
+    NODE_ROWS,
+    POINT_ROWS,
+    forces_on,
+    interpolate,
+    rates,
+    section_forces,
+)
+from viscorod.mechanics.strain import element_poses, gauss_point
+from viscorod.mechanics.tangent_lanes import (
+    FLAT_ROWS,
+    add_turned_forces,
+    add_turning_frame,
+    block_of,
+    conjugate_stress,
+    follow_twist,
+    force_columns,
+    rate_columns,
+    section_columns,
+    strain_columns,
+)
+from viscorod.mechanics.vectors import (
+    quaternion,
+    vector,
 )
 from viscorod.typing import Floats, Integers
 
@@ -64,6 +99,7 @@ def assemble(
     section: Integers,
     stiffness: Floats,
     damping: Floats,
+    coupled: bool,
     damped: bool,
     reference: Floats,
     stress: Floats,
@@ -75,6 +111,7 @@ def assemble(
     with_tangent: bool,
     force: Floats,
     band: Floats,
+    rate_band: Floats,
     diagonal: int,
     strain: Floats,
     strain_rate: Floats,
@@ -89,193 +126,162 @@ def assemble(
         shapes, slopes: basis and its derivative in xi at the Gauss points ``(points, m)``; ``weights`` ``(points,)``.
         half_lengths: half the reference arc length of each element [m].
         section: index of the section at every Gauss point ``(elements, points)``.
-        stiffness, damping: section matrices C and D ``(sections, 6, 6)``; ``damped`` False skips D.
+        stiffness, damping: section matrices C and D ``(sections, 6, 6)``; ``coupled`` False takes them as diagonal,
+            ``damped`` False skips D.
         reference: strains of the unstressed shape ``(elements, points, 6)``.
         stress: section force used in the geometric stiffness (the mixed iterate) ``(elements, points, 6)``.
         r, q, twist: nodal positions, unit quaternions and body twists; ``moving`` False means that all twists vanish.
         rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``; read only if ``damped and moving``.
         force: ``(n, 6)``, internal force in body frames is added.
         band: ``(6 n, columns)``, row j holds column j of the matrix, entry (i, j) at ``band[j, diagonal + i - j]``.
+        rate_band: the derivative by the twists alone, laid out like ``band``; no rows if it is not wanted.
         strain, strain_rate, section_force: outputs ``(elements, points, 6)``: (V, U) - reference, its rate, C eps
             + D eps_t.
-        operator: output ``(elements, points, 6, 6 m)``, change of the section force per nodal increment (with the
-            tangent).
+        operator: output ``(batches, m, 6, 6, LANES)``, change of the section force per nodal increment (column, row;
+            with the tangent).
 
     model.md section 4: ``f = sum_g w_g B^T (C eps + D eps_t)``.
     """
     m = nodes.shape[1]
-    size = 6 * m
     points = shapes.shape[0]
-    re = np.empty((m, 3))
-    qe = np.empty((m, 4))
-    te = np.zeros((m, 6))
-    p = np.empty((m, 4))
-    slope = np.empty(m)
-    frame = np.empty(4)
-    V = np.empty(3)
-    U = np.empty(3)
-    Q = np.empty((m, 3, 3))
-    L = np.empty((m, 4, 3))
-    B = np.empty((6, size))
-    E = np.empty((6, size))
-    fe = np.empty(size)
-    KT = np.empty((size, size))  # transposed element matrix: material part, then geometric part
-    GT = np.empty((size, size))
-    X = np.empty((m, 6, 6))
-    rate_work = (
-        np.empty(3),
-        np.empty(4),
-        np.empty(4),
-        np.empty((3, 4)),
-        np.empty((3, 4)),
-        np.empty((3, 4)),
-        np.empty((4, 3)),
-    )
-    stiffness_work = (
-        np.empty((4, 4)),
-        np.empty((4, 4)),
-        np.empty(4),
-        np.empty((4, 3)),
-        np.empty((4, 3)),
-        np.empty((3, 3)),
-        np.empty(3),
-        np.empty(4),
-    )
+    total = nodes.shape[0] * points
     viscous = damped and moving
-    for e in range(nodes.shape[0]):
-        element_poses(nodes[e], links[e], link_positions, link_quaternions, r, q, re, qe)
-        linked = False
-        for k in range(m):
-            if links[e, k] >= 0:
-                linked = True
-                link_map(link_positions[links[e, k]], link_quaternions[links[e, k]], X[k])
+    separate = damped and with_tangent and rate_band.shape[0] > 0
+    point = np.zeros((1, POINT_ROWS, LANES))
+    node = np.zeros((m, NODE_ROWS, LANES))
+    maps = np.zeros((3 * m, MAP_ROWS, LANES))
+    C = np.zeros((6, 6, LANES))
+    D = np.zeros((6, 6, LANES))
+    B = np.empty((6, 6, LANES))
+    E = np.empty((6, 6, LANES))
+    A = np.empty((6, 6, LANES))
+    T = np.empty((6, 6, LANES))
+    F = np.empty((6, FLAT_ROWS, LANES))
+    block = np.empty((6, 6, LANES))
+    nodal = np.empty((1, 6, LANES))
+    element = np.empty(LANES, np.int64)
+    place = np.empty(LANES, np.int64)
+    e = g = 0
+    for first in range(0, total, LANES):
+        count = min(LANES, total - first)
+        for lane in range(count):
+            if g == points:
+                e, g = e + 1, 0
+            element[lane], place[lane] = e, g
+            weight = weights[g] * half_lengths[e]
+            point[0, AT_WEIGHT, lane] = weight
+            for k in range(m):
+                node[k, AT_SHAPE, lane] = shapes[g, k]
+                node[k, AT_SLOPE, lane] = slopes[g, k] / half_lengths[e]
+            for i in range(6):
+                point[0, AT_STRAIN + i, lane] = -reference[e, g, i]
+                point[0, AT_STRESS + i, lane] = weight * stress[e, g, i]
+            g += 1
+        gather_nodes(count, element, nodes, links, link_positions, link_quaternions, r, q, twist, node)
+        gather_sections(count, element, place, section, coupled, stiffness, C)
+        if damped:
+            gather_sections(count, element, place, section, coupled, damping, D)
+        interpolate(count, point, node, maps)
         if viscous:
-            for k in range(m):
-                n = nodes[e, k]
-                if links[e, k] < 0:
-                    for i in range(6):
-                        te[k, i] = twist[n, i]
-                else:
-                    for i in range(6):
-                        te[k, i] = 0.0
-                        for j in range(6):
-                            te[k, i] += X[k, i, j] * twist[n, j]
-        fe[:] = 0.0
-        KT[:, :] = 0.0
-        GT[:, :] = 0.0
-        jacobian = half_lengths[e]
-        for g in range(points):
-            weight = weights[g] * jacobian
-            shape = shapes[g]
-            for k in range(m):
-                slope[k] = slopes[g, k] / jacobian
-            z0 = gauss_point(shape, slope, re, qe, V, U, p, frame)
-            strain_operator(shape, slope, V, U, z0, p, Q, L, B)
-            if linked:
-                for k in range(m):
-                    if links[e, k] >= 0:
-                        map_columns(B, 6 * k, X[k])
-            C = stiffness[section[e, g]]
-            D = damping[section[e, g]]
-            eps = strain[e, g]
-            rate = strain_rate[e, g]
-            S = section_force[e, g]
-            for i in range(3):
-                eps[i] = V[i] - reference[e, g, i]
-                eps[3 + i] = U[i] - reference[e, g, 3 + i]
+            rates(count, point, node, maps)
+        section_forces(count, coupled, viscous, C, D, point)
+        for lane in range(count):
+            at, of = element[lane], place[lane]
             for i in range(6):
-                S[i] = 0.0
-                rate[i] = 0.0
-                for j in range(6):
-                    S[i] += C[i, j] * eps[j]
-            if viscous:
-                for k in range(m):
-                    for j in range(6):
-                        t = twist[nodes[e, k], j]
-                        for i in range(6):
-                            rate[i] += B[i, 6 * k + j] * t
-                for i in range(6):
-                    for j in range(6):
-                        S[i] += D[i, j] * rate[j]
-            for i in range(6):
-                s = weight * S[i]
-                for j in range(size):
-                    fe[j] += s * B[i, j]
-            if not with_tangent:
-                continue
-            A = operator[e, g]
-            for i in range(6):
-                for j in range(size):
-                    A[i, j] = 0.0
-                for a in range(6):
-                    c = C[i, a]
-                    if c != 0.0:
-                        for j in range(size):
-                            A[i, j] += c * B[a, j]
-            if viscous:
-                strain_rate_operator(shape, slope, V, U, z0, p, Q, L, te, rate_work, E)
-                for k in range(m):
-                    col = 6 * k
-                    if links[e, k] >= 0:
-                        map_columns(E, col, X[k])
-                    T = rate_map[nodes[e, k]]
-                    for i in range(6):
-                        for a in range(6):
-                            t = B[i, col + a]
-                            for j in range(6):
-                                E[i, col + j] += t * T[a, j]
-                for i in range(6):
-                    for a in range(6):
-                        d = D[i, a]
-                        if d != 0.0:
-                            for j in range(size):
-                                A[i, j] += d * E[a, j]
-            for j in range(size):
-                for a in range(6):
-                    t = weight * A[a, j]
-                    for i in range(size):
-                        KT[j, i] += t * B[a, i]
-            add_geometric_stiffness(weight, shape, slope, V, U, z0, p, Q, L, stress[e, g], stiffness_work, GT)
-        if linked and with_tangent:
-            for k in range(m):
-                if links[e, k] >= 0:
-                    map_columns(GT, 6 * k, X[k])
-                    map_rows(GT, 6 * k, X[k])
+                strain[at, of, i] = point[0, AT_STRAIN + i, lane]
+                strain_rate[at, of, i] = point[0, AT_RATE + i, lane]
+                section_force[at, of, i] = point[0, AT_FORCE + i, lane]
         for k in range(m):
-            n = nodes[e, k]
-            for i in range(6):
-                force[n, i] += fe[6 * k + i]
-            if with_tangent:
-                for other in range(m):
-                    first = diagonal + 6 * (nodes[e, other] - n)
-                    for j in range(6):
-                        target = band[6 * n + j]
-                        material = KT[6 * k + j]
-                        turned = GT[6 * k + j]
+            forces_on(count, point, node, maps, k, nodal)
+            add_forces(count, element, k, nodes, links, link_positions, link_quaternions, nodal, force)
+        if not with_tangent:
+            continue
+        conjugate_stress(count, point)
+        for j in range(m):
+            strain_columns(count, point, node, maps, j, B)
+            for apart in range(2 if separate else 1):  # the tangent, then the damping matrix alone
+                section_columns(count, coupled, D if apart else C, B, True, A)
+                if viscous and not apart:
+                    gather_rate_maps(
+                        count, element, j, nodes, links, link_positions, link_quaternions, rate_map, T
+                    )
+                    rate_columns(count, point, node, maps, j, E)
+                    follow_twist(count, B, T, E)
+                    section_columns(count, coupled, D, E, False, A)
+                force_columns(count, point, A, F)
+                if not apart:
+                    add_turned_forces(count, point, node, maps, j, F)
+                    for b in range(6):
                         for i in range(6):
-                            target[first - j + i] += material[6 * other + i] + turned[6 * other + i]
+                            for lane in range(count):
+                                operator[first // LANES, j, b, i, lane] = A[b, i, lane]
+                for k in range(m):
+                    block_of(count, node, maps, k, F, block)
+                    if k == j and not apart:
+                        add_turning_frame(count, point, node, maps, k, block)
+                    add_blocks(
+                        count,
+                        element,
+                        k,
+                        j,
+                        nodes,
+                        links,
+                        link_positions,
+                        link_quaternions,
+                        block,
+                        rate_band if apart else band,
+                        diagonal,
+                    )
 
 
 @kernel
 def update_stress(
-    nodes: Integers, section_force: Floats, operator: Floats, increment: Floats, stress: Floats
+    nodes: Integers,
+    links: Integers,
+    link_positions: Floats,
+    link_quaternions: Floats,
+    section_force: Floats,
+    operator: Floats,
+    increment: Floats,
+    stress: Floats,
 ) -> None:
     """Carry the section force of the last iterate along the Newton increment: ``stress = S + A dx``.
 
     This is the mixed (stress as an independent iterate) Newton step with the stress eliminated point by point.
     """
     m = nodes.shape[1]
-    x = np.empty(6 * m)
-    for e in range(nodes.shape[0]):
+    points = section_force.shape[1]
+    total = nodes.shape[0] * points
+    change = np.empty((6, LANES))
+    x = np.empty((6, LANES))
+    for first in range(0, total, LANES):
+        count = min(LANES, total - first)
+        batch = first // LANES
+        for i in range(6):
+            for lane in range(count):
+                change[i, lane] = 0.0
         for k in range(m):
+            for lane in range(count):
+                e = (first + lane) // points
+                n, link = nodes[e, k], links[e, k]
+                if link < 0:
+                    for i in range(6):
+                        x[i, lane] = increment[n, i]
+                else:
+                    v, w = vector(increment, n, 0), vector(increment, n, 3)
+                    d, own = vector(link_positions, link, 0), quaternion(link_quaternions, link)
+                    v, w = attached_twist(d, own, v, w)
+                    for i in range(3):
+                        x[i, lane] = v[i]
+                        x[3 + i, lane] = w[i]
+            for j in range(6):
+                for i in range(6):
+                    for lane in range(count):
+                        change[i, lane] += operator[batch, k, j, i, lane] * x[j, lane]
+        for lane in range(count):
+            e, g = divmod(first + lane, points)
             for i in range(6):
-                x[6 * k + i] = increment[nodes[e, k], i]
-        for g in range(operator.shape[1]):
-            for i in range(6):
-                total = section_force[e, g, i]
-                for j in range(6 * m):
-                    total += operator[e, g, i, j] * x[j]
-                stress[e, g, i] = total
+                stress[e, g, i] = section_force[e, g, i] + change[i, lane]
 
 
 @kernel

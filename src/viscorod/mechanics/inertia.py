@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics.compiled import kernel
-from viscorod.mechanics.rotation import add_skew, rotate, rotate_back
+from viscorod.mechanics.rotation import rotate
+from viscorod.mechanics.vectors import cross, plus, quaternion, rotated, vector
 from viscorod.typing import Floats
 
 
@@ -45,17 +46,6 @@ def kinetic_energy(mass: Floats, twist: Floats) -> float:
 
 
 @kernel
-def body_wrench(r: Floats, q: Floats, wrench: Floats, out: Floats) -> None:
-    """Write the body components, at the node, of one spatial wrench (force, moment about the global origin)."""
-    m = np.empty(3)
-    m[0] = wrench[3] - (r[1] * wrench[2] - r[2] * wrench[1])
-    m[1] = wrench[4] - (r[2] * wrench[0] - r[0] * wrench[2])
-    m[2] = wrench[5] - (r[0] * wrench[1] - r[1] * wrench[0])
-    rotate_back(q, wrench[0:3], out[0:3])
-    rotate_back(q, m, out[3:6])
-
-
-@kernel
 def add_momentum_rate(
     mass: Floats,
     r: Floats,
@@ -80,30 +70,43 @@ def add_momentum_rate(
         rate_map: d(twist)/d(body increment) ``(n, 6, 6)``.
         residual: ``(n, 6)``, added to; band: transposed band (see ``geometric.assemble``).
     """
-    wrench = np.empty(6)
-    block = np.empty((6, 6))
+    block = np.zeros((6, 6))
     for k in range(r.shape[0]):
-        body_wrench(r[k], q[k], history[k], wrench)
+        # body components, at the node, of the spatial wrench from the past
+        f = vector(history, k, 0)
+        m = plus(vector(history, k, 3), -1.0, cross(vector(r, k, 0), f))
+        q0, (q1, q2, q3) = quaternion(q, k)
+        back = q0, (-q1, -q2, -q3)
+        f, m = rotated(back, f), rotated(back, m)
         for i in range(6):
             total = 0.0
             for j in range(6):
                 total += mass[k, i, j] * twist[k, j]
-            residual[k, i] += factor * total + wrench[i]
+            residual[k, i] += factor * total + (f[i] if i < 3 else m[i - 3])
         if not with_tangent:
             continue
-        block[:, :] = 0.0
         for i in range(6):
+            own = factor * mass[k, i, i]
+            for j in range(6):
+                block[i, j] = own * rate_map[k, i, j]
             for a in range(6):
-                m = factor * mass[k, i, a]
-                if m != 0.0:
+                coupling = factor * mass[k, i, a]
+                if a != i and coupling != 0.0:
                     for j in range(6):
-                        block[i, j] += m * rate_map[k, a, j]
-        add_skew(wrench[0:3], 1.0, block[0:3, 3:6])
-        add_skew(wrench[0:3], 1.0, block[3:6, 0:3])
-        add_skew(wrench[3:6], 1.0, block[3:6, 3:6])
+                        block[i, j] += coupling * rate_map[k, a, j]
+        for i in range(3):
+            a, b = (i + 1) % 3, (i + 2) % 3
+            # [f]x and [m]x: both turn with the node
+            block[a, 3 + i] += f[b]
+            block[b, 3 + i] -= f[a]
+            block[3 + a, i] += f[b]
+            block[3 + b, i] -= f[a]
+            block[3 + a, 3 + i] += m[b]
+            block[3 + b, 3 + i] -= m[a]
         for j in range(6):
+            column, top = np.uint64(6 * k + j), np.uint64(diagonal - j)
             for i in range(6):
-                band[6 * k + j, diagonal + i - j] += block[i, j]
+                band[column, top + np.uint64(i)] += block[i, j]
 
 
 @kernel

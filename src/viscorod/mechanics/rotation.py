@@ -12,6 +12,7 @@ import math
 import numpy as np
 
 from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.vectors import dot, vector
 from viscorod.typing import Floats
 
 
@@ -206,19 +207,6 @@ def inverse_rotation_tangent(theta: Floats, out: Floats) -> None:
 
 
 @kernel
-def inverse_rotation_tangent_rate(theta: Floats, rate: Floats, out: Floats) -> None:
-    """Write the directional derivative of ``T(theta)^-1`` along ``rate`` into ``out``."""
-    phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
-    c, d = inverse_coefficients(phi2)
-    t = theta[0] * rate[0] + theta[1] * rate[1] + theta[2] * rate[2]
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = c * (theta[i] * rate[j] + rate[i] * theta[j]) + d * t * theta[i] * theta[j]
-        out[i, i] -= 2.0 * c * t + d * t * phi2
-    add_skew(rate, 0.5, out)
-
-
-@kernel
 def inverse_motion_tangent(increment: Floats, scale: float, out: Floats) -> None:
     """Write ``scale`` times the inverse right tangent of the exponential on SE(3) into ``out``.
 
@@ -232,16 +220,29 @@ def inverse_motion_tangent(increment: Floats, scale: float, out: Floats) -> None
         out: ``(n, 6, 6)``.
     """
     for k in range(increment.shape[0]):
-        m = out[k]
-        m[:, :] = 0.0
-        theta = increment[k, 3:6]
-        inverse_rotation_tangent(theta, m[0:3, 0:3])
-        inverse_rotation_tangent_rate(theta, increment[k, 0:3], m[0:3, 3:6])
+        a = vector(increment, k, 0)
+        theta = vector(increment, k, 3)
+        phi2 = dot(theta, theta)
+        t = dot(theta, a)
+        c, d = inverse_coefficients(phi2)
+        # as inverse_rotation_tangent, and its derivative along a; slices would cost more than the formula
         for i in range(3):
             for j in range(3):
-                m[i, j] *= scale
-                m[i, 3 + j] *= scale
-                m[3 + i, 3 + j] = m[i, j]
+                turn = c * theta[i] * theta[j]
+                push = c * (theta[i] * a[j] + a[i] * theta[j]) + d * t * theta[i] * theta[j]
+                if i == j:
+                    turn += 1.0 - c * phi2
+                    push -= (2.0 * c + d * phi2) * t
+                elif j == (i + 1) % 3:
+                    turn -= 0.5 * theta[3 - i - j]
+                    push -= 0.5 * a[3 - i - j]
+                else:
+                    turn += 0.5 * theta[3 - i - j]
+                    push += 0.5 * a[3 - i - j]
+                out[k, i, j] = scale * turn
+                out[k, i, 3 + j] = scale * push
+                out[k, 3 + i, j] = 0.0
+                out[k, 3 + i, 3 + j] = scale * turn
 
 
 @kernel

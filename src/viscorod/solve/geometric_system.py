@@ -7,6 +7,7 @@ import numpy as np
 from viscorod.mechanics import geometric, loading
 from viscorod.mechanics.basis import lobatto
 from viscorod.mechanics.internal_force import Elements
+from viscorod.mechanics.lanes import LANES
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.loads import LoadState
 from viscorod.solve.problem import ElementSet, Problem
@@ -25,7 +26,8 @@ class _Part:
         self.strain_rate = np.zeros(shape)
         self.section_force = np.zeros(shape)
         self.stress = np.zeros(shape)
-        self.operator = np.zeros((*shape, 6 * elements.nodes.shape[1]))
+        batches = -(-elements.section.size // LANES)
+        self.operator = np.zeros((batches, elements.nodes.shape[1], 6, 6, LANES))
         self.reference = np.zeros(shape)
         geometric.strains(
             elements.nodes,
@@ -41,6 +43,7 @@ class _Part:
             np.zeros((*elements.section.shape, 4)),
         )
         self.damped = elements.damped
+        self.coupled = elements.coupled
 
 
 class GeometricSystem:
@@ -56,6 +59,7 @@ class GeometricSystem:
         self.band = BandMatrix(problem.size, problem.reach, problem.length)
         self.parts = [_Part(problem, elements) for elements in problem.sets]
         self._no_map = np.zeros((problem.size, 6, 6))
+        self._no_band = np.zeros((0, 0))
         self._order, self._positions = self._gauss_positions()
 
     def _gauss_positions(self) -> tuple[Integers, GaussPositions]:
@@ -81,7 +85,14 @@ class GeometricSystem:
         )
 
     def assemble(
-        self, state: State, loads: LoadState, rate_map: Floats | None, *, tangent: bool, moving: bool
+        self,
+        state: State,
+        loads: LoadState,
+        rate_map: Floats | None,
+        *,
+        tangent: bool,
+        moving: bool,
+        rate_band: BandMatrix | None = None,
     ) -> None:
         """See :class:`~viscorod.solve.system.System`."""
         problem = self.problem
@@ -90,6 +101,8 @@ class GeometricSystem:
         self.external.fill(0.0)
         if tangent:
             band.clear()
+        if rate_band is not None:
+            rate_band.clear()
         for part in self.parts:
             e = part.elements
             geometric.assemble(
@@ -104,6 +117,7 @@ class GeometricSystem:
                 e.section,
                 e.stiffness,
                 e.damping,
+                part.coupled,
                 part.damped,
                 part.reference,
                 part.stress,
@@ -115,6 +129,7 @@ class GeometricSystem:
                 tangent,
                 self.internal,
                 band.data,
+                self._no_band if rate_band is None else rate_band.data,
                 band.diagonal,
                 part.strain,
                 part.strain_rate,
@@ -156,7 +171,14 @@ class GeometricSystem:
         """See :class:`~viscorod.solve.system.System`."""
         for part in self.parts:
             geometric.update_stress(
-                part.elements.nodes, part.section_force, part.operator, increment, part.stress
+                part.elements.nodes,
+                part.elements.links,
+                self.problem.link_positions,
+                self.problem.link_quaternions,
+                part.section_force,
+                part.operator,
+                increment,
+                part.stress,
             )
 
     def reset_stress(self) -> None:

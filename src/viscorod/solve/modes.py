@@ -13,6 +13,7 @@ import numpy as np
 import scipy.linalg
 from scipy import sparse
 
+from viscorod.solve.banded import BandMatrix
 from viscorod.solve.history import StationReader
 from viscorod.solve.static import StaticSolver
 from viscorod.solve.system import State
@@ -63,17 +64,9 @@ def linearise(
     n = problem.size
     resting = State(state.r, state.q, np.zeros((n, 6)))
     loads = solver.loads.at(t, before, scale)
-    elastic = max(float(np.abs(part.stiffness).max()) for part in problem.sets)
-    viscous = max(float(np.abs(part.damping).max()) for part in problem.sets)
-    damping = sparse.csr_array(stiffness.shape)
-    if viscous > 0.0:
-        # one assembly knows only K + factor D; the factor makes both parts equally large
-        factor = elastic / viscous
-        system.assemble(resting, loads, None, tangent=True, moving=False)
-        plain = system.band.sparse()
-        rate_map = np.tile(factor * np.eye(6), (n, 1, 1))
-        system.assemble(resting, loads, rate_map, tangent=True, moving=True)
-        damping = sparse.csr_array(basis.T @ ((system.band.sparse() - plain) / factor) @ basis)
+    damping_band = BandMatrix(n, system.band.reach)
+    system.assemble(resting, loads, None, tangent=True, moving=False, rate_band=damping_band)
+    damping = sparse.csr_array(basis.T @ damping_band.sparse() @ basis)
     mass = sparse.csr_array(basis.T @ sparse.block_diag(list(problem.mass), format="csr") @ basis)
     # displacements over the length of the model are comparable with rotations, whatever the unit of length
     unit = sparse.diags_array(np.where(solver.supports.free_rows() % 6 < 3, problem.length, 1.0))

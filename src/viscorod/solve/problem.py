@@ -39,6 +39,12 @@ class ElementSet:
         """Whether any section has viscosity."""
         return bool(np.any(self.damping != 0.0))
 
+    @property
+    def coupled(self) -> bool:
+        """Whether any section couples different strains; kernels skip the off-diagonals otherwise."""
+        off = ~np.eye(6, dtype=bool)
+        return bool(np.any(self.stiffness[:, off] != 0.0) or np.any(self.damping[:, off] != 0.0))
+
 
 @dataclass(frozen=True)
 class SupportSet:

@@ -63,11 +63,19 @@ class System(Protocol):
     band: BandMatrix
 
     def assemble(
-        self, state: State, loads: LoadState, rate_map: Floats | None, *, tangent: bool, moving: bool
+        self,
+        state: State,
+        loads: LoadState,
+        rate_map: Floats | None,
+        *,
+        tangent: bool,
+        moving: bool,
+        rate_band: BandMatrix | None = None,
     ) -> None:
         """Fill ``internal`` and ``external`` and, with ``tangent``, ``band`` with d(internal - external)/d(increment).
 
-        ``rate_map (n, 6, 6)`` is d(twist)/d(increment); ``moving`` False ignores the twists (statics).
+        ``rate_map (n, 6, 6)`` is d(twist)/d(increment), None for none; ``moving`` False ignores the twists (statics).
+        ``rate_band``, if given, is filled with d(internal)/d(twist), the damping matrix (with ``tangent``).
         """
 
     def carry_stress(self, increment: Floats) -> None:
