@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import logging
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -10,6 +13,11 @@ from typing import Any, TypeVar, cast
 import numba
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
+
+_ASIDE = "VISCOROD_COMPILES_ASIDE"
+"""Set in the process that compiles aside."""
+
+_helpers: list[subprocess.Popen[bytes]] = []
 
 KERNELS: list[Any] = []
 """All kernels that have been imported, as Numba's dispatchers."""
@@ -56,9 +64,24 @@ def lane_kernel(function: Kernel) -> Kernel:
 
 
 def announce_compilation(largest: Any) -> None:
-    """Say so if the machine code of the kernel ``largest`` is neither in memory nor on disk yet."""
+    """Say so if the machine code of the kernel ``largest`` is neither in memory nor on disk yet, and get help."""
     if not largest.signatures and not on_disk(largest):
         logging.getLogger("viscorod").warning(
             "viscorod: compiling its kernels, once, for about half a minute; later runs start at once "
             "(viscorod warmup compiles all of them)"
         )
+        compile_aside()
+
+
+def compile_aside() -> None:
+    """Have the kernels of transients compiled by a second process, while this one is busy with those of statics."""
+    if _ASIDE not in os.environ and not _helpers:
+        command = [sys.executable, "-m", "viscorod.warmup"]
+        quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        _helpers.append(subprocess.Popen(command, env=os.environ | {_ASIDE: "1"}, **quiet))
+
+
+def await_compilation() -> None:
+    """Wait for the second process, if there is one: what it compiled is then on disk."""
+    while _helpers:
+        _helpers.pop().wait()

@@ -124,3 +124,41 @@ def add_coriolis(mass: Floats, twist: Floats, out: Floats) -> None:
             a, b = (i + 1) % 3, (i + 2) % 3
             out[k, i] += w[a] * p[b] - w[b] * p[a]
             out[k, 3 + i] += v[a] * p[b] - v[b] * p[a] + w[a] * p[3 + b] - w[b] * p[3 + a]
+
+
+@kernel
+def balance(
+    mass: Floats,
+    twist: Floats,
+    acceleration: Floats,
+    internal: Floats,
+    external: Floats,
+    force: Floats,
+    residual: Floats,
+) -> None:
+    """Write what accelerates the nodes, ``f_ext - f_int - L1(x1) M x1``, and the residual ``M x1' - force`` ``(n, 6)``.
+
+    Args:
+        mass: ``(n, 6, 6)``; twist, acceleration: body twists and their rates; internal, external: forces ``(n, 6)``.
+    """
+    for k in range(twist.shape[0]):
+        v0, v1, v2 = twist[k, 0], twist[k, 1], twist[k, 2]
+        w0, w1, w2 = twist[k, 3], twist[k, 4], twist[k, 5]
+        for a in range(6):
+            force[k, a] = external[k, a] - internal[k, a]
+            residual[k, a] = 0.0  # the momentum, for the moment
+            for b in range(6):
+                residual[k, a] += mass[k, a, b] * twist[k, b]
+        p0, p1, p2 = residual[k, 0], residual[k, 1], residual[k, 2]
+        h0, h1, h2 = residual[k, 3], residual[k, 4], residual[k, 5]
+        force[k, 0] -= w1 * p2 - w2 * p1
+        force[k, 1] -= w2 * p0 - w0 * p2
+        force[k, 2] -= w0 * p1 - w1 * p0
+        force[k, 3] -= v1 * p2 - v2 * p1 + w1 * h2 - w2 * h1
+        force[k, 4] -= v2 * p0 - v0 * p2 + w2 * h0 - w0 * h2
+        force[k, 5] -= v0 * p1 - v1 * p0 + w0 * h1 - w1 * h0
+        for a in range(6):
+            total = -force[k, a]
+            for b in range(6):
+                total += mass[k, a, b] * acceleration[k, b]
+            residual[k, a] = total

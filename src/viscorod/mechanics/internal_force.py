@@ -60,6 +60,12 @@ class Points(NamedTuple):
     section_force: Floats
     stress: Floats
 
+    @classmethod
+    def of(cls, elements: Elements) -> Points:
+        """Allocate."""
+        shape = elements.reference.shape
+        return cls(np.zeros(shape), np.zeros(shape), np.zeros(shape), np.zeros(shape))
+
 
 class ElementWork(NamedTuple):
     """Scratch for one element of the highest order: poses, twists and forces of its nodes, quaternions, one 6x6 map."""

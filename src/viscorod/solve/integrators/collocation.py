@@ -14,6 +14,7 @@ import numpy as np
 
 from viscorod.mechanics import inertia, loading
 from viscorod.mechanics import supports as support_kernels
+from viscorod.mechanics.internal_force import Points, energies, internal_forces
 from viscorod.mechanics.interpolation import interpolate
 from viscorod.mechanics.linearised import linearise
 from viscorod.mechanics.motion import extrapolate
@@ -24,7 +25,7 @@ from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.integrators.solved_step import try_step
 from viscorod.solve.integrators.stage_data import Body, Ends, Factors, Given, Matrices, Stages, Work
 from viscorod.solve.integrators.tableau import Tableau
-from viscorod.solve.loads import ExternalLoads
+from viscorod.solve.loads import ExternalLoads, LoadState
 from viscorod.solve.newton import Outcome
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
@@ -75,6 +76,7 @@ class Collocation:
         self.factors = Factors.of(system.band, with_complex=stages > 1)
         self.scratch = Work.of(body)
         self._places = system.gauss_places()
+        self._points = Points.of(body.elements)  # at t
         self._stress = np.zeros(body.elements.reference.shape)  # at t
         self._force = np.zeros((problem.size, 6))  # what accelerates the nodes at t
         self._end_rate = np.zeros((problem.size, 6))  # of the twists at t
@@ -257,23 +259,36 @@ class Collocation:
 
         Without accelerations those of free nodes are unknown, and reactions lack the inertia of partly held ones.
         """
-        system, supports, mass = self.system, self.supports, self.body.mass
+        supports, body, points = self.supports, self.body, self._points
         self.t, self.state = t, state
-        system.assemble(state, self.loads.at(t, before), None, tangent=False, moving=True)
+        internal, external = self.scratch.vector, self.scratch.change
+        internal_forces(
+            body.elements, state.r, state.q, state.twist, points, False, self.scratch.element, internal
+        )
+        external.fill(0.0)
+        self._add_loads(self.loads.at(t, before), state, external, None)
         self.evaluations += 1
-        np.subtract(system.internal, system.external, out=self._force)
-        inertia.add_coriolis(mass, state.twist, self._force)
-        residual = self._force.copy()
-        np.negative(self._force, out=self._force)
+        residual = internal - external
+        inertia.add_coriolis(body.mass, state.twist, residual)
+        np.negative(residual, out=self._force)
         if acceleration is None:
             supports.add_acceleration(residual)
         else:
-            residual += np.einsum("nij,nj->ni", mass, acceleration)
-        supports.impose(state, residual, system.band, tangent=False)
-        self.kinetic = inertia.kinetic_energy(mass, state.twist)
-        self.elastic = system.elastic_energy()
-        self._snapshot = Snapshot.of(t, state, system, supports, self.kinetic)
-        self._stress.reshape(-1, 6)[self._places] = self._snapshot.section_force
+            residual += np.einsum("nij,nj->ni", body.mass, acceleration)
+        supports.impose(state, residual, self.system.band, tangent=False)
+        self.kinetic = inertia.kinetic_energy(body.mass, state.twist)
+        self.elastic, _ = energies(body.elements, points)
+        self._stress[:] = points.stress
+        self._snapshot = Snapshot(
+            t,
+            state,
+            self._gather(points.strain),
+            self._gather(points.strain_rate),
+            self._gather(points.stress),
+            supports.global_reactions(state),
+            self.kinetic,
+            self.elastic,
+        )
 
     def _gather(self, fields: Floats) -> Floats:
         """Bring Gauss-point fields ``(..., e, points, 6)`` into the order of results ``(..., m, 6)``."""
@@ -376,7 +391,7 @@ class Collocation:
             matrices.K,
             matrices.C,
         )
-        self._add_turning_loads()
+        self._add_loads(self.loads.at(self.t), state, self.scratch.vector, matrices.K)
         matrices.mass[:] = body.mass
         jacobian.add_inertia(body.mass, state.twist, self._turning, matrices.K, matrices.C, matrices.adjoint)
         self._move_supports(self.t, before=False)
@@ -399,11 +414,11 @@ class Collocation:
         self._factor_step = 0.0
         self.jacobians += 1
 
-    def _add_turning_loads(self) -> None:
-        """Subtract the derivative of the loads, which turn with the body frames, from the stiffness."""
-        loads, state, K, body = self.loads.at(self.t), self.state, self.matrices.K, self.body
-        diagonal = (K.shape[1] - 1) // 2
-        nobody = self.scratch.vector
+    def _add_loads(self, loads: LoadState, state: State, external: Floats, K: Floats | None) -> None:
+        """Add loads to ``external (n, 6)``; they turn with the body frames: subtract their derivative from ``K``."""
+        body, tangent = self.body, K is not None
+        band = self.scratch.band if K is None else K
+        diagonal = (band.shape[1] - 1) // 2
         if len(loads.nodes):
             loading.add_nodal_loads(
                 loads.nodes,
@@ -412,9 +427,9 @@ class Collocation:
                 loads.following,
                 loads.gravity,
                 body.mass,
-                True,
-                nobody,
-                K,
+                tangent,
+                external,
+                band,
                 diagonal,
             )
         for load in loads.stations:
@@ -430,9 +445,9 @@ class Collocation:
                 load.following,
                 state.r,
                 state.q,
-                True,
-                nobody,
-                K,
+                tangent,
+                external,
+                band,
                 diagonal,
             )
 

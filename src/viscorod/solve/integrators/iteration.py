@@ -6,7 +6,7 @@ import math
 
 from viscorod.mechanics.compiled import inlined
 from viscorod.mechanics.linearised import Operators, carry_stress
-from viscorod.mechanics.motion import coordinate_rates
+from viscorod.mechanics.motion import move_stages
 from viscorod.solve import lapack
 from viscorod.solve.integrators.stage_data import Body, Ends, Factors, Given, Stages, Work
 from viscorod.solve.integrators.stages import evaluate
@@ -59,10 +59,7 @@ def solve_stages(
                     return math.inf, row
                 if size > largest:
                     largest, where = size, row
-            # rates per unit time and increments are the same to first order
-            coordinate_rates(X[i, k], change[i, k], body.split[k] != 0.0, work.rate[k])
-            for a in range(6):
-                X[i, k, a] += work.rate[k, a]
+    move_stages(X, change, body.split, body.held)
     D = tableau.derivative
     for i in range(s):
         for k in range(n):

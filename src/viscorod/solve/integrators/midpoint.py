@@ -81,4 +81,4 @@ class Midpoint(Collocation):
 
     def _settle(self, t: float, state: State, *, before: bool, acceleration: Floats | None = None) -> None:
         super()._settle(t, state, before=before, acceleration=acceleration)
-        self.ends.start_strain.reshape(-1, 6)[self._places] = self._snapshot.strain
+        self.ends.start_strain[:] = self._points.strain

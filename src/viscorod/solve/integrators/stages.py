@@ -17,10 +17,11 @@ from __future__ import annotations
 
 from viscorod.mechanics import supports
 from viscorod.mechanics.compiled import inlined
+from viscorod.mechanics.inertia import balance
 from viscorod.mechanics.internal_force import Points, conserve_energy, internal_forces
 from viscorod.mechanics.linearised import Operators, add_frozen_forces
 from viscorod.mechanics.loading import add_nodal_loads, add_station_load
-from viscorod.mechanics.motion import place
+from viscorod.mechanics.motion import place, place_stages
 from viscorod.solve.integrators.stage_data import Body, Ends, Given, Stages, Work
 from viscorod.solve.integrators.tableau import Tableau
 from viscorod.typing import Floats
@@ -33,14 +34,9 @@ def points_of(stages: Stages, i: int) -> Points:
 
 
 @inlined
-def evaluate_forces(body: Body, given: Given, stages: Stages, i: int, mixed: bool, work: Work) -> None:
-    """Internal and external forces of stage ``i``, and ``force``: what accelerates the nodes (body components).
-
-    With ``mixed`` the internal forces are those of the stress iterate.
-    """
-    r, q, twist = stages.r[i], stages.q[i], stages.twist[i]
-    internal, external, force = stages.internal[i], stages.external[i], stages.force[i]
-    internal_forces(body.elements, r, q, twist, points_of(stages, i), mixed, work.element, internal)
+def evaluate_loads(body: Body, given: Given, stages: Stages, i: int, work: Work) -> None:
+    """External loads at stage ``i`` (body components)."""
+    r, q, external = stages.r[i], stages.q[i], stages.external[i]
     external[:, :] = 0.0
     if given.acting[i] != 0.0:
         add_nodal_loads(
@@ -75,23 +71,6 @@ def evaluate_forces(body: Body, given: Given, stages: Stages, i: int, mixed: boo
                 work.band,
                 0,
             )
-    for k in range(r.shape[0]):
-        v0, v1, v2, w0, w1, w2 = twist[k]
-        M = body.mass[k]
-        p0 = M[0, 0] * v0 + M[0, 1] * v1 + M[0, 2] * v2 + M[0, 3] * w0 + M[0, 4] * w1 + M[0, 5] * w2
-        p1 = M[1, 0] * v0 + M[1, 1] * v1 + M[1, 2] * v2 + M[1, 3] * w0 + M[1, 4] * w1 + M[1, 5] * w2
-        p2 = M[2, 0] * v0 + M[2, 1] * v1 + M[2, 2] * v2 + M[2, 3] * w0 + M[2, 4] * w1 + M[2, 5] * w2
-        h0 = M[3, 0] * v0 + M[3, 1] * v1 + M[3, 2] * v2 + M[3, 3] * w0 + M[3, 4] * w1 + M[3, 5] * w2
-        h1 = M[4, 0] * v0 + M[4, 1] * v1 + M[4, 2] * v2 + M[4, 3] * w0 + M[4, 4] * w1 + M[4, 5] * w2
-        h2 = M[5, 0] * v0 + M[5, 1] * v1 + M[5, 2] * v2 + M[5, 3] * w0 + M[5, 4] * w1 + M[5, 5] * w2
-        for a in range(6):
-            force[k, a] = external[k, a] - internal[k, a]
-        force[k, 0] -= w1 * p2 - w2 * p1
-        force[k, 1] -= w2 * p0 - w0 * p2
-        force[k, 2] -= w0 * p1 - w1 * p0
-        force[k, 3] -= v1 * p2 - v2 * p1 + w1 * h2 - w2 * h1
-        force[k, 4] -= v2 * p0 - v0 * p2 + w2 * h0 - w0 * h2
-        force[k, 5] -= v0 * p1 - v1 * p0 + w0 * h1 - w1 * h0
 
 
 @inlined
@@ -205,39 +184,28 @@ def evaluate(
     final: bool,
 ) -> None:
     """Compute the residual of all stages from their coordinates ``X``; ``r0, q0, twist0`` is the start of the step."""
-    X, twist, acceleration = stages.X, stages.twist, stages.acceleration
+    X, twist = stages.X, stages.twist
     s, n = X.shape[0], X.shape[1]
-    rate = work.rate[0]
-    D = tableau.derivative
+    place_stages(
+        r0,
+        q0,
+        twist0,
+        X,
+        tableau.derivative,
+        h,
+        body.split,
+        body.held,
+        stages.r,
+        stages.q,
+        twist,
+        stages.acceleration,
+    )
     for i in range(s):
-        for k in range(n):
-            if body.held[k] != 0.0:
-                continue
-            for a in range(6):
-                total = 0.0
-                for j in range(s):
-                    total += D[i, j] * X[j, k, a]
-                rate[a] = total / h
-            place(
-                r0[k],
-                q0[k],
-                X[i, k],
-                rate,
-                body.split[k] != 0.0,
-                stages.r[i, k],
-                stages.q[i, k],
-                twist[i, k],
-            )
-    for i in range(s):
-        for k in range(n):
-            for a in range(6):
-                total = 0.0
-                for j in range(s):
-                    total += D[i, j] * (twist[j, k, a] - twist0[k, a])
-                acceleration[i, k, a] = total / h
         hold(body, given, stages, i)
-    for i in range(s):
-        evaluate_forces(body, given, stages, i, True, work)
+        points = points_of(stages, i)
+        internal_forces(
+            body.elements, stages.r[i], stages.q[i], twist[i], points, True, work.element, stages.internal[i]
+        )
         if ends.active:
             reach_end(body, given, r0, q0, X[i], ends, work)
             conserve_energy(
@@ -249,14 +217,17 @@ def evaluate(
                 h,
                 stages.section_force[i],
             )
+        evaluate_loads(body, given, stages, i, work)
         residual = stages.residual[i]
-        for k in range(n):
-            M = body.mass[k]
-            for a in range(6):
-                total = -stages.force[i, k, a]
-                for b in range(6):
-                    total += M[a, b] * acceleration[i, k, b]
-                residual[k, a] = total
+        balance(
+            body.mass,
+            twist[i],
+            stages.acceleration[i],
+            stages.internal[i],
+            stages.external[i],
+            stages.force[i],
+            residual,
+        )
         if not final:
             add_frozen_forces(body.elements, operators, stages.section_force[i], stages.stress[i], residual)
         if final:
