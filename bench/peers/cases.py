@@ -22,6 +22,9 @@ Vector = tuple[float, float, float]
 INSTALL = "pip install viscorod[bench]"
 """What brings the other programs."""
 
+REFERENCE_RECORDS = 1000
+"""Equal times at which references are stored."""
+
 CACHE = Path("out/bench")
 """References are kept here, relative to where the program is run."""
 
@@ -64,7 +67,7 @@ class Case:
         gravity: m/s^2.
         pulse: dead force at the second corner, N, times a triangle 0 - 1 - 0 at 0, 1, 2 s.
         reference_mesh: elements of each leg and their order, for the reference.
-        reference_step: the smaller of the two time steps of the reference, s.
+        reference_step: the smaller of the two time steps of the check by generalised-alpha, s.
     """
 
     name: str
@@ -127,29 +130,65 @@ class Case:
         """The place whose motion is compared."""
         return f"leg{len(self.legs) - 1}.end"
 
-    def reference(self, cache: Path = CACHE) -> tuple[Floats, Floats]:
-        """Times (k,) and tip positions (k, 3) of viscorod, computed once.
+    def simulate(self, elements: int, order: int, tolerance: float, records: int = 200) -> vr.Run:
+        """viscorod's run of the whole motion, stored at equal times."""
+        return self.model(elements, order).simulate(
+            self.duration,
+            tolerance=tolerance,
+            output_interval=self.duration / records,
+            initial=self.initial,
+        )
 
-        Generalised-alpha on a mesh of high order with two time steps, 2 h and h, extrapolated: (4 b - a)/3.
+    @property
+    def initial(self) -> str:
+        """What the motion starts from."""
+        return "equilibrium" if self.preload else "reference"
+
+    def reference(self, cache: Path = CACHE) -> tuple[Floats, Floats]:
+        """Times (k,) and tip positions (k, 3) of viscorod, computed once: radau at a tolerance of 1e-9, fine mesh."""
+        kept = self._kept(cache)
+        return kept["t"], kept["tip"]
+
+    def reference_doubt(self, cache: Path = CACHE) -> tuple[float, float]:
+        """How far two other computations of the reference are from it, over `scale`.
+
+        First the same integrator on another mesh at a tenfold tolerance, then another integrator on another mesh:
+        generalised-alpha with two steps, 2 h and h, extrapolated: (4 b - a)/3.
         """
+        kept = self._kept(cache)
+        return float(kept["coarser"]), float(kept["other"])
+
+    def _kept(self, cache: Path) -> dict[str, Floats]:
         key = hashlib.sha256(repr(self).encode()).hexdigest()[:12]
         path = cache / f"reference_{self.name}_{key}.npz"
         if not path.exists():
-            coarse, fine = (self._tip_with(factor * self.reference_step) for factor in (2, 1))
-            cache.mkdir(parents=True, exist_ok=True)
-            np.savez(path, t=fine[0], tip=(4.0 * fine[1] - coarse[1]) / 3.0, coarse=coarse[1], fine=fine[1])
-        with np.load(path) as kept:
-            return kept["t"], kept["tip"]
+            elements, order = self.reference_mesh
 
-    def _tip_with(self, step: float) -> tuple[Floats, Floats]:
-        run = self.model(*self.reference_mesh).simulate(
-            self.compared,
-            time_step=step,
-            output_interval=20 * self.reference_step,
-            initial="equilibrium" if self.preload else "reference",
-            spectral_radius=0.9,
-        )
-        return np.asarray(run.time), run.history(self.tip, "position").values
+            def tip(elements: int, order: int, **given: float | str) -> tuple[Floats, Floats]:
+                run = self.model(elements, order).simulate(
+                    self.compared,
+                    output_interval=self.compared / REFERENCE_RECORDS,
+                    initial=self.initial,
+                    **given,
+                )
+                return np.asarray(run.time), run.history(self.tip, "position").values
+
+            t, exact = tip(elements, order, tolerance=1e-9)
+            _, again = tip(elements - 1, order - 1, tolerance=1e-8)
+            alpha = {"integrator": "generalized_alpha", "spectral_radius": 0.9}
+            coarse, fine = (
+                tip(elements - 1, order - 1, time_step=factor * self.reference_step, **alpha)[1]
+                for factor in (2, 1)
+            )
+
+            def distance(other: Floats) -> float:
+                return float(np.linalg.norm(other - exact, axis=1).max()) / self.scale
+
+            cache.mkdir(parents=True, exist_ok=True)
+            doubts = {"coarser": distance(again), "other": distance((4.0 * fine - coarse) / 3.0)}
+            np.savez(path, t=t, tip=exact, **doubts)
+        with np.load(path) as kept:
+            return dict(kept)
 
     def error(self, t: Floats, tip: Floats) -> float:
         """Largest distance of a tip trajectory from the reference, over `scale`.

@@ -1,0 +1,215 @@
+"""Time of the time loop against the error of the tip: viscorod beside Exudyn, MuJoCo and PyElastica, in one run.
+
+    python bench/work_precision.py [--case llt frame string] [--figure docs/images/work_precision.png]
+
+The cases and how each program models them are in ``bench/peers``; programs that are not installed are left out
+(``pip install viscorod[bench]``). Time loops are compared with time loops, each the best of several runs, one
+thread; start-up, compilation and building of models are not in them. viscorod's loop stores 200 states with all their
+strains and section forces; the others store the tip. The reference is viscorod's radau at a tolerance of 1e-9 on a fine
+mesh; what another mesh and another integrator make of it is printed first.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from peers.cases import CASES, INSTALL, Case  # noqa: E402  (sets the number of threads first)
+from peers.suite import MODULES, SUITE, available  # noqa: E402
+
+import numpy as np  # noqa: E402
+
+LADDERS: dict[str, tuple[tuple[int, int, float], ...]] = {
+    "llt": (
+        (1, 4, 1e-2),
+        (1, 5, 3e-3),
+        (1, 5, 1e-3),
+        (1, 6, 3e-4),
+        (1, 6, 1e-4),
+        (1, 7, 3e-5),
+        (1, 7, 1e-5),
+        (1, 7, 3e-6),
+        (1, 8, 1e-6),
+    ),
+    "frame": (
+        (1, 5, 1e-2),
+        (1, 6, 1e-3),
+        (1, 8, 3e-4),
+        (2, 6, 1e-4),
+        (2, 6, 3e-5),
+        (2, 7, 1e-5),
+        (2, 8, 3e-6),
+        (2, 8, 1e-6),
+    ),
+    "string": (
+        (1, 6, 1e-2),
+        (1, 8, 1e-3),
+        (1, 10, 3e-4),
+        (2, 6, 1e-4),
+        (2, 7, 3e-5),
+        (2, 8, 1e-5),
+        (3, 7, 3e-6),
+        (3, 8, 1e-6),
+    ),
+}
+"""Elements per leg, order and tolerance of viscorod's runs, from coarse to fine."""
+
+REPEATS = 7
+TARGETS = (1e-3, 1e-4)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run: which family of runs it belongs to, its label, the time of its loop [s] and its error over the length."""
+
+    family: str
+    label: str
+    seconds: float
+    error: float
+    damped: bool = True
+
+
+def ours(case: Case) -> list[Point]:
+    """viscorod's runs."""
+    points = []
+    for elements, order, tolerance in LADDERS[case.name]:
+        best = np.inf
+        for _ in range(REPEATS):
+            run = case.simulate(elements, order, tolerance)
+            best = min(best, float(run.data.attrs["loop_time_s"]))
+        error = case.error(run.time, run.history(case.tip, "position").values)
+        label = f"{elements} x order {order}, tolerance {tolerance:g}, {run.data.attrs['steps']} steps"
+        points.append(Point("viscorod", label, best, error))
+    return points
+
+
+def theirs(case: Case) -> list[Point]:
+    """The other programs' runs."""
+    points = []
+    for entry in SUITE:
+        if entry.case != case.name or not available(entry.module):
+            continue
+        taken = case.undamped() if entry.undamped else case
+        try:
+            run = import_module(f"peers.{entry.module}").run(taken, entry.elements, **entry.settings)
+        except RuntimeError as reason:
+            print(f"{MODULES[entry.module]}: {reason}")
+            continue
+        kind = run.label.split()[0]
+        family = run.program if run.program == "PyElastica" else f"{run.program} {kind}"
+        error = taken.error(run.t, run.tip)
+        points.append(
+            Point(
+                family,
+                f"{run.program} {run.version}: {run.label}",
+                run.loop_seconds,
+                error,
+                not entry.undamped,
+            )
+        )
+    return points
+
+
+def seconds_at(points: list[Point], error: float) -> float:
+    """Least time [s] for an error: of a run that is at least as exact, or between two runs of one family (log-log)."""
+    best = min((p.seconds for p in points if p.error <= error), default=np.inf)
+    for family in {p.family for p in points}:
+        mine = sorted((p for p in points if p.family == family), key=lambda p: p.error)
+        for a, b in zip(mine[:-1], mine[1:], strict=True):
+            if a.error <= error <= b.error:
+                part = np.log(error / a.error) / np.log(b.error / a.error)
+                best = min(best, float(np.exp((1 - part) * np.log(a.seconds) + part * np.log(b.seconds))))
+    return best
+
+
+def report(case: Case) -> tuple[list[Point], list[Point]]:
+    """Run everything for one case and print its table and ratios."""
+    mesh, integrator = case.reference_doubt()
+    print(
+        f"\n{case.name}: the reference moves by {mesh:.1e} on another mesh, {integrator:.1e} with another integrator"
+    )
+    mine = ours(case)
+    others = theirs(case)
+    print("| program | time loop | error / L |\n|---|---|---|")
+    for point in (*mine, *others):
+        name = point.label if point.family != "viscorod" else f"viscorod: {point.label}"
+        note = "" if point.damped else " (undamped motion)"
+        print(f"| {name}{note} | {1e3 * point.seconds:.4g} ms | {point.error:.1e} |")
+    comparable = [p for p in others if p.damped or case.name == "string"]
+    for target in TARGETS if comparable else ():
+        own, other = seconds_at(mine, target), seconds_at(comparable, target)
+        print(
+            f"at {target:g} L: viscorod {1e3 * own:.3g} ms, the fastest other {1e3 * other:.4g} ms, ratio {other / own:.3g}"
+        )
+    print(f"1e-6 L takes {seconds_at(mine, 1e-6) / seconds_at(mine, 1e-4):.2g} times as long as 1e-4 L")
+    return mine, others
+
+
+def draw(results: dict[str, tuple[list[Point], list[Point]]], path: Path) -> None:
+    """Time against error, one panel per case."""
+    import matplotlib.pyplot as plt
+
+    titles = {
+        "llt": "soft damped cantilever, 10 s",
+        "frame": "right-angle frame in 3-D, 5 s",
+        "string": "steel string, 1 s",
+    }
+    families = sorted({p.family for _, others in results.values() for p in others})
+    colours = dict(zip(families, plt.get_cmap("tab10").colors[1:], strict=False))
+    figure, panels = plt.subplots(
+        1, len(results), figsize=(4.6 * len(results), 4.6), squeeze=False, sharey=True
+    )
+    drawn: dict[str, object] = {}
+    for panel, (name, (mine, others)) in zip(panels[0], results.items(), strict=True):
+        for family in ["viscorod", *families]:
+            points = sorted((p for p in (*mine, *others) if p.family == family), key=lambda p: p.error)
+            if not points:
+                continue
+            own = family == "viscorod"
+            (line,) = panel.loglog(
+                [p.error for p in points],
+                [p.seconds for p in points],
+                "o-" if points[0].damped else "s:",
+                color="black" if own else colours[family],
+                linewidth=2.2 if own else 1.2,
+                markersize=5,
+            )
+            drawn.setdefault(family if points[0].damped else f"{family} (undamped motion)", line)
+        panel.set_title(titles.get(name, name), fontsize=11)
+        panel.set_xlabel("largest error of the tip / L")
+        panel.invert_xaxis()
+        panel.grid(True, which="major", alpha=0.4)
+    panels[0, 0].set_ylabel("time loop [s]")
+    figure.legend(
+        list(drawn.values()),
+        list(drawn),
+        loc="lower center",
+        ncols=min(4, len(drawn)),
+        frameon=False,
+        fontsize=9,
+    )
+    figure.tight_layout(rect=(0, 0.14, 1, 1))
+    figure.savefig(path, dpi=130)
+
+
+def main() -> None:
+    """Run, print, draw."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--case", nargs="+", choices=sorted(CASES), default=list(CASES))
+    parser.add_argument("--figure", type=Path)
+    options = parser.parse_args()
+    for module, package in MODULES.items():
+        if not available(module):
+            print(f"{package} is not installed and is left out: {INSTALL}")
+    results = {name: report(CASES[name]) for name in options.case}
+    if options.figure:
+        draw(results, options.figure)
+
+
+if __name__ == "__main__":
+    main()
