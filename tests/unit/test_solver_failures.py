@@ -178,8 +178,8 @@ def test_interruption_keeps_the_run():
             raise KeyboardInterrupt
 
     with pytest.raises(vr.SolveError, match="interrupted from the keyboard") as error:
-        model.simulate(1.0, time_step=0.01, progress=progress, integrator="midpoint")
-    assert error.value.run.time[-1] >= 0.5
+        model.simulate(1.0, time_step=0.01, progress=progress)
+    assert error.value.run.time[-1] >= 0.49
 
 
 def propped(scale):
