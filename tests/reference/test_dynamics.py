@@ -92,7 +92,7 @@ FLYING = {
 
 
 # relative drift of the momenta of free flight: round-off, the tolerance, or the second order of the step
-MOMENTUM = {"radau": 2e-6, "generalized_alpha": 1e-10, "midpoint": 1e-3}
+MOMENTUM = {"radau": 1.3e-6, "generalized_alpha": 1e-10, "midpoint": 6e-4}
 
 
 @methods(1e-7, 0.005, midpoint=0.0025, spectral_radius=1.0)

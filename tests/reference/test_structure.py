@@ -34,7 +34,7 @@ def test_free_flight_conserves_momentum(method):
     model = free_rod(damping=0.005)
     model.velocity("rod", field=lambda s: ((np.sin(3 * s), 1.0, s), (2.0, s, -1.0)))
     run = model.simulate(1.0, initial="reference", **method)
-    drift = {"radau": 1e-8, "generalized_alpha": 1e-11, "midpoint": 1e-2}[method["integrator"]]
+    drift = {"radau": 4e-8, "generalized_alpha": 1e-11, "midpoint": 4e-4}[method["integrator"]]
     for name in ("linear_momentum", "angular_momentum"):
         value = run.data[name].values
         assert np.abs(value - value[0]).max() < drift * np.linalg.norm(value[0])
