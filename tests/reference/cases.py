@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import viscorod as vr
 
@@ -28,3 +29,29 @@ def cantilever(section, length=1.0, elements=None, order=None, material=None):
 def slope(sizes, errors):
     """Order of convergence: slope of log error over log size."""
     return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
+
+
+# what every integrator is asked for: radau follows a tolerance, the others have equal steps
+def methods(tolerance, time_step, *, midpoint=None, spectral_radius=None, without=None):
+    """All integrators as parameters of a test: keyword arguments of ``simulate``.
+
+    Args:
+        tolerance: of radau; time_step: of the integrators of second order, s.
+        midpoint: time step of the midpoint rule where it needs another one.
+        spectral_radius: of generalised-alpha.
+        without: why an integrator does not apply, by name.
+    """
+    damping = {} if spectral_radius is None else {"spectral_radius": spectral_radius}
+    table = {
+        "radau": {"tolerance": tolerance},
+        "generalized_alpha": {"time_step": time_step, **damping},
+        "midpoint": {"time_step": midpoint or time_step},
+    }
+    marks = {name: pytest.mark.skip(reason=reason) for name, reason in (without or {}).items()}
+    return pytest.mark.parametrize(
+        "method",
+        [
+            pytest.param({"integrator": name, **given}, id=name, marks=marks.get(name, ()))
+            for name, given in table.items()
+        ],
+    )

@@ -7,7 +7,7 @@ import pytest
 
 import viscorod as vr
 
-from .cases import stiff
+from .cases import methods, stiff
 
 # t: tip displacement along and across, rotation, in the rotating (shadow) frame; converged independently to 2e-6
 SPIN_UP = {
@@ -28,13 +28,14 @@ SPIN_UP = {
 }
 
 
-def test_spin_up_manoeuvre():
+@methods(1e-6, 0.005, midpoint=0.01, spectral_radius=0.8)
+def test_spin_up_manoeuvre(method):
     """D1 (Simo and Vu-Quoc 1986): every tabulated value within 1e-4; steady stretch of C9 within the ripple."""
     model = vr.Model()
     section = vr.StiffnessSection([1e7, 1e7, 2.8e7, 1.4e4, 1.4e4, 1e4], [1.2, 1.2, 1.2, 6e-4, 6e-4, 1.2e-3])
     model.add("arm", vr.Rod.straight((0, 0, 0), (10, 0, 0), section=section, elements=2, order=5))
     model.clamp("arm.start", motion={"rz": vr.SpinUp(6.0, 15.0)})
-    run = model.simulate(20.0, time_step=0.005, spectral_radius=0.8)
+    run = model.simulate(20.0, output_interval=0.01, **method)
     turned = vr.SpinUp(6.0, 15.0)
     tip = run.history("arm.end").values
     angle = np.array([turned.value(t) for t in run.time])
@@ -50,7 +51,8 @@ def test_spin_up_manoeuvre():
         k = int(np.argmin(np.abs(run.time - t)))
         assert run.time[k] == pytest.approx(t, abs=1e-9)
         assert (along[k], across[k], alpha[k]) == pytest.approx(expected, abs=1e-4)
-    assert np.abs(tip[:, 2]).max() < 1e-10
+    # nothing damps what rounding starts out of the plane in the midpoint rule
+    assert np.abs(tip[:, 2]).max() < (1e-4 if method["integrator"] == "midpoint" else 1e-10)
     a = np.sqrt(1.2 * 36 / 2.8e7)
     steady = along[run.time > 15].mean()
     assert steady == pytest.approx(np.tan(10 * a) / a - 10, abs=2e-6)
@@ -67,7 +69,7 @@ def _z_part(q, q0):
     return -w * q0[3] - x * q0[2] + y * q0[1] + z * q0[0]
 
 
-def flying_rod(elements, order, time_step, duration, spectral_radius=1.0):
+def flying_rod(elements, order, duration, **method):
     """D3: a free rod, force and couple at one end, triangular in time until t = 5."""
     model = vr.Model()
     section = vr.StiffnessSection([1e4, 1e4, 1e4, 500, 500, 500], [1, 1, 1, 10, 10, 20])
@@ -75,7 +77,7 @@ def flying_rod(elements, order, time_step, duration, spectral_radius=1.0):
     triangle = vr.Table([0, 2.5, 5], [0, 1, 0])
     model.force("rod.end", (20, 0, 0), time=triangle, until=5.0)
     model.moment("rod.end", (0, 200, 100), time=triangle, until=5.0)
-    return model.simulate(duration, time_step=time_step, spectral_radius=spectral_radius, initial="reference")
+    return model.simulate(duration, initial="reference", output_interval=0.05, **method)
 
 
 # t: displacement of the near and of the loaded end, kinetic and elastic energy (independent, 160 cells of second order)
@@ -89,12 +91,17 @@ FLYING = {
 }
 
 
-def test_flying_rod_trajectory_energy_and_momentum():
-    """D3: displacements as tabulated; momentum after release constant to 1e-10; energy of the converged motion.
+# relative drift of the momenta of free flight: round-off, the tolerance, or the second order of the step
+MOMENTUM = {"radau": 1.3e-6, "generalized_alpha": 1e-10, "midpoint": 6e-4}
+
+
+@methods(1e-7, 0.005, midpoint=0.0025, spectral_radius=1.0)
+def test_flying_rod_trajectory_energy_and_momentum(method):
+    """D3: displacements as tabulated; momentum after release constant; energy of the converged motion.
 
     The table's 724.41 J is that of 160 cells of second order; its sequence 724.09, 724.35, 724.41 tends to 724.43 J.
     """
-    run = flying_rod(4, 6, 0.005, 8.0)
+    run = flying_rod(4, 6, 8.0, **method)
     start, end = (run.history(f"rod.{p}", "displacement").values for p in ("start", "end"))
     data = run.data
     for t, (near, far, kinetic, elastic) in FLYING.items():
@@ -104,24 +111,27 @@ def test_flying_rod_trajectory_energy_and_momentum():
         assert float(data["kinetic"][k]) == pytest.approx(kinetic, abs=0.06)
         assert float(data["elastic"][k]) == pytest.approx(elastic, abs=0.11)
     free = run.time > 5.0 + 1e-9
+    bound = MOMENTUM[method["integrator"]]
     for name in ("linear_momentum", "angular_momentum"):
         momentum = data[name].values[free]
-        assert np.abs(momentum - momentum[0]).max() < 1e-10 * np.linalg.norm(momentum[0])
+        assert np.abs(momentum - momentum[0]).max() < bound * np.linalg.norm(momentum[0])
     total = (data["kinetic"] + data["elastic"]).values
-    assert np.abs(total[free] - 724.435).max() < 0.01
+    assert np.abs(total[free] - 724.435).max() < (0.015 if method["integrator"] == "midpoint" else 0.01)
     assert float(data["external"][-1]) == pytest.approx(total[-1], abs=0.01)
     # impulse of the loads: triangle of area 2.5 s
-    assert data["linear_momentum"].values[-1] == pytest.approx([50.0, 0, 0], abs=1e-9)
+    assert data["linear_momentum"].values[-1] == pytest.approx([50.0, 0, 0], abs=50 * bound)
 
 
-def test_flying_rod_energy_at_the_resolution_of_the_table():
+@methods(1e-5, 0.005, midpoint=0.0025, spectral_radius=1.0)
+def test_flying_rod_energy_at_the_resolution_of_the_table(method):
     """D3: 160 elements of order 1, the resolution of the tabulated 724.41 J."""
-    run = flying_rod(160, 1, 0.005, 5.2)
+    run = flying_rod(160, 1, 5.2, **method)
     total = (run.data["kinetic"] + run.data["elastic"]).values[run.time > 5.0 + 1e-9]
     assert np.abs(total - 724.41).max() < 0.01
 
 
-def test_right_angle_cantilever_energy():
+@methods(1e-6, 0.005, spectral_radius=1.0)
+def test_right_angle_cantilever_energy(method):
     """D4 (Simo and Vu-Quoc 1988): total energy after the load is gone, 114.88 J converged independently.
 
     The shape of the inertia is the source's (20, 10, 10), the first about the rod's axis.
@@ -134,7 +144,7 @@ def test_right_angle_cantilever_energy():
     model.attach("leg1.end", "leg2.start")
     model.clamp("leg1.start")
     model.force("leg1.end", (0, 0, 50), time=vr.Table([0, 1, 2], [0, 1, 0]), until=2.0)
-    run = model.simulate(6.0, time_step=0.005, initial="reference", spectral_radius=1.0)
+    run = model.simulate(6.0, initial="reference", **method)
     total = (run.data["kinetic"] + run.data["elastic"]).values[run.time > 2.0 + 1e-9]
     assert total == pytest.approx(114.88, abs=5e-3)
 
@@ -143,7 +153,8 @@ def test_right_angle_cantilever_energy():
     ("alpha", "zeta", "peak"),
     [(0.25, 0.0, 1.2576), (0.25, 0.05, 1.2009), (0.5, 0.1, 1.5033), (1.0, 0.05, 1.4307)],
 )
-def test_moving_force_on_a_simply_supported_beam(alpha, zeta, peak):
+@methods(1e-6, 1 / 400)
+def test_moving_force_on_a_simply_supported_beam(alpha, zeta, peak, method):
     """C10: largest mid-span deflection over F L^3/48EI; modal sum of 20 modes of the Euler-Bernoulli beam."""
     tau = 2 * zeta / np.pi**2
     model = vr.Model()
@@ -153,6 +164,8 @@ def test_moving_force_on_a_simply_supported_beam(alpha, zeta, peak):
     model.support("bridge.end", ("uy", "uz"))
     force, speed = 1e-4, alpha * np.pi
     model.moving_force("bridge", (0, 0, -force), speed=speed)
-    run = model.simulate(1.0 / speed, time_step=1 / speed / 400, initial="reference")
+    if "time_step" in method:
+        method = method | {"time_step": method["time_step"] / speed}  # part of the passage
+    run = model.simulate(1.0 / speed, initial="reference", output_interval=1 / speed / 400, **method)
     deflection = -run.history("bridge@0.5", "displacement").values[:, 2] / (force / 48)
     assert deflection.max() == pytest.approx(peak, rel=2e-3)

@@ -96,7 +96,7 @@ def test_errors_from_texts_and_problems():
 def test_settings_of_a_simulation():
     settings = SimulateSettings(10)
     assert (settings.duration, settings.time_step, settings.initial) == (10.0, None, "equilibrium")
-    assert SimulateSettings(10, 0.1, "reference").to_dict() == {
+    assert SimulateSettings(10, 0.1, initial="reference").to_dict() == {
         "duration": 10.0,
         "time_step": 0.1,
         "initial": "reference",

@@ -22,9 +22,28 @@ def test_run_report_says_what_the_user_asks():
     assert any(
         line.startswith("lost to viscosity 0.0075") and line.endswith("% of what moved") for line in lines
     )
-    assert "Effort: 500 steps, 1500 iterations, 1500 factorisations, 0 rejected, 0.5 s wall time" in lines
+    assert (
+        "Effort: 500 steps, 0 rejected steps, 1500 iterations, 1500 factorisations, 0.5 s wall time" in lines
+    )
     assert lines[-1] == "No warnings"
     assert "nan" not in report.lower()
+
+
+def test_report_of_steps_that_follow_the_error():
+    """Tolerance in the heading, and where the smallest step was and why; rejected steps are no warning there."""
+    data = swing()
+    del data.attrs["time_step"]
+    report = Run(
+        data.assign_attrs(
+            integrator="radau", tolerance=1e-4, steps=50, rejected=2, evaluations=603, jacobians=1,
+            smallest_step=0.003, smallest_step_at=1.25, smallest_step_why="the error of rotation along d3 at rod 'a'",
+        )
+    ).report()  # fmt: skip
+    assert "10 s simulated in 50 steps that follow the error, tolerance 0.0001, radau\n" in report
+    assert "50 steps, 2 rejected steps, 1500 iterations, 603 evaluations of the forces, 1 Jacobian," in report
+    why = "limited by the error of rotation along d3 at rod 'a'"
+    assert f"Smallest step: 0.003 s at t = 1.25 s, {why}" in report
+    assert report.endswith("No warnings")
 
 
 def test_report_without_cycles_says_why():

@@ -141,7 +141,7 @@ def reach_end(
 
 @inlined
 def hold_ends(body: Body, given: Given, stages: Stages, ends: Ends, work: Work) -> None:
-    """Ask partly held nodes to be at their targets at the end of the step rather than in its middle."""
+    """Ask held nodes to be at their targets at the end of the step rather than in its middle."""
     residual = work.vector
     reaction = work.reaction
     residual[:, :] = 0.0
@@ -162,10 +162,9 @@ def hold_ends(body: Body, given: Given, stages: Stages, ends: Ends, work: Work) 
         0,
     )
     for m in range(body.nodes.shape[0]):
-        if body.complete[m] == 0.0:
-            for a in range(6):
-                if body.fixed[m, a] != 0.0:
-                    stages.residual[0, body.nodes[m], a] = 0.5 * residual[body.nodes[m], a]
+        for a in range(6):
+            if body.fixed[m, a] != 0.0:
+                stages.residual[0, body.nodes[m], a] = 0.5 * residual[body.nodes[m], a]
 
 
 @inlined

@@ -1,0 +1,76 @@
+"""A small frame with everything that kernels must treat: mixed orders, couplings, an offset attachment, supports."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import viscorod as vr
+from viscorod.mechanics.rotation import retract
+from viscorod.solve.discretise import discretise
+from viscorod.solve.geometric_system import GeometricSystem
+from viscorod.solve.support_state import SupportState
+from viscorod.solve.system import State
+
+
+def section(damping=0.05):
+    """Full stiffness, off-centre mass, damping that is not proportional."""
+    stiffness = np.diag([80.0, 70.0, 200.0, 1.0, 1.4, 0.8])
+    stiffness[2, 3] = stiffness[3, 2] = 3.0
+    stiffness[3, 5] = stiffness[5, 3] = 0.2
+    inertia = np.diag([1.0, 1.0, 1.0, 1e-1, 2e-1, 3e-1])
+    inertia[0, 5] = inertia[5, 0] = -0.2
+    inertia[1, 5] = inertia[5, 1] = 0.1
+    viscosity = damping * (stiffness + np.diag([5.0, 0.0, 9.0, 0.1, 0.0, 0.3]))
+    return vr.StiffnessSection(stiffness, inertia, viscosity if damping else None)
+
+
+def frame(orders=(2, 3), damping=0.05):
+    """Two rods of different order, joined at a right angle."""
+    model = vr.Model()
+    for name, a, b, order in zip("ab", ((0, 0, 0), (1, 0, 0)), ((1, 0, 0), (1, 1, 0.5)), orders, strict=True):
+        rod = vr.Rod.straight(a, b, section=section(damping), elements=2, order=order, d1=(0, 0.3, 1))
+        model.add(name, rod)
+    model.attach("a.end", "b.start")
+    return model
+
+
+class Moved:
+    """A discretised model in a random state: deformed, moving, and with its attachments moved off their nodes."""
+
+    def __init__(self, model, seed=5, offset=0.2, size=0.2):
+        rng = np.random.default_rng(seed)
+        self.problem = discretise(model)
+        self.problem.link_positions[:] = offset * rng.normal(size=self.problem.link_positions.shape)
+        self.system = GeometricSystem(self.problem)
+        self.supports = SupportState(self.problem)
+        self.elements = self.system.elements()
+        self.n = n = self.problem.size
+        self.state = State(
+            self.problem.positions.copy(), self.problem.quaternions.copy(), rng.normal(size=(n, 6))
+        )
+        retract(self.state.r, self.state.q, size * rng.normal(size=(n, 6)), self.state.r, self.state.q)
+
+    def moved(self, increment):
+        """Poses after body increments ``(n, 6)``."""
+        r, q = np.empty((self.n, 3)), np.empty((self.n, 4))
+        retract(self.state.r, self.state.q, increment, r, q)
+        return r, q
+
+
+def adjoint(x):
+    """``ad(x)`` of a body twist, from the bracket of se(3)."""
+
+    def skew(a):
+        return np.cross(np.eye(3), np.asarray(a))
+
+    return np.block([[skew(x[3:]), skew(x[:3])], [np.zeros((3, 3)), skew(x[3:])]])
+
+
+def dense(band, width):
+    """The matrix of a band whose row j holds column j, entry (i, j) at ``[j, width + i - j]``."""
+    size = len(band)
+    out = np.zeros((size, size))
+    for j in range(size):
+        for i in range(max(0, j - width), min(size, j + width + 1)):
+            out[i, j] = band[j, width + i - j]
+    return out

@@ -1,0 +1,258 @@
+"""Kernels of the collocation integrators against the assembled system, finite differences and dense algebra."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+from derivatives import slope_of
+from frames import Moved, adjoint, dense, frame
+from viscorod.mechanics import inertia
+from viscorod.mechanics import supports as support_kernels
+from viscorod.mechanics.internal_force import ElementWork, Points, conserve_energy, energies, internal_forces
+from viscorod.mechanics.linearised import Operators, add_frozen_forces, carry_stress, linearise
+from viscorod.solve import lapack
+from viscorod.solve.integrators import jacobian
+from viscorod.solve.loads import ExternalLoads
+
+FRAMES = {
+    "orders 2 and 3": lambda: Moved(frame()),
+    "orders 1 and 4": lambda: Moved(frame((1, 4))),
+    "orders 5 and 5": lambda: Moved(frame((5, 5))),
+    "undamped": lambda: Moved(frame(damping=0.0)),
+    "no offset": lambda: Moved(frame((3, 2)), offset=0.0),
+}
+
+
+def forces(at, r, q, twist, stress=None):
+    """Internal forces ``(n, 6)`` and the Gauss points ``(e, points, 6)``; with ``stress`` of that iterate."""
+    shape = at.elements.reference.shape
+    points = Points(*(np.zeros(shape) for _ in range(4)))
+    if stress is not None:
+        points.stress[:] = stress
+    work = ElementWork.of(at.elements.nodes.shape[1] - 1)
+    out = np.full((at.n, 6), np.nan)
+    internal_forces(at.elements, r, q, twist, points, stress is not None, work, out)
+    return out, points
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_internal_forces_are_those_of_the_assembly(name):
+    """Independent formulation: ``GeometricSystem.assemble``, forces, Gauss points and energies."""
+    at = FRAMES[name]()
+    out, points = forces(at, at.state.r, at.state.q, at.state.twist)
+    loads = ExternalLoads(at.problem).at(0.0)
+    at.system.assemble(at.state, loads, None, tangent=False, moving=True)
+    at.system.reset_stress()  # forces are those of the stress iterate
+    at.system.assemble(at.state, loads, None, tangent=False, moving=True)
+    assert out == pytest.approx(at.system.internal, abs=1e-12 * np.abs(out).max())
+    expected, places = at.system.gauss_points(), at.system.gauss_places()
+    damped = at.elements.damped  # the assembly knows no strain rates without damping
+    for field in ("strain", "section_force", *(("strain_rate",) if damped else ())):
+        found = getattr(points, field).reshape(-1, 6)[places]
+        value = getattr(expected, field)
+        assert found == pytest.approx(value, abs=1e-12 * np.abs(value).max())
+    elastic, power = energies(at.elements, points)
+    assert elastic == pytest.approx(at.system.elastic_energy(), rel=1e-12)
+    rate, length = expected.strain_rate, at.system.gauss_positions().length
+    loss = np.einsum("g,gi,gij,gj->", length, rate, at.system.gauss_damping(), rate)
+    assert power == pytest.approx(loss, rel=1e-12, abs=1e-14)
+    assert at.system.strain_energy(expected.strain) == pytest.approx(elastic, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_strain_rates(name):
+    """Finite differences in time of the strains along the body twists."""
+    at = FRAMES[name]()
+    _, points = forces(at, at.state.r, at.state.q, at.state.twist)
+    h = 1e-3
+    eps = {k: forces(at, *at.moved(k * h * at.state.twist), at.state.twist)[1].strain for k in (-2, -1, 1, 2)}
+    slope = (8 * (eps[1] - eps[-1]) - (eps[2] - eps[-2])) / (12 * h)
+    assert points.strain_rate == pytest.approx(slope, abs=1e-8 * np.abs(slope).max())
+
+
+def test_forces_of_a_stress_iterate_are_linear_in_it():
+    """Structure: the force is B^T sigma whatever the strain; with sigma = S it is the plain one."""
+    at = Moved(frame())
+    out, points = forces(at, at.state.r, at.state.q, at.state.twist)
+    S = points.section_force
+    sigma = np.random.default_rng(2).normal(size=S.shape)
+    mixed = [forces(at, at.state.r, at.state.q, at.state.twist, stress=s)[0] for s in (S, S + sigma, sigma)]
+    assert mixed[0] == pytest.approx(out, abs=1e-13 * np.abs(out).max())
+    assert mixed[0] + mixed[2] == pytest.approx(mixed[1], abs=1e-12 * np.abs(out).max())
+
+
+def test_conserved_energy():
+    """Conservation law: the corrected section forces of the middle work exactly the change of elastic energy."""
+    at = Moved(frame())
+    h = 0.02
+    X = h * at.state.twist
+    start = forces(at, at.state.r, at.state.q, at.state.twist)[1].strain
+    end = forces(at, *at.moved(X), at.state.twist)[1].strain
+    _, middle = forces(at, *at.moved(0.5 * X), at.state.twist)
+    elements = at.elements
+    stiff = elements.stiffness[elements.section]
+    damping = elements.damping[elements.section]
+    rate = middle.strain_rate
+    before, S = middle.section_force.copy(), middle.section_force
+    conserve_energy(elements, middle.strain, rate, start, end, h, S)
+    energy = 0.5 * (
+        np.einsum("egi,egij,egj->eg", end, stiff, end) - np.einsum("egi,egij,egj->eg", start, stiff, start)
+    )
+    viscous = h * np.einsum("egi,egij,egj->eg", rate, damping, rate)
+    work = h * np.einsum("egi,egi->eg", S, rate) - viscous
+    used = np.arange(start.shape[1])[None, :] < elements.order[:, None]
+    assert work[used] == pytest.approx(energy[used], abs=1e-13 * np.abs(energy).max())
+    change = np.abs(S - before).max() / np.abs(before).max()
+    assert 0.0 < change < 0.01  # of second order in the step
+
+
+def jacobian_of(at):
+    """Bands, operators and section forces of ``linearise`` at the state."""
+    state = at.state
+    width = at.system.band.width
+    K, C = np.zeros((2, 6 * at.n, 2 * width + 1))
+    turning = np.array([adjoint(x) for x in state.twist])
+    operators = Operators.of(at.elements)
+    S = forces(at, state.r, state.q, state.twist)[1].section_force
+    linearise(at.elements, state.r, state.q, state.twist, turning, S, operators, K, C)
+    return K, C, operators, S, turning
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_linearised_elements(name):
+    """Finite differences of the internal forces: along poses with turning twists (K), and along twists (C)."""
+    at = FRAMES[name]()
+    K, C, _, _, turning = jacobian_of(at)
+    state, width, n = at.state, at.system.band.width, at.n
+
+    def along_poses(x):
+        d = x.reshape(n, 6)
+        return forces(at, *at.moved(d), state.twist + np.einsum("nij,nj->ni", turning, d))[0].ravel()
+
+    def along_twists(x):
+        return forces(at, state.r, state.q, state.twist + x.reshape(n, 6))[0].ravel()
+
+    reference = slope_of(along_poses, 6 * n)
+    assert dense(K, width) == pytest.approx(reference, abs=3e-8 * np.abs(reference).max())
+    reference = slope_of(along_twists, 6 * n)
+    assert dense(C, width) == pytest.approx(reference, abs=1e-9 * max(np.abs(reference).max(), 1.0))
+
+
+def test_carried_stress_and_frozen_forces():
+    """Finite differences of the section forces; and B^T (S - sigma) against the forces of iterates at the state."""
+    at = Moved(frame())
+    _, _, operators, S, turning = jacobian_of(at)
+    state, n = at.state, at.n
+    rng = np.random.default_rng(3)
+    d, rate = rng.normal(size=(2, n, 6))
+
+    def section_forces(step):
+        twist = state.twist + step[0] * (rate + np.einsum("nij,nj->ni", turning, d))
+        return forces(at, *at.moved(step[0] * d), twist)[1].section_force.ravel()
+
+    slope = slope_of(section_forces, 1, h=1e-4).reshape(S.shape)
+    sigma = np.empty_like(S)
+    carry_stress(at.elements, operators, d, rate, S, sigma)
+    used = (np.arange(S.shape[1])[None, :] < at.elements.order[:, None])[..., None]
+    assert (sigma - S) * used == pytest.approx(slope * used, abs=1e-7 * np.abs(slope).max())
+    stress = S + rng.normal(size=S.shape)
+    total = forces(at, state.r, state.q, state.twist, stress=stress)[0]
+    add_frozen_forces(at.elements, operators, S, stress, total)
+    plain = forces(at, state.r, state.q, state.twist)[0]
+    assert total == pytest.approx(plain, abs=1e-12 * np.abs(plain).max())
+
+
+def test_inertia_of_the_jacobian():
+    """Finite differences of the gyroscopic forces L1(x) M x, and the bracket of se(3)."""
+    at = Moved(frame())
+    n, twist, mass = at.n, at.state.twist, at.problem.mass
+    turning = np.empty((n, 6, 6))
+    jacobian.adjoint(twist, turning)
+    assert turning == pytest.approx(np.array([adjoint(x) for x in twist]), abs=0)
+    width = at.system.band.width
+    K, C = np.zeros((2, 6 * n, 2 * width + 1))
+    mass_turning = np.empty((n, 6, 6))
+    jacobian.add_inertia(mass, twist, turning, K, C, mass_turning)
+
+    def gyroscopic(x):
+        out = np.zeros((n, 6))
+        inertia.add_coriolis(mass, twist + x.reshape(n, 6), out)
+        return out.ravel()
+
+    N = slope_of(gyroscopic, 6 * n)
+    ad, M = np.zeros((2, 6 * n, 6 * n))
+    for k in range(n):
+        block = slice(6 * k, 6 * k + 6)
+        ad[block, block], M[block, block] = turning[k], mass[k]
+        assert mass_turning[k] == pytest.approx(mass[k] @ turning[k], abs=1e-14)
+    assert dense(C, width) == pytest.approx(N + M @ ad, abs=1e-9)
+    assert dense(K, width) == pytest.approx(N @ ad, abs=1e-8)
+    # L1(x) M x itself is -ad(x)^T M x
+    expected = np.array([-adjoint(x).T @ m @ x for x, m in zip(twist, mass, strict=True)])
+    assert gyroscopic(np.zeros(6 * n)).reshape(n, 6) == pytest.approx(expected, abs=1e-13)
+
+
+@pytest.mark.parametrize("mu", [30.0, 20.0 + 25.0j])
+def test_supported_systems_are_solved(mu):
+    """Independent code: numpy.linalg.solve on the dense matrix with supported rows projected or replaced."""
+    model = frame()
+    model.support("a.start", ("ux", "uy", "uz", "ry"), motion={"rz": vr.Sine(0.5, amplitude=0.4)})
+    model.support("b@0.6", ("rx",), axes=((1, 2, 0), (-2, 1, 1)), motion={"uy": vr.Sine(0.3, amplitude=0.1)})
+    model.clamp("b.end")
+    at = Moved(model)
+    rng = np.random.default_rng(8)
+    s, n, width = at.supports, at.n, at.system.band.width
+    s.update(0.3)
+    K, C, _, _, turning = jacobian_of(at)
+    mass = at.problem.mass.copy()
+    jacobian.add_inertia(mass, at.state.twist, turning, K, C, np.empty((n, 6, 6)))
+    whole_K, whole_C = dense(K, width), dense(C, width)
+    m = len(s.set.nodes)
+    G, Z = np.empty((2, m, 6, 6))
+    given = (s.set.nodes, s.set.fixed, s.set.axes, s.r0, s.q0, s.target)
+    jacobian.project(*given, at.state.r, at.state.q, K, C, mass, G, Z)
+
+    A = (mu * whole_C + whole_K).astype(complex)
+    for k in range(n):
+        A[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] += mu * mu * at.problem.mass[k]
+    value, directions, dual, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)
+    for k, node in enumerate(s.set.nodes):
+        support_kernels.support_directions(
+            s.set.axes[k], s.r0[k], s.q0[k], s.set.fixed[k], s.target[k], at.state.r[node], at.state.q[node],
+            value, directions, dual, psi,
+        )  # fmt: skip
+        rows = slice(6 * node, 6 * node + 6)
+        fixed = s.set.fixed[k] > 0
+        projected = dual.T @ A[rows]
+        constraint = np.zeros_like(projected)
+        constraint[:, rows] = np.eye(6) if fixed.all() else directions
+        A[rows] = np.where(fixed[:, None], constraint, projected)
+    kind = type(mu)
+    b = rng.normal(size=6 * n).astype(kind)
+    columns = np.tile([0.25, 0.25, 0.25, 1.0, 1.0, 1.0], n)
+    row_scales, out = np.empty(6 * n), np.zeros((6 * n, 3 * width + 1), dtype=kind)
+    jacobian.combine(K, C, mass, mu, s.set.nodes, s.set.fixed, G, columns, row_scales, out)
+    integers, letter = lapack.pivots(6 * n), lapack.NO_TRANSPOSE.copy()
+    x = row_scales * b
+    if kind is complex:
+        assert lapack.factorise_complex(out, integers) == 0
+        lapack.solve_complex(out, integers, letter, x)
+    else:
+        assert lapack.factorise(out, integers) == 0
+        lapack.solve(out, integers, letter, x)
+    expected = np.linalg.solve(A, b)
+    assert columns * x == pytest.approx(
+        expected if kind is complex else expected.real, abs=1e-10 * np.abs(expected).max()
+    )
+
+
+@pytest.mark.parametrize("kind", [float, complex])
+def test_singular_matrices_are_told(kind):
+    """Closed form: a zero column gives a zero pivot in its row (counted from 1)."""
+    band = np.zeros((6, 3 * 5 + 1), dtype=kind)
+    band[:, 10] = 1.0
+    band[3, 10] = 0.0
+    factorise = lapack.factorise_complex if kind is complex else lapack.factorise
+    assert factorise(band, lapack.pivots(6)) == 4

@@ -1,0 +1,191 @@
+"""Coordinates of a step and interpolation in time against the matrix exponential and finite differences."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from viscorod.mechanics.interpolation import hermite, interpolate
+from viscorod.mechanics.motion import coordinate_rates, coordinates, extrapolate, place, versine_slopes
+from viscorod.mechanics.quaternion import matrices
+from viscorod.mechanics.rotation import versine_coefficients
+
+ANGLES = [0.0, 1e-9, 1e-3, 0.19, 0.21, 1.0, 2.5]
+
+
+def at(angle, seed=0):
+    """A start pose, coordinates of this angle and their rate."""
+    rng = np.random.default_rng(seed)
+    q0 = rng.normal(size=4)
+    X, rate = rng.normal(size=(2, 6))
+    X[3:] *= angle / np.linalg.norm(X[3:])
+    return rng.normal(size=3), q0 / np.linalg.norm(q0), X, rate
+
+
+def placed(r0, q0, X, rate, split):
+    r, q, twist = np.empty(3), np.empty(4), np.empty(6)
+    place(r0, q0, X, rate, split, r, q, twist)
+    return r, q, twist
+
+
+def hat(X):
+    """The 4x4 matrix of an element of se(3)."""
+    out = np.zeros((4, 4))
+    out[:3, :3] = np.cross(np.eye(3), X[3:])
+    out[:3, 3] = X[:3]
+    return out
+
+
+def pose(r0, q0, X, split):
+    """4x4 pose by the matrix exponential."""
+    H = np.eye(4)
+    H[:3, :3], H[:3, 3] = matrices(q0[None])[0], r0
+    if not split:
+        return H @ expm(hat(X))
+    out = H @ expm(hat(np.concatenate([np.zeros(3), X[3:]])))
+    out[:3, 3] = r0 + H[:3, :3] @ X[:3]
+    return out
+
+
+@pytest.mark.parametrize("split", [False, True])
+@pytest.mark.parametrize("angle", ANGLES)
+def test_place_is_the_exponential(angle, split):
+    """Independent code: scipy's matrix exponential on SE(3), or displacement and rotation apart."""
+    r0, q0, X, rate = at(angle)
+    r, q, _ = placed(r0, q0, X, rate, split)
+    expected = pose(r0, q0, X, split)
+    assert r == pytest.approx(expected[:3, 3], abs=1e-13)
+    assert matrices(q[None])[0] == pytest.approx(expected[:3, :3], abs=1e-13)
+    assert np.linalg.norm(q) == pytest.approx(1.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("split", [False, True])
+@pytest.mark.parametrize("angle", ANGLES)
+def test_twist_of_place(angle, split):
+    """Finite differences in time of the matrix exponential: the body twist is H^-1 H_t."""
+    r0, q0, X, rate = at(angle)
+    twist = placed(r0, q0, X, rate, split)[2]
+    h = 1e-3
+    H = {k: pose(r0, q0, X + k * h * rate, split) for k in (-2, -1, 0, 1, 2)}
+    slope = (8 * (H[1] - H[-1]) - (H[2] - H[-2])) / (12 * h)
+    body = np.linalg.solve(H[0], slope)
+    assert twist[:3] == pytest.approx(body[:3, 3], abs=1e-9)
+    assert twist[3:] == pytest.approx([body[2, 1], body[0, 2], body[1, 0]], abs=1e-9)
+
+
+@pytest.mark.parametrize("split", [False, True])
+@pytest.mark.parametrize("angle", ANGLES)
+def test_coordinate_rates_are_the_inverse(angle, split):
+    """Closed form: the rates that give a twist give it back."""
+    r0, q0, X, rate = at(angle)
+    back = np.empty(6)
+    coordinate_rates(X, placed(r0, q0, X, rate, split)[2], split, back)
+    assert back == pytest.approx(rate, abs=1e-12)
+
+
+@pytest.mark.parametrize("split", [False, True])
+@pytest.mark.parametrize("angle", ANGLES)
+def test_coordinates_round_trip(angle, split):
+    """Closed form: the coordinates of the pose that coordinates lead to, for either sign of the quaternion."""
+    r0, q0, X, rate = at(angle)
+    r, q, _ = placed(r0, q0, X, rate, split)
+    for sign in (1.0, -1.0):
+        back = np.empty(6)
+        coordinates(r0, q0, r, sign * q, split, back)
+        assert back == pytest.approx(X, abs=1e-12)
+
+
+@pytest.mark.parametrize("phi", [1e-4, 0.05, 0.199, 0.201, 1.0, 2.5])
+def test_versine_slopes(phi):
+    """Finite differences of the coefficients over the angle, on both sides of the change to series."""
+    h = 1e-3 * max(phi, 0.1)
+    values = {k: np.array(versine_coefficients((phi + k * h) ** 2)) for k in (-2, -1, 1, 2)}
+    slope = (8 * (values[1] - values[-1]) - (values[2] - values[-2])) / (12 * h)
+    a, b = versine_coefficients(phi * phi)
+    assert phi * np.array(versine_slopes(phi * phi, a, b)) == pytest.approx(slope, abs=1e-11)
+
+
+def test_extrapolate_continues_a_steady_screw():
+    """Closed form: coordinates linear in time are those of a steady screw, seen from anywhere on it."""
+    r0, q0, X, _ = at(1.0)
+    c = np.array([0.2, 0.6, 1.0])
+    values = (X[None, :] * c[:, None])[:, None, :]
+    r1, q1, _ = placed(r0, q0, X, np.zeros(6), False)
+    weights = np.array(
+        [np.linalg.solve(np.vander(c, 3, increasing=True).T, [1, x, x * x]) for x in 1 + 0.7 * c]
+    )
+    out = np.empty((3, 2, 6))
+    two = [np.array([v, v]) for v in (r0, q0, r1, q1)]
+    extrapolate(
+        two[0],
+        two[1],
+        np.repeat(values, 2, axis=1),
+        weights,
+        two[2],
+        two[3],
+        np.zeros(2),
+        np.array([0.0, 1.0]),
+        out,
+    )
+    assert out[:, 0] == pytest.approx(0.7 * c[:, None] * X, abs=1e-12)
+    assert np.all(out[:, 1] == 0.0)
+
+
+@pytest.mark.parametrize(("smooth", "degree"), [(False, 3), (True, 5)])
+def test_hermite_reproduces_polynomials(smooth, degree):
+    """Closed form: polynomials up to the degree, and not beyond."""
+    for k in range(degree + 2):
+        p = np.polynomial.Polynomial.basis(k)
+        v, a = p.deriv(), p.deriv(2)
+        h, start = 0.7, 0.4
+        y, slope = hermite(0.3, h, *(f(start) for f in (p, v, a)), *(f(start + h) for f in (p, v, a)), smooth)
+        t = start + 0.3 * h
+        if k <= degree:
+            assert (y, slope) == pytest.approx((p(t), v(t)), abs=1e-13)
+        else:
+            assert abs(y - p(t)) > 1e-5
+
+
+@pytest.mark.parametrize("smooth", [False, True])
+def test_interpolation_follows_a_steady_screw(smooth):
+    """Closed form: constant body twist, turning by 2.4 rad in the interval."""
+    r0, q0, _, _ = at(0.0)
+    twist = np.array([0.3, -1.0, 2.0, 1.0, 0.5, -0.7])
+    h = 2.4 / np.linalg.norm(twist[3:])
+    r1, q1, _ = placed(r0, q0, h * twist, twist, False)
+    still = np.zeros((1, 6))
+    r, q, x = np.empty((1, 3)), np.empty((1, 4)), np.empty((1, 6))
+    for part in (0.0, 0.35, 1.0):
+        interpolate(
+            part, h, r0[None], q0[None], twist[None], still, r1[None], q1[None], twist[None], still, np.zeros(1),
+            smooth, r, q, x,
+        )  # fmt: skip
+        expected = placed(r0, q0, part * h * twist, twist, False)
+        for found, value in zip((r[0], q[0], x[0]), expected, strict=True):
+            assert found == pytest.approx(value, abs=1e-8 if smooth else 1e-13)
+
+
+@pytest.mark.parametrize("split", [False, True])
+@pytest.mark.parametrize(("smooth", "order"), [(False, 4), (True, 6)])
+def test_order_of_interpolation(smooth, order, split):
+    """Order by regression: a pose whose coordinates are a cubic plus a sine, twist rates by finite differences."""
+    r0, q0, a, b = at(0.8, seed=4)
+
+    def motion(t):
+        X = a * t + b * np.sin(1.3 * t + 0.2)
+        return placed(r0, q0, X, a + 1.3 * b * np.cos(1.3 * t + 0.2), split)
+
+    def rate(t, d=1e-3):
+        return (8 * (motion(t + d)[2] - motion(t - d)[2]) - motion(t + 2 * d)[2] + motion(t - 2 * d)[2]) / (
+            12 * d
+        )
+
+    steps, errors = np.array([0.4, 0.2, 0.1]), []
+    for h in steps:
+        ends = [(*(v[None] for v in motion(t)), rate(t)[None]) for t in (0.1, 0.1 + h)]
+        r, q, x = np.empty((1, 3)), np.empty((1, 4)), np.empty((1, 6))
+        interpolate(0.45, h, *ends[0], *ends[1], np.array([float(split)]), smooth, r, q, x)
+        exact = motion(0.1 + 0.45 * h)
+        errors.append(max(np.abs(r[0] - exact[0]).max(), np.abs(q[0] - exact[1]).max()))
+    assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.6)
