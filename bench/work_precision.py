@@ -12,17 +12,19 @@ mesh; what another mesh and another integrator make of it is printed first.
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from dataclasses import dataclass
 from importlib import import_module
+from itertools import pairwise
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from peers.cases import CASES, INSTALL, Case  # noqa: E402  (sets the number of threads first)
-from peers.suite import MODULES, SUITE, available  # noqa: E402
-
-import numpy as np  # noqa: E402
+import numpy as np
+from peers.cases import CASES, INSTALL, Case
+from peers.suite import MODULES, SUITE, available
 
 LADDERS: dict[str, tuple[tuple[int, int, float], ...]] = {
     "llt": (
@@ -65,7 +67,7 @@ TARGETS = (1e-3, 1e-4)
 
 @dataclass(frozen=True)
 class Point:
-    """One run: which family of runs it belongs to, its label, the time of its loop [s] and its error over the length."""
+    """One run: the family it belongs to, its label, the time of its loop [s], its error over the length."""
 
     family: str
     label: str
@@ -75,7 +77,7 @@ class Point:
 
 
 def ours(case: Case) -> list[Point]:
-    """viscorod's runs."""
+    """Runs of viscorod."""
     points = []
     for elements, order, tolerance in LADDERS[case.name]:
         best = np.inf
@@ -120,7 +122,7 @@ def seconds_at(points: list[Point], error: float) -> float:
     best = min((p.seconds for p in points if p.error <= error), default=np.inf)
     for family in {p.family for p in points}:
         mine = sorted((p for p in points if p.family == family), key=lambda p: p.error)
-        for a, b in zip(mine[:-1], mine[1:], strict=True):
+        for a, b in pairwise(mine):
             if a.error <= error <= b.error:
                 part = np.log(error / a.error) / np.log(b.error / a.error)
                 best = min(best, float(np.exp((1 - part) * np.log(a.seconds) + part * np.log(b.seconds))))
@@ -144,7 +146,8 @@ def report(case: Case) -> tuple[list[Point], list[Point]]:
     for target in TARGETS if comparable else ():
         own, other = seconds_at(mine, target), seconds_at(comparable, target)
         print(
-            f"at {target:g} L: viscorod {1e3 * own:.3g} ms, the fastest other {1e3 * other:.4g} ms, ratio {other / own:.3g}"
+            f"at {target:g} L: viscorod {1e3 * own:.3g} ms, the fastest other {1e3 * other:.4g} ms, "
+            f"ratio {other / own:.3g}"
         )
     print(f"1e-6 L takes {seconds_at(mine, 1e-6) / seconds_at(mine, 1e-4):.2g} times as long as 1e-4 L")
     return mine, others

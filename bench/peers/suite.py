@@ -53,6 +53,7 @@ SUITE = (
     _exudyn("llt", 16, 1000),
     _exudyn("llt", 32, 2000),
     _exudyn("llt", 64, 3000),
+    _exudyn("llt", 80, 4000),
     _exudyn("llt", 32, 2000, kind="ancf", repeats=1),
     _mujoco("llt", 16, "hinges", 2e-3),
     _mujoco("llt", 32, "hinges", 2e-3),

@@ -21,6 +21,7 @@ class Outcome(Enum):
     SLOW = "Newton's method did not converge in the allowed iterations"
     SINGULAR = "the tangent matrix is singular"
     NOT_FINITE = "a force became infinite or undefined"
+    BROKEN = "a rod is stretched or sheared to a hundred times its length"
     TOO_SMALL = "the motion asks for steps too small to ever reach the end"
     INTERRUPTED = "the run was stopped"
 
@@ -28,6 +29,8 @@ class Outcome(Enum):
         """What to try."""
         if self is Outcome.NOT_FINITE:
             return "check the magnitudes of loads, motions and stiffnesses, and what functions of time return"
+        if self is Outcome.BROKEN:
+            return "look for a load or a motion that grows without bound, and check loads against stiffnesses"
         if self is Outcome.TOO_SMALL:
             return "look for a load or a motion that grows without bound there, or give a larger tolerance"
         if not static:

@@ -17,6 +17,9 @@ from viscorod.solve.system import State
 
 MOST_NOTES = 20
 
+LARGEST_STRAIN = 100.0
+"""Shear or stretch beyond which a run is stopped: nothing that means anything comes after it."""
+
 
 @dataclass
 class Effort:
@@ -144,6 +147,9 @@ class Transient:
                     continue
                 before = replace(account)
                 integrator.accept()
+                if not np.abs(integrator.snapshot().strain[:, :3]).max() < LARGEST_STRAIN:
+                    result.outcome, result.failed_at = Outcome.BROKEN, end
+                    return
                 account.add(integrator)
                 effort.steps += 1
                 if end - t < effort.smallest_step:

@@ -82,6 +82,7 @@ class Collocation:
         self._end_rate = np.zeros((problem.size, 6))  # of the twists at t
         self._turning = np.zeros((problem.size, 6, 6))
         self._powers = np.zeros((2, stages))
+        self._reaction = np.zeros((len(body.nodes), 6))  # of the supports at t, along their axes
         self._error = np.zeros((problem.size, 6))
         self._next_elastic = 0.0
         self._snapshot: Snapshot
@@ -210,6 +211,7 @@ class Collocation:
         reactions = np.array([self._reactions(i) for i in range(self._last + 1)])
         reaction = first.reaction + np.einsum("ks,smi->kmi", weights, reactions - first.reaction)
         work, loss = h * self._powers @ self.tableau.partial_weights(parts).T
+        loss = np.maximum.accumulate(np.clip(loss, 0.0, self.loss))  # interpolation must not give energy back
         found = []
         for k, part in enumerate(parts):
             t = self.t - (1.0 - part) * h
@@ -239,6 +241,7 @@ class Collocation:
         stages, last = self.stages, self._last
         self.state = State(stages.r[last].copy(), stages.q[last].copy(), stages.twist[last].copy())
         self._force[:], self._stress[:] = stages.force[last], stages.stress[last]
+        self._reaction[:] = stages.reaction[last]
         if len(self.supports.partial):
             self._move_supports(self._end)
             self.supports.project_twists(self.state)
@@ -278,6 +281,7 @@ class Collocation:
         supports.impose(state, residual, self.system.band, tangent=False)
         self.kinetic = inertia.kinetic_energy(body.mass, state.twist)
         self.elastic, _ = energies(body.elements, points)
+        self._reaction[:] = supports.reaction
         self._stress[:] = points.stress
         self._snapshot = Snapshot(
             t,
@@ -402,6 +406,7 @@ class Collocation:
             body.r0,
             body.q0,
             self.supports.target,
+            self._reaction,
             state.r,
             state.q,
             matrices.K,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics.compiled import kernel
-from viscorod.mechanics.supports import support_directions
+from viscorod.mechanics.supports import reaction_stiffness, support_directions
 from viscorod.typing import Floats, Integers
 
 
@@ -84,6 +84,7 @@ def project(
     r0: Floats,
     q0: Floats,
     target: Floats,
+    reaction: Floats,
     r: Floats,
     q: Floats,
     K: Floats,
@@ -92,10 +93,14 @@ def project(
     G: Floats,
     Z: Floats,
 ) -> None:
-    """Project the rows of supported nodes on their free directions, clear the held ones; write directions ``G, Z``."""
+    """Project the rows of supported nodes on their free directions, clear the held ones; write directions ``G, Z``.
+
+    Reactions ``(m, 6)`` turn with their nodes: their derivative is subtracted from ``K`` first.
+    """
     value = np.empty(6)
     psi = np.empty(3)
     old = np.empty(6)
+    turned = np.empty((6, 6))
     width = (K.shape[1] - 1) // 2
     size = K.shape[0]
     for s in range(nodes.shape[0]):
@@ -109,6 +114,11 @@ def project(
             for i in range(6):
                 for j in range(6):
                     G[s, i, j] = 1.0 if i == j else 0.0
+        else:
+            reaction_stiffness(G[s], psi, reaction[s], turned)
+            for i in range(6):
+                for j in range(6):
+                    K[6 * k + j, width + i - j] -= turned[i, j]
         for band in (K, C):
             for j in range(max(0, 6 * k - width), min(size, 6 * k + 6 + width)):
                 for i in range(6):

@@ -27,7 +27,7 @@ class Midpoint(Collocation):
     order = 2
     records = 1
 
-    def __init__(self, system: System, supports: SupportState, *, newton_tolerance: float = 1e-11) -> None:
+    def __init__(self, system: System, supports: SupportState, *, newton_tolerance: float = 1e-13) -> None:
         super().__init__(system, supports, MIDPOINT, newton_tolerance)
         self.ends = Ends.of(self.body, active=True)
         self._end_twist = np.zeros((len(supports.complete), 6))
