@@ -91,8 +91,8 @@ class Workplace:
         def on_step(reached: float, state: State, iterations: int) -> None:
             nonlocal last
             account = EnergyAccount(elastic=self.system.elastic_energy())
-            snapshot = Snapshot.of(reached, state, self.system, self.supports)
-            self.history.record(snapshot, account, reached - last, iterations)
+            snapshot = Snapshot.of(state, self.system, self.supports)
+            self.history.record(reached, snapshot, account, reached - last, iterations)
             if progress is not None:
                 progress(reached, reached - last)
             last = reached

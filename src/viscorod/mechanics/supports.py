@@ -301,6 +301,24 @@ def reaction_wrenches(
 
 
 @kernel
+def stage_reaction_wrenches(
+    nodes: Integers,
+    fixed: Floats,
+    axes: Floats,
+    r0: Floats,
+    q0: Floats,
+    target: Floats,
+    r: Floats,
+    q: Floats,
+    reaction: Floats,
+    out: Floats,
+) -> None:
+    """Write :func:`reaction_wrenches` of several states: first index of ``target``, ``r``, ``q``, ``reaction``, ``out``."""
+    for i in range(r.shape[0]):
+        reaction_wrenches(nodes, fixed, axes, r0, q0, target[i], r[i], q[i], reaction[i], out[i])
+
+
+@kernel
 def prescribed_motion(
     axes: Floats,
     r0: Floats,

@@ -103,7 +103,7 @@ class EnergyAccount:
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The state of everything at one instant (a time [s] or a load factor).
+    """The state of everything at one instant.
 
     Attributes:
         state: nodal poses and twists; strain, strain_rate, section_force: at the Gauss points in order ``(m, 6)``.
@@ -111,7 +111,6 @@ class Snapshot:
         kinetic, elastic: energies [J].
     """
 
-    instant: float
     state: State
     strain: Floats
     strain_rate: Floats
@@ -121,13 +120,10 @@ class Snapshot:
     elastic: float
 
     @classmethod
-    def of(
-        cls, instant: float, state: State, system: System, supports: SupportState, kinetic: float = 0.0
-    ) -> Snapshot:
+    def of(cls, state: State, system: System, supports: SupportState, kinetic: float = 0.0) -> Snapshot:
         """Take the snapshot of the last assembly."""
         points = system.gauss_points()
         return cls(
-            instant,
             state.copy(),
             points.strain,
             points.strain_rate,
@@ -147,7 +143,6 @@ class Snapshot:
             return (1.0 - part) * a + part * b
 
         return Snapshot(
-            self.instant + part * (end.instant - self.instant),
             state,
             mix(self.strain, end.strain),
             mix(self.strain_rate, end.strain_rate),
@@ -160,23 +155,22 @@ class Snapshot:
 
 @dataclass
 class History:
-    """What was recorded, one list entry each."""
+    """What was recorded, one list entry each; instants are times [s] or load factors."""
 
+    instant: list[float] = field(default_factory=list)
     snapshots: list[Snapshot] = field(default_factory=list)
     energy: list[tuple[float, float, float, float, float]] = field(default_factory=list)
     step_size: list[float] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
 
-    def record(self, snapshot: Snapshot, account: EnergyAccount, step_size: float, iterations: int) -> None:
-        """Append a snapshot and the energy account there."""
+    def record(
+        self, instant: float, snapshot: Snapshot, account: EnergyAccount, step_size: float, iterations: int
+    ) -> None:
+        """Append a snapshot and the energy account at an instant."""
+        self.instant.append(instant)
         self.snapshots.append(snapshot)
         self.energy.append(
             (account.kinetic, account.elastic, account.viscous, account.external, account.numerical)
         )
         self.step_size.append(step_size)
         self.iterations.append(iterations)
-
-    @property
-    def instant(self) -> list[float]:
-        """Times [s] or load factors."""
-        return [snapshot.instant for snapshot in self.snapshots]

@@ -122,7 +122,7 @@ class Transient:
         account.elastic = integrator.elastic
         account.kinetic = integrator.kinetic
         account.start = account.kinetic + account.elastic
-        history.record(integrator.snapshot(), account, 0.0, 0)
+        history.record(0.0, integrator.snapshot(), account, 0.0, 0)
         corners, jumps = self._corners(duration)
         t, restart = 0.0, True
         for corner in corners:
@@ -163,10 +163,9 @@ class Transient:
                 states = integrator.between(parts[inside]) if inside.any() else []
                 for (between, work, loss), at, part in zip(states, times, parts, strict=False):
                     energy = before.between(account, float(part), between.kinetic, work, loss)
-                    history.record(replace(between, instant=at), energy, end - t, report.iterations)
+                    history.record(at, between, energy, end - t, report.iterations)
                 if len(times) > len(states):
-                    last = replace(integrator.snapshot(), instant=times[-1])
-                    history.record(last, account, end - t, report.iterations)
+                    history.record(times[-1], integrator.snapshot(), account, end - t, report.iterations)
                 if control.exhausted:
                     result.outcome, result.failed_at = Outcome.TOO_SMALL, end
                     return

@@ -164,7 +164,6 @@ class Collocation:
         self._earlier = (self.state, stages.X.copy(), np.concatenate([self._stress[None], stages.stress]), h)
         self._arrive()
         self.t, self._step = self._end, h
-        self.kinetic = inertia.kinetic_energy(self.body.mass, self.state.twist)
         self._fresh_jacobian = False
         if self._rate > self.stale:
             self._have_jacobian = False
@@ -208,18 +207,17 @@ class Collocation:
             (first.section_force, stages.stress, points[2]),
         ):
             solved_step.follow(weights, start, values, self._places, out)
-        reactions = np.array([self._reactions(i) for i in range(self._last + 1)])
-        reaction = first.reaction + np.einsum("ks,smi->kmi", weights, reactions - first.reaction)
+        change = self._reactions() - first.reaction
+        reaction = first.reaction + np.einsum("ks,smi->kmi", weights, change)
         work, loss = h * self._powers @ self.tableau.partial_weights(parts).T
         loss = np.maximum.accumulate(np.clip(loss, 0.0, self.loss))  # interpolation must not give energy back
         found = []
         for k, part in enumerate(parts):
-            t = self.t - (1.0 - part) * h
             state = State(r[k], q[k], twist[k])
-            self.supports.correct(state, t)
+            self.supports.correct(state, self.t - (1.0 - part) * h)
             kinetic = inertia.kinetic_energy(self.body.mass, twist[k])
             strain, rate, force = points[0, k], points[1, k], points[2, k]
-            snapshot = Snapshot(t, state, strain, rate, force, reaction[k], kinetic, 0.0)
+            snapshot = Snapshot(state, strain, rate, force, reaction[k], kinetic, 0.0)
             found.append((snapshot, float(work[k]), float(loss[k])))
         return found
 
@@ -246,7 +244,8 @@ class Collocation:
             self._move_supports(self._end)
             self.supports.project_twists(self.state)
         self._end_rate = stages.acceleration[last].copy()
-        self._snapshot = self._take(self._end)
+        self.kinetic = inertia.kinetic_energy(self.body.mass, self.state.twist)
+        self._snapshot = self._take()
 
     def _start_rate(self, h: float) -> Floats:
         """Rates of the twists at the start of the step, from the polynomial through the stages."""
@@ -284,7 +283,6 @@ class Collocation:
         self._reaction[:] = supports.reaction
         self._stress[:] = points.stress
         self._snapshot = Snapshot(
-            t,
             state,
             self._gather(points.strain),
             self._gather(points.strain_rate),
@@ -298,33 +296,32 @@ class Collocation:
         """Bring Gauss-point fields ``(..., e, points, 6)`` into the order of results ``(..., m, 6)``."""
         return fields.reshape(*fields.shape[:-3], -1, 6)[..., self._places, :]
 
-    def _take(self, t: float) -> Snapshot:
+    def _take(self) -> Snapshot:
         stages, last = self.stages, self._last
         return Snapshot(
-            t,
             self.state,
             self._gather(stages.strain[last]),
             self._gather(stages.strain_rate[last]),
             self._gather(stages.stress[last]),
-            self._reactions(last),
+            self._reactions()[last],
             self.kinetic,
             self.elastic,
         )
 
-    def _reactions(self, i: int) -> Floats:
-        """Global wrenches of the supports at stage ``i``."""
+    def _reactions(self) -> Floats:
+        """Global wrenches of the supports at all stages ``(s, supports, 6)``."""
         b, stages = self.body, self.stages
-        out = np.empty((len(b.nodes), 6))
-        support_kernels.reaction_wrenches(
+        out = np.empty(stages.reaction.shape)
+        support_kernels.stage_reaction_wrenches(
             b.nodes,
             b.fixed,
             b.axes,
             b.r0,
             b.q0,
-            self.given.target[i],
-            stages.r[i],
-            stages.q[i],
-            stages.reaction[i],
+            self.given.target,
+            stages.r,
+            stages.q,
+            stages.reaction,
             out,
         )
         return out

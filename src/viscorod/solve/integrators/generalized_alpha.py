@@ -239,7 +239,7 @@ class GeneralizedAlpha:
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        return Snapshot.of(self.t, self.state, self.system, self.supports, self.kinetic)
+        return Snapshot.of(self.state, self.system, self.supports, self.kinetic)
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`: cubic in the poses, linear in the rest."""
