@@ -88,7 +88,7 @@ class March:
         assert self.result.outcome is Outcome.COMPLETED
         assert self.result.effort.rejected == 0
         snapshots = self.result.history.snapshots
-        self.t = np.array([s.instant for s in snapshots])
+        self.t = np.array(self.result.history.instant)
         r, q, twist = (np.array([getattr(s.state, name) for s in snapshots]) for name in ("r", "q", "twist"))
         self.r, self.q, self.v, self.spin = StationReader(problem).read(r, q, twist)
 

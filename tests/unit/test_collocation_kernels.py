@@ -56,9 +56,8 @@ def test_internal_forces_are_those_of_the_assembly(name):
     elastic, power = energies(at.elements, points)
     assert elastic == pytest.approx(at.system.elastic_energy(), rel=1e-12)
     rate, length = expected.strain_rate, at.system.gauss_positions().length
-    loss = np.einsum("g,gi,gij,gj->", length, rate, at.system.gauss_damping(), rate)
+    loss = np.einsum("g,gi,gij,gj->", length, rate, at.system.gauss_positions().damping, rate)
     assert power == pytest.approx(loss, rel=1e-12, abs=1e-14)
-    assert at.system.strain_energy(expected.strain) == pytest.approx(elastic, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", FRAMES)
@@ -212,7 +211,7 @@ def test_supported_systems_are_solved(mu):
     m = len(s.set.nodes)
     G, Z = np.empty((2, m, 6, 6))
     given = (s.set.nodes, s.set.fixed, s.set.axes, s.r0, s.q0, s.target)
-    jacobian.project(*given, at.state.r, at.state.q, K, C, mass, G, Z)
+    jacobian.project(*given, np.zeros((m, 6)), at.state.r, at.state.q, K, C, mass, G, Z)
 
     A = (mu * whole_C + whole_K).astype(complex)
     for k in range(n):

@@ -155,14 +155,15 @@ def test_interpolation_follows_a_steady_screw(smooth):
     h = 2.4 / np.linalg.norm(twist[3:])
     r1, q1, _ = placed(r0, q0, h * twist, twist, False)
     still = np.zeros((1, 6))
-    r, q, x = np.empty((1, 3)), np.empty((1, 4)), np.empty((1, 6))
-    for part in (0.0, 0.35, 1.0):
+    parts = np.array([0.0, 0.35, 1.0])
+    r, q, x = np.empty((3, 1, 3)), np.empty((3, 1, 4)), np.empty((3, 1, 6))
+    for k, part in enumerate(parts):
         interpolate(
-            part, h, r0[None], q0[None], twist[None], still, r1[None], q1[None], twist[None], still, np.zeros(1),
+            parts, h, r0[None], q0[None], twist[None], still, r1[None], q1[None], twist[None], still, np.zeros(1),
             smooth, r, q, x,
         )  # fmt: skip
         expected = placed(r0, q0, part * h * twist, twist, False)
-        for found, value in zip((r[0], q[0], x[0]), expected, strict=True):
+        for found, value in zip((r[k, 0], q[k, 0], x[k, 0]), expected, strict=True):
             assert found == pytest.approx(value, abs=1e-8 if smooth else 1e-13)
 
 
@@ -184,8 +185,8 @@ def test_order_of_interpolation(smooth, order, split):
     steps, errors = np.array([0.4, 0.2, 0.1]), []
     for h in steps:
         ends = [(*(v[None] for v in motion(t)), rate(t)[None]) for t in (0.1, 0.1 + h)]
-        r, q, x = np.empty((1, 3)), np.empty((1, 4)), np.empty((1, 6))
-        interpolate(0.45, h, *ends[0], *ends[1], np.array([float(split)]), smooth, r, q, x)
+        r, q, x = np.empty((1, 1, 3)), np.empty((1, 1, 4)), np.empty((1, 1, 6))
+        interpolate(np.array([0.45]), h, *ends[0], *ends[1], np.array([float(split)]), smooth, r, q, x)
         exact = motion(0.1 + 0.45 * h)
-        errors.append(max(np.abs(r[0] - exact[0]).max(), np.abs(q[0] - exact[1]).max()))
+        errors.append(max(np.abs(r[0, 0] - exact[0]).max(), np.abs(q[0, 0] - exact[1]).max()))
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.6)

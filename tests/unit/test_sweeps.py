@@ -81,7 +81,7 @@ def single(text, output_interval=0.001, **values):
 
 
 def without_times(data):
-    return data.assign_attrs(wall_time_s=0.0)
+    return data.assign_attrs(wall_time_s=0.0, loop_time_s=0.0)
 
 
 @pytest.mark.parametrize("workers", [1, 2])

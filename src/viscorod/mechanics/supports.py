@@ -313,7 +313,7 @@ def stage_reaction_wrenches(
     reaction: Floats,
     out: Floats,
 ) -> None:
-    """Write :func:`reaction_wrenches` of several states: first index of ``target``, ``r``, ``q``, ``reaction``, ``out``."""
+    """Write :func:`reaction_wrenches` of several states, the first index of ``target`` and what follows it."""
     for i in range(r.shape[0]):
         reaction_wrenches(nodes, fixed, axes, r0, q0, target[i], r[i], q[i], reaction[i], out[i])
 
