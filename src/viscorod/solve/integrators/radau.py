@@ -28,7 +28,7 @@ class Radau(Collocation):
         tolerance: wanted accuracy of the motion: displacement over model length, rotation in rad.
     """
 
-    step_factor = 3.0
+    step_factor = 2.0
     """Error that a step may have by its estimate, over the tolerance. The estimate is that of a lower order."""
 
     newton_factor, newton_power = 3e-3, 1.25
