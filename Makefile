@@ -7,7 +7,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-com
 WORKERS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check docs bench clean
+.PHONY: help demo test check docs bench peers clean
 
 help:
 	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
@@ -15,6 +15,7 @@ help:
 	@echo "make check  ruff, mypy, import contracts, documentation with warnings as errors"
 	@echo "make docs   documentation in docs/_build/html"
 	@echo "make bench  timings, as ratios"
+	@echo "make peers  the same motions computed by other programs: time against error"
 	@echo "make clean  remove everything that was made here, the environment too"
 
 $(BIN)/python:
@@ -49,10 +50,16 @@ docs: $(VENV)/.stamp-test
 
 bench: $(VENV)/.stamp-test
 	$(BIN)/python bench/newton_iteration.py
+	$(BIN)/python bench/model_sizes.py
 	$(BIN)/python bench/mesh_accuracy.py
+	$(BIN)/python bench/tolerance.py
 	$(BIN)/python bench/statics.py
 	$(BIN)/python bench/sweep.py
 	$(BIN)/python bench/startup.py
+
+peers: $(VENV)/.stamp-test
+	$(PIP) --editable '.[bench]'
+	$(BIN)/python bench/work_precision.py --figure docs/images/work_precision.png
 
 clean:
 	rm -rf $(VENV) out docs/_build build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

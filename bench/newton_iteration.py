@@ -147,7 +147,7 @@ def main() -> None:
         return
     print("\n rods  elements  iteration per element [us]  against 100 elements  memory per element [bytes]")
     reference = measure(100, 1)[0] / 100
-    for rods, count in ((1, 50), (1, 100), (1, 300), (1, 1000), (1, 3000), (1, 10_000), (1000, 2000)):
+    for rods, count in ((1, 50), (1, 100), (1, 300), (1, 1000), (1, 3000), (1, 10_000), (1000, 10_000)):
         ours, _, _, memory = measure(count, 1, rods)
         per_element = ours / count
         print(
