@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.results.decrement import Decrement
+from viscorod.results.decrement import Decrement, hermite
 from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
 from viscorod.results.style import (
     BLUE,
@@ -23,6 +23,7 @@ from viscorod.results.style import (
     legend_inside,
     scaled,
 )
+from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 _SNAPSHOTS = 13
 _SIDE_BY_SIDE = 5  # snapshots of rods that would hide each other
+_BETWEEN, _ENOUGH = 8, 4000  # points drawn from one stored time to the next, and in all
 
 
 def draw_motion(run: Run, place: str | int | None = None, axis: str | None = None) -> Figure:
@@ -61,7 +63,8 @@ def _history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement | Non
     clean(axes, "time [s]", f"displacement {axis} of {place} [{unit}]")
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     lone = "o" if run.time.size == 1 else None
-    axes.plot(run.time, scale * values, color=BLUE, linewidth=1.6, marker=lone, label=f"displacement {axis}")
+    time, curve = _curve(run.time, values, run.history(place, "velocity").sel(axis=axis).values)
+    axes.plot(time, scale * curve, color=BLUE, linewidth=1.6, marker=lone, label=f"displacement {axis}")
     axes.margins(x=0.01)
     if decay is not None:
         axes.plot(
@@ -86,6 +89,14 @@ def _history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement | Non
         room = 0.05 * (top - bottom)
         axes.set_ylim(bottom - room, top + room)
     legend_above(axes, 3)
+
+
+def _curve(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Floats]:
+    """Times and values of a smooth curve: cubics through the stored values and their rates."""
+    parts = max(1, min(_BETWEEN, _ENOUGH // time.size))
+    step, part = np.diff(time)[:, None], np.arange(parts) / parts
+    between = hermite(part, value[:-1, None], value[1:, None], step * rate[:-1, None], step * rate[1:, None])
+    return np.append(time[:-1, None] + step * part, time[-1]), np.append(between, value[-1])
 
 
 def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | None) -> None:
