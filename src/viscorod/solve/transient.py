@@ -187,7 +187,7 @@ class Transient:
         """What limited an accepted step, in words."""
         limit = self.control.limit
         if limit in ("the error", "convergence of Newton's method"):
-            return f"{limit} of {report.motion} at {self.place(report.node)}"
+            return f"{limit}{' of' if limit == 'the error' else ' for'} {report.motion} at {self.place(report.node)}"
         return limit
 
     def _corners(self, duration: float) -> tuple[list[float], set[float]]:
