@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import time
 from collections.abc import Callable, Iterator
@@ -144,5 +145,6 @@ def _watched(progress: Callable[[float], None] | None) -> Iterator[None]:
 
 
 if __name__ == "__main__":  # the process that compiles aside
+    gc.disable()  # compiling makes many objects, and the process ends soon
     for name in ("radau", "midpoint"):
         _simulate(small_model(), name)

@@ -163,6 +163,22 @@ def retract(r: Floats, q: Floats, increment: Floats, r_new: Floats, q_new: Float
 
 
 @kernel
+def turned(q: Floats, theta: Floats, out: Floats) -> None:
+    """Write the unit quaternion ``q exp(theta)`` into ``out`` (which may not be ``q``)."""
+    phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
+    half = 0.5 * math.sqrt(phi2)
+    s = 0.5 * (1.0 - phi2 / 24 * (1.0 - phi2 / 80)) if phi2 < 1e-4 else math.sin(half) / (2.0 * half)
+    e0, e1, e2, e3 = math.cos(half), s * theta[0], s * theta[1], s * theta[2]
+    out[0] = q[0] * e0 - q[1] * e1 - q[2] * e2 - q[3] * e3
+    out[1] = q[0] * e1 + q[1] * e0 + q[2] * e3 - q[3] * e2
+    out[2] = q[0] * e2 + q[2] * e0 + q[3] * e1 - q[1] * e3
+    out[3] = q[0] * e3 + q[3] * e0 + q[1] * e2 - q[2] * e1
+    scale = 1.0 / math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2 + out[3] ** 2)
+    for i in range(4):
+        out[i] *= scale
+
+
+@kernel
 def rotation_tangent(theta: Floats, out: Floats) -> None:
     """Write ``T(theta)`` into ``out``: body angular velocity ``w = T theta_t`` where ``R = R0 exp(theta)``."""
     phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
