@@ -68,16 +68,16 @@ def _allocates(function: Callable[..., object]) -> bool:
 
 
 def part(function: Kernel) -> Kernel:
-    """Compile ``function`` as a part of the kernels that call it: it cannot be called from Python.
+    """Compile ``function`` as a part of the kernels that call it: calling it from Python crashes.
 
-    It makes no arrays and returns none.
+    It returns no arrays.
     """
     compiled: Any = _njit(
         error_model="numpy",
         fastmath={"contract", "nsz"},
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
-        _nrt=False,
+        _nrt=_allocates(function),
     )(function)
     return cast(Kernel, compiled)
 

@@ -241,7 +241,7 @@ def rates_of(
     )
 
 
-@kernel
+@part
 def coordinate_rates(X: Floats, twist: Floats, split: bool, out: Floats) -> None:
     """Write the rates of the coordinates ``X (6,)`` of a node that moves with the body ``twist (6,)``."""
     a0, a1, a2, t0, t1, t2 = X

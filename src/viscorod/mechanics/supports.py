@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.rotation import (
     add_skew,
     cross,
@@ -29,7 +29,7 @@ from viscorod.mechanics.rotation import (
 from viscorod.typing import Floats, Integers
 
 
-@kernel
+@part
 def relative_rotation(q0: Floats, q: Floats, out: Floats) -> None:
     """Write the rotation vector of ``conj(q0) q`` into ``out``."""
     d = np.empty(4)
@@ -40,7 +40,7 @@ def relative_rotation(q0: Floats, q: Floats, out: Floats) -> None:
     rotation_vector(d, out)
 
 
-@kernel
+@part
 def unwind(psi: Floats, R0: Floats, axes: Floats, fixed: Floats, target: Floats) -> None:
     """Add the whole turns to a rotation vector that bring its prescribed components nearest to their targets."""
     phi = np.sqrt(psi[0] ** 2 + psi[1] ** 2 + psi[2] ** 2)
@@ -105,7 +105,7 @@ def support_directions(
                 Z[3 + j, 3 + i] += e * T[j, a]
 
 
-@kernel
+@part
 def step_to_target(
     axes: Floats, r0: Floats, q0: Floats, target: Floats, r: Floats, q: Floats, out: Floats
 ) -> None:
@@ -138,7 +138,7 @@ def step_to_target(
         out[3 + i] = turn[i]
 
 
-@kernel
+@part
 def reaction_stiffness(G: Floats, psi: Floats, reaction: Floats, out: Floats) -> None:
     """Write the derivative of ``G^T reaction`` per body increment ``(6, 6)`` at constant reaction components.
 

@@ -14,7 +14,7 @@ from numba import types
 from numba.extending import get_cython_function_address
 from numpy.typing import NDArray
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, part
 from viscorod.typing import Floats, Integers
 
 Bytes: TypeAlias = NDArray[np.uint8]
@@ -38,7 +38,7 @@ def pivots(size: int) -> Integers:
     return np.zeros(size + 5, dtype=np.int32)
 
 
-@kernel
+@part
 def _describe(band: Floats, integers: Integers) -> int:
     """Write LAPACK's integer arguments (rows, half width, columns of storage, one, result) behind the pivots."""
     n = band.shape[0]
@@ -67,7 +67,7 @@ def factorise_complex(band: Floats, integers: Integers) -> int:
     return int(integers[n + 4])
 
 
-@kernel
+@part
 def solve(band: Floats, integers: Integers, letter: Bytes, b: Floats) -> None:
     """Solve with real factors in place; ``letter`` is ``NO_TRANSPOSE``."""
     n = _describe(band, integers)
@@ -77,7 +77,7 @@ def solve(band: Floats, integers: Integers, letter: Bytes, b: Floats) -> None:
     _dgbtrs(letter.ctypes, size, width, width, one, band.ctypes, columns, pivots_, b.ctypes, size, result)
 
 
-@kernel
+@part
 def solve_complex(band: Floats, integers: Integers, letter: Bytes, b: Floats) -> None:
     """Solve with complex factors in place; ``letter`` is ``NO_TRANSPOSE``."""
     n = _describe(band, integers)

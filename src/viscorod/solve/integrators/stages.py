@@ -20,7 +20,7 @@ import math
 import numpy as np
 
 from viscorod.mechanics import supports
-from viscorod.mechanics.compiled import kernel, part
+from viscorod.mechanics.compiled import part
 from viscorod.mechanics.loading import add_nodal_loads, add_station_load
 from viscorod.typing import Floats, Integers
 
@@ -96,7 +96,7 @@ def clear_held(held: Floats, values: Floats) -> None:
                     values[i, k, a] = 0.0
 
 
-@kernel
+@part
 def evaluate_loads(
     loaded: Integers,
     mass: Floats,
