@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import time
 from collections.abc import Callable, Iterator
@@ -14,7 +15,7 @@ from numba.core import event
 
 from viscorod.analysis import Workplace
 from viscorod.front import Model
-from viscorod.mechanics.compiled import KERNELS, await_compilation, compile_aside
+from viscorod.mechanics.compiled import KERNELS, await_compilation, cache_folder, compile_aside
 from viscorod.model.material import KelvinVoigt, Material
 from viscorod.model.rod import Rod
 from viscorod.model.settings import SimulateSettings
@@ -65,8 +66,11 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
         _simulate(model, "generalized_alpha")
         await_compilation()
         transients(model)
-    folders = dict.fromkeys(Path(kernel.stats.cache_path) for kernel in KERNELS)
-    return WarmUp(time.perf_counter() - begin, _misses() - before, tuple(folders))
+    if progress is not None:
+        progress(_ready())  # what the second process compiled was only read here
+    found = cache_folder()
+    folders = (found,) if found else tuple(dict.fromkeys(Path(kernel.stats.cache_path) for kernel in KERNELS))
+    return WarmUp(time.perf_counter() - begin, _misses() - before, folders)
 
 
 def transients(model: Model) -> None:
@@ -110,6 +114,10 @@ def small_model() -> Model:
     return model
 
 
+def _ready() -> int:
+    return sum(bool(kernel.signatures) for kernel in KERNELS)
+
+
 def _misses() -> int:
     return sum(bool(kernel.stats.cache_misses) for kernel in KERNELS)
 
@@ -137,12 +145,13 @@ def _watched(progress: Callable[[float], None] | None) -> Iterator[None]:
         def on_start(self, _event: Any) -> None: ...
 
         def on_end(self, _event: Any) -> None:
-            call(sum(bool(kernel.signatures) for kernel in KERNELS))
+            call(_ready())
 
     with event.install_listener("numba:compile", Watch()):
         yield
 
 
 if __name__ == "__main__":  # the process that compiles aside
+    gc.disable()  # compiling makes many objects, and the process ends soon
     for name in ("radau", "midpoint"):
         _simulate(small_model(), name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.compiled import kernel, lane_kernel
+from viscorod.mechanics.compiled import kernel, lane_kernel, part
 from viscorod.mechanics.rotation import rotation_matrix
 from viscorod.mechanics.vectors import Quaternion, Vector, cross, plus, rotated, scaled
 from viscorod.typing import Floats
@@ -26,7 +26,7 @@ def link_map(position: Floats, quaternion: Floats, X: Floats) -> None:
         X[i, 5] = R[1, i] * position[0] - R[0, i] * position[1]
 
 
-@kernel
+@part
 def map_columns(A: Floats, col: int, X: Floats) -> None:
     """Multiply six columns of ``A`` from ``col`` on by ``X`` (6, 6)."""
     row = np.empty(6)
@@ -39,7 +39,7 @@ def map_columns(A: Floats, col: int, X: Floats) -> None:
             A[i, col + j] = row[j]
 
 
-@kernel
+@part
 def map_rows(A: Floats, first: int, X: Floats) -> None:
     """Multiply six rows of ``A`` from ``first`` on by the transpose of ``X`` (6, 6)."""
     column = np.empty(6)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import functools
+import hashlib
 import logging
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -19,26 +23,82 @@ _ASIDE = "VISCOROD_COMPILES_ASIDE"
 
 _helpers: list[subprocess.Popen[bytes]] = []
 
+_CONSTRUCTORS = {"empty", "zeros", "dot"}
+"""What makes arrays within kernels."""
+
+_njit: Any = numba.njit
+_config: Any = numba.config
+
 KERNELS: list[Any] = []
 """All kernels that have been imported, as Numba's dispatchers."""
 
 
-def inlined(function: Kernel) -> Kernel:
-    """Make ``function`` a part of the kernels that call it, once each: it costs no compilation of its own.
+@functools.lru_cache
+def cache_folder() -> Path | None:
+    """Return where machine code is kept, a folder for exactly this version of all kernels; None if nowhere.
 
-    What takes many arrays is dear to compile as a function that is called.
+    Kernels contain those that they call, so all are compiled again when the source of any has changed; folders of
+    earlier versions are removed. It lies in Numba's cache folder if one is set, else in that of this package.
     """
-    part: Any = numba.njit(inline="always", error_model="numpy", fastmath={"contract", "nsz"})(function)
-    return cast(Kernel, part)
+    package = Path(__file__).parents[1]
+    content = hashlib.sha1(usedforsecurity=False)
+    for part_of in ("mechanics", "solve"):
+        for path in sorted((package / part_of).rglob("*.py")):
+            content.update(path.read_bytes())
+    family = f"viscorod-{hashlib.sha1(str(package).encode(), usedforsecurity=False).hexdigest()[:8]}-"
+    given = _config.CACHE_DIR
+    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    for base in [Path(given)] if given else [package / "__pycache__", user / "viscorod"]:
+        folder = base / f"{family}{content.hexdigest()[:16]}"
+        try:
+            if not folder.is_dir():
+                for earlier in base.glob(f"{family}*"):
+                    shutil.rmtree(earlier, ignore_errors=True)
+                folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+        except OSError:  # not writable
+            continue
+        return folder
+    return None
+
+
+def _allocates(function: Callable[..., object]) -> bool:
+    """Whether ``function`` makes arrays; one that does not needs no counting of references, half of all code."""
+    return not _CONSTRUCTORS.isdisjoint(cast(Any, function).__code__.co_names)
+
+
+def part(function: Kernel) -> Kernel:
+    """Compile ``function`` as a part of the kernels that call it: calling it from Python crashes.
+
+    It returns no arrays.
+    """
+    compiled: Any = _njit(
+        error_model="numpy",
+        fastmath={"contract", "nsz"},
+        no_cpython_wrapper=True,
+        no_cfunc_wrapper=True,
+        _nrt=_allocates(function),
+    )(function)
+    return cast(Kernel, compiled)
 
 
 def kernel(function: Kernel) -> Kernel:
     """Compile ``function`` with Numba at its first call and keep the machine code on disk.
 
+    A kernel that makes arrays names one of the constructors above itself; the others return no arrays, not even views.
     Copy rows entry by entry: one assignment of an array to a slice compiles, for the message of its error, two to
     three seconds of text formatting.
     """
-    compiled: Any = numba.njit(cache=True, error_model="numpy", fastmath={"contract", "nsz"})(function)
+    folder, given = cache_folder(), _config.CACHE_DIR
+    _config.CACHE_DIR = given if folder is None else str(folder)
+    compiled: Any = _njit(
+        cache=True,
+        error_model="numpy",
+        fastmath={"contract", "nsz"},
+        no_cfunc_wrapper=True,
+        _nrt=_allocates(function),
+    )(function)
+    _config.CACHE_DIR = given
     KERNELS.append(compiled)
     return cast(Kernel, compiled)
 
@@ -52,11 +112,11 @@ def on_disk(compiled: Any) -> bool:
 
 def lane_kernel(function: Kernel) -> Kernel:
     """Compile ``function`` into its callers only: loops over lanes vectorise where row lengths are constants."""
-    njit: Any = numba.njit
-    compiled = njit(
+    compiled = _njit(
         error_model="numpy",
         fastmath={"contract", "nsz"},
         forceinline=True,
+        _nrt=False,
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
     )(function)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import part
 from viscorod.mechanics.rotation import add_skew
 from viscorod.typing import Floats
 
@@ -15,7 +15,7 @@ StiffnessWork: TypeAlias = tuple[Floats, Floats, Floats, Floats, Floats, Floats,
 """Scratch arrays of :func:`add_geometric_stiffness`, allocated once per assembly."""
 
 
-@kernel
+@part
 def add_geometric_stiffness(
     weight: float,
     shape: Floats,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.rotation import rotate
 from viscorod.mechanics.vectors import cross, plus, quaternion, rotated, vector
 from viscorod.typing import Floats
@@ -126,7 +126,7 @@ def add_coriolis(mass: Floats, twist: Floats, out: Floats) -> None:
             out[k, 3 + i] += v[a] * p[b] - v[b] * p[a] + w[a] * p[3 + b] - w[b] * p[3 + a]
 
 
-@kernel
+@part
 def balance(
     mass: Floats,
     twist: Floats,
@@ -136,29 +136,31 @@ def balance(
     force: Floats,
     residual: Floats,
 ) -> None:
-    """Write what accelerates the nodes, ``f_ext - f_int - L1(x1) M x1``, and the residual ``M x1' - force`` ``(n, 6)``.
+    """Write what accelerates the nodes, ``f_ext - f_int - L1(x1) M x1``, and the residual ``M x1' - force``.
 
     Args:
-        mass: ``(n, 6, 6)``; twist, acceleration: body twists and their rates; internal, external: forces ``(n, 6)``.
+        mass: ``(n, 6, 6)``; twist, acceleration: body twists and their rates at all stages ``(s, n, 6)``, as the rest.
+        internal, external: forces; force, residual: outputs.
     """
-    for k in range(twist.shape[0]):
-        v0, v1, v2 = twist[k, 0], twist[k, 1], twist[k, 2]
-        w0, w1, w2 = twist[k, 3], twist[k, 4], twist[k, 5]
-        for a in range(6):
-            force[k, a] = external[k, a] - internal[k, a]
-            residual[k, a] = 0.0  # the momentum, for the moment
-            for b in range(6):
-                residual[k, a] += mass[k, a, b] * twist[k, b]
-        p0, p1, p2 = residual[k, 0], residual[k, 1], residual[k, 2]
-        h0, h1, h2 = residual[k, 3], residual[k, 4], residual[k, 5]
-        force[k, 0] -= w1 * p2 - w2 * p1
-        force[k, 1] -= w2 * p0 - w0 * p2
-        force[k, 2] -= w0 * p1 - w1 * p0
-        force[k, 3] -= v1 * p2 - v2 * p1 + w1 * h2 - w2 * h1
-        force[k, 4] -= v2 * p0 - v0 * p2 + w2 * h0 - w0 * h2
-        force[k, 5] -= v0 * p1 - v1 * p0 + w0 * h1 - w1 * h0
-        for a in range(6):
-            total = -force[k, a]
-            for b in range(6):
-                total += mass[k, a, b] * acceleration[k, b]
-            residual[k, a] = total
+    for s in range(twist.shape[0]):
+        for k in range(twist.shape[1]):
+            v0, v1, v2 = twist[s, k, 0], twist[s, k, 1], twist[s, k, 2]
+            w0, w1, w2 = twist[s, k, 3], twist[s, k, 4], twist[s, k, 5]
+            for a in range(6):
+                force[s, k, a] = external[s, k, a] - internal[s, k, a]
+                residual[s, k, a] = 0.0  # the momentum, for the moment
+                for b in range(6):
+                    residual[s, k, a] += mass[k, a, b] * twist[s, k, b]
+            p0, p1, p2 = residual[s, k, 0], residual[s, k, 1], residual[s, k, 2]
+            h0, h1, h2 = residual[s, k, 3], residual[s, k, 4], residual[s, k, 5]
+            force[s, k, 0] -= w1 * p2 - w2 * p1
+            force[s, k, 1] -= w2 * p0 - w0 * p2
+            force[s, k, 2] -= w0 * p1 - w1 * p0
+            force[s, k, 3] -= v1 * p2 - v2 * p1 + w1 * h2 - w2 * h1
+            force[s, k, 4] -= v2 * p0 - v0 * p2 + w2 * h0 - w0 * h2
+            force[s, k, 5] -= v0 * p1 - v1 * p0 + w0 * h1 - w1 * h0
+            for a in range(6):
+                total = -force[s, k, a]
+                for b in range(6):
+                    total += mass[k, a, b] * acceleration[s, k, b]
+                residual[s, k, a] = total

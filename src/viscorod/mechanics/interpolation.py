@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.motion import coordinate_rates, coordinates, place
 from viscorod.typing import Floats
 
 
-@kernel
+@part
 def hermite(
     x: float, h: float, y0: float, v0: float, a0: float, y1: float, v1: float, a1: float, smooth: bool
 ) -> tuple[float, float]:

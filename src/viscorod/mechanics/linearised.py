@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.attachment import link_map, map_columns, map_rows
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.geometric_stiffness import add_geometric_stiffness
 from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.strain import element_poses, gauss_point, strain_operator, strain_rate_operator
@@ -180,12 +180,13 @@ def linearise(
                             row_C[first + i] += damping[column, 6 * other + i]
 
 
-@kernel
+@part
 def add_product(C: Floats, B: Floats, first: bool, out: Floats) -> None:
     """Add ``C B`` to ``out (6, columns)``, or write it if ``first``; zeros of ``C`` cost nothing."""
     for i in range(6):
         if first:
-            out[i, :] = 0.0
+            for j in range(B.shape[1]):
+                out[i, j] = 0.0
         for a in range(6):
             c = C[i, a]
             if c != 0.0:
@@ -193,28 +194,30 @@ def add_product(C: Floats, B: Floats, first: bool, out: Floats) -> None:
                     out[i, j] += c * B[a, j]
 
 
-@kernel
+@part
 def add_frozen_forces(
-    elements: Elements, operators: Operators, section_force: Floats, stress: Floats, force: Floats
+    elements: Elements, B: Floats, section_force: Floats, stress: Floats, force: Floats
 ) -> None:
-    """Add ``sum_g w_g B^T (S - sigma)`` with the frozen ``B`` to the nodal forces ``(n, 6)``."""
-    B, nodes = operators.strain, elements.nodes
-    for e in range(elements.order.shape[0]):
-        order = elements.order[e]
-        for g in range(order):
-            weight = elements.weights[order, g] * elements.half_lengths[e]
-            for a in range(6):
-                excess = weight * (section_force[e, g, a] - stress[e, g, a])
-                for k in range(order + 1):
-                    n = nodes[e, k]
-                    for i in range(6):
-                        force[n, i] += excess * B[e, 6 * g + a, 6 * k + i]
+    """Add ``sum_g w_g B^T (S - sigma)`` with the frozen ``B`` to the nodal forces ``(s, n, 6)`` of all stages."""
+    orders, nodes, weights, half_lengths = elements[0], elements[1], elements[7], elements[8]
+    for stage in range(force.shape[0]):
+        for e in range(orders.shape[0]):
+            order = orders[e]
+            for g in range(order):
+                weight = weights[order, g] * half_lengths[e]
+                for a in range(6):
+                    excess = weight * (section_force[stage, e, g, a] - stress[stage, e, g, a])
+                    for k in range(order + 1):
+                        n = nodes[e, k]
+                        for i in range(6):
+                            force[stage, n, i] += excess * B[e, 6 * g + a, 6 * k + i]
 
 
-@kernel
+@part
 def carry_stress(
     elements: Elements,
-    operators: Operators,
+    A: Floats,
+    P: Floats,
     change: Floats,
     rate: Floats,
     section_force: Floats,
@@ -223,21 +226,22 @@ def carry_stress(
     """Carry the stress along a change of all poses: ``sigma = S + A d + P d'`` with the frozen operators.
 
     Args:
-        change, rate: body increments of the nodes ``(n, 6)`` and their rates [1/s].
-        section_force: of the poses before the change ``(e, points, 6)``; stress: output.
+        change, rate: body increments of the nodes at all stages ``(s, n, 6)`` and their rates [1/s].
+        section_force: of the poses before the change ``(s, e, points, 6)``; stress: output.
     """
-    A, P, nodes = operators.force, operators.viscous, elements.nodes
-    for e in range(elements.order.shape[0]):
-        order = elements.order[e]
-        for g in range(order):
-            for a in range(6):
-                total = section_force[e, g, a]
-                row = 6 * g + a
-                for k in range(order + 1):
-                    n = nodes[e, k]
-                    for i in range(6):
-                        total += A[e, row, 6 * k + i] * change[n, i]
-                    if elements.damped:
+    orders, nodes, damped = elements[0], elements[1], elements[12]
+    for stage in range(change.shape[0]):
+        for e in range(orders.shape[0]):
+            order = orders[e]
+            for g in range(order):
+                for a in range(6):
+                    total = section_force[stage, e, g, a]
+                    row = 6 * g + a
+                    for k in range(order + 1):
+                        n = nodes[e, k]
                         for i in range(6):
-                            total += P[e, row, 6 * k + i] * rate[n, i]
-                stress[e, g, a] = total
+                            total += A[e, row, 6 * k + i] * change[stage, n, i]
+                        if damped:
+                            for i in range(6):
+                                total += P[e, row, 6 * k + i] * rate[stage, n, i]
+                    stress[stage, e, g, a] = total

@@ -15,7 +15,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.rotation import inverse_coefficients, versine_coefficients
 from viscorod.typing import Floats
 
@@ -27,7 +27,7 @@ Motion: TypeAlias = tuple[
 Rates: TypeAlias = tuple[float, float, float, float, float, float]
 
 
-@kernel
+@part
 def versine_slopes(phi2: float, a: float, b: float) -> tuple[float, float]:
     """Return the derivatives over ``phi`` of the two :func:`versine_coefficients` ``a, b``, divided by ``phi``."""
     if phi2 < 0.04:
@@ -38,7 +38,7 @@ def versine_slopes(phi2: float, a: float, b: float) -> tuple[float, float]:
     return (1.0 - b * phi2 - 2.0 * a) / phi2, (a - 3.0 * b) / phi2
 
 
-@kernel
+@part
 def moved(
     a0: float,
     a1: float,
@@ -119,7 +119,7 @@ def place(
     r[2] = r0[2] + u2 + q0[0] * z2 + q0[1] * z1 - q0[2] * z0
 
 
-@kernel
+@part
 def place_stages(
     r0: Floats,
     q0: Floats,
@@ -193,7 +193,7 @@ def place_stages(
                 acceleration[i, k, a] = total / h
 
 
-@kernel
+@part
 def rates_of(
     a0: float,
     a1: float,
@@ -241,7 +241,7 @@ def rates_of(
     )
 
 
-@kernel
+@part
 def coordinate_rates(X: Floats, twist: Floats, split: bool, out: Floats) -> None:
     """Write the rates of the coordinates ``X (6,)`` of a node that moves with the body ``twist (6,)``."""
     a0, a1, a2, t0, t1, t2 = X
@@ -251,7 +251,7 @@ def coordinate_rates(X: Floats, twist: Floats, split: bool, out: Floats) -> None
     )
 
 
-@kernel
+@part
 def move_stages(X: Floats, change: Floats, split: Floats, held: Floats) -> None:
     """Change the coordinates ``X (s, n, 6)`` so that poses move by body increments ``change``, to first order."""
     for k in range(X.shape[1]):

@@ -11,12 +11,12 @@ import math
 
 import numpy as np
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.vectors import dot, vector
 from viscorod.typing import Floats
 
 
-@kernel
+@part
 def cross(a: Floats, b: Floats, out: Floats) -> None:
     """Write ``a x b`` into ``out`` (which must be neither)."""
     out[0] = a[1] * b[2] - a[2] * b[1]
@@ -24,7 +24,7 @@ def cross(a: Floats, b: Floats, out: Floats) -> None:
     out[2] = a[0] * b[1] - a[1] * b[0]
 
 
-@kernel
+@part
 def add_skew(a: Floats, factor: float, out: Floats) -> None:
     """Add ``factor [a]x`` to the 3x3 ``out``, where ``[a]x b = a x b``."""
     out[0, 1] -= factor * a[2]
@@ -35,7 +35,7 @@ def add_skew(a: Floats, factor: float, out: Floats) -> None:
     out[2, 1] += factor * a[0]
 
 
-@kernel
+@part
 def rotation_matrix(q: Floats, out: Floats) -> None:
     """Write the rotation matrix of the quaternion ``q`` (any length but zero) into ``out``."""
     n = 1.0 / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
@@ -47,7 +47,7 @@ def rotation_matrix(q: Floats, out: Floats) -> None:
     out[2, 0], out[2, 1], out[2, 2] = xz - wy, yz + wx, 1.0 - xx - yy
 
 
-@kernel
+@part
 def rotate(q: Floats, a: Floats, out: Floats) -> None:
     """Write ``R(q) a`` into ``out`` for a unit quaternion ``q``."""
     t0 = 2.0 * (q[2] * a[2] - q[3] * a[1])
@@ -58,7 +58,7 @@ def rotate(q: Floats, a: Floats, out: Floats) -> None:
     out[2] = a[2] + q[0] * t2 + q[1] * t1 - q[2] * t0
 
 
-@kernel
+@part
 def rotate_back(q: Floats, a: Floats, out: Floats) -> None:
     """Write ``R(q)^T a`` into ``out`` for a unit quaternion ``q``."""
     t0 = 2.0 * (q[2] * a[2] - q[3] * a[1])
@@ -76,7 +76,7 @@ def rotate_rows(q: Floats, vectors: Floats, out: Floats) -> None:
         rotate(q[k], vectors[k], out[k])
 
 
-@kernel
+@part
 def quaternion_product(p: Floats, q: Floats, out: Floats) -> None:
     """Write the quaternion product ``p q`` into ``out`` (which must be neither)."""
     out[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]
@@ -85,7 +85,7 @@ def quaternion_product(p: Floats, q: Floats, out: Floats) -> None:
     out[3] = p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1]
 
 
-@kernel
+@part
 def versine_coefficients(phi2: float) -> tuple[float, float]:
     """Return ``(1 - cos phi)/phi^2`` and ``(phi - sin phi)/phi^3`` for ``phi2 = phi^2``."""
     if phi2 < 0.04:
@@ -101,7 +101,7 @@ def versine_coefficients(phi2: float) -> tuple[float, float]:
     return 2.0 * half * half / phi2, (phi - math.sin(phi)) / (phi2 * phi)
 
 
-@kernel
+@part
 def inverse_coefficients(phi2: float) -> tuple[float, float]:
     """Return ``c = (1 - (phi/2) cot(phi/2))/phi^2`` and ``c'(phi)/phi`` for ``phi2 = phi^2`` (below ``4 pi^2``)."""
     if phi2 < 0.09:
@@ -162,7 +162,23 @@ def retract(r: Floats, q: Floats, increment: Floats, r_new: Floats, q_new: Float
         q_new[k, 0], q_new[k, 1], q_new[k, 2], q_new[k, 3] = scale * n0, scale * n1, scale * n2, scale * n3
 
 
-@kernel
+@part
+def turned(q: Floats, theta: Floats, out: Floats) -> None:
+    """Write the unit quaternion ``q exp(theta)`` into ``out`` (which may not be ``q``)."""
+    phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
+    half = 0.5 * math.sqrt(phi2)
+    s = 0.5 * (1.0 - phi2 / 24 * (1.0 - phi2 / 80)) if phi2 < 1e-4 else math.sin(half) / (2.0 * half)
+    e0, e1, e2, e3 = math.cos(half), s * theta[0], s * theta[1], s * theta[2]
+    out[0] = q[0] * e0 - q[1] * e1 - q[2] * e2 - q[3] * e3
+    out[1] = q[0] * e1 + q[1] * e0 + q[2] * e3 - q[3] * e2
+    out[2] = q[0] * e2 + q[2] * e0 + q[3] * e1 - q[1] * e3
+    out[3] = q[0] * e3 + q[3] * e0 + q[1] * e2 - q[2] * e1
+    scale = 1.0 / math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2 + out[3] ** 2)
+    for i in range(4):
+        out[i] *= scale
+
+
+@part
 def rotation_tangent(theta: Floats, out: Floats) -> None:
     """Write ``T(theta)`` into ``out``: body angular velocity ``w = T theta_t`` where ``R = R0 exp(theta)``."""
     phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
@@ -174,7 +190,7 @@ def rotation_tangent(theta: Floats, out: Floats) -> None:
     add_skew(theta, -a, out)
 
 
-@kernel
+@part
 def rotation_tangent_rate(theta: Floats, rate: Floats, out: Floats) -> None:
     """Write the directional derivative of ``T(theta)`` along ``rate`` into ``out``."""
     phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
@@ -194,7 +210,7 @@ def rotation_tangent_rate(theta: Floats, rate: Floats, out: Floats) -> None:
     add_skew(theta, -a1 * t, out)
 
 
-@kernel
+@part
 def inverse_rotation_tangent(theta: Floats, out: Floats) -> None:
     """Write ``T(theta)^-1`` into ``out``."""
     phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
@@ -271,7 +287,7 @@ def increment_size(increment: Floats, length: float) -> float:
     return size
 
 
-@kernel
+@part
 def rotation_vector(q: Floats, out: Floats) -> None:
     """Write the rotation vector of the unit quaternion ``q`` (the shorter way round, |out| <= pi) into ``out``."""
     sign = 1.0 if q[0] >= 0.0 else -1.0

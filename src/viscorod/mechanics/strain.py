@@ -22,7 +22,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import part
 from viscorod.mechanics.rotation import add_skew, quaternion_product, rotate, rotation_matrix
 from viscorod.typing import Floats, Integers
 
@@ -30,7 +30,7 @@ RateWork: TypeAlias = tuple[Floats, Floats, Floats, Floats, Floats, Floats, Floa
 """Scratch arrays of :func:`strain_rate_operator`, allocated once per assembly."""
 
 
-@kernel
+@part
 def element_poses(
     nodes: Integers,
     links: Integers,
@@ -68,7 +68,7 @@ def element_poses(
                     qe[k, i] = -qe[k, i]
 
 
-@kernel
+@part
 def gauss_point(
     shape: Floats, slope: Floats, re: Floats, qe: Floats, V: Floats, U: Floats, p: Floats, frame: Floats
 ) -> float:
@@ -117,7 +117,7 @@ def gauss_point(
     return z0
 
 
-@kernel
+@part
 def half_products(p: Floats, L: Floats) -> None:
     """Write ``L`` (4, 3) with ``L theta = p (0, theta)/2``."""
     h0, h1, h2, h3 = 0.5 * p[0], 0.5 * p[1], 0.5 * p[2], 0.5 * p[3]
@@ -127,7 +127,7 @@ def half_products(p: Floats, L: Floats) -> None:
     L[3, 0], L[3, 1], L[3, 2] = -h2, h1, h0
 
 
-@kernel
+@part
 def strain_operator(
     shape: Floats, slope: Floats, V: Floats, U: Floats, z0: float, p: Floats, Q: Floats, L: Floats, B: Floats
 ) -> None:
@@ -152,7 +152,7 @@ def strain_operator(
             B[5, c] = 2.0 * s * Lk[3, j] - y0 * U[2] - 2.0 * z0 * y3 + U[0] * y2 - U[1] * y1
 
 
-@kernel
+@part
 def strain_rate_operator(
     shape: Floats,
     slope: Floats,

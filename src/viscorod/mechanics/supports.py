@@ -13,23 +13,23 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.rotation import (
     add_skew,
     cross,
     inverse_coefficients,
     inverse_rotation_tangent,
-    retract,
     rotate,
     rotation_matrix,
     rotation_tangent,
     rotation_tangent_rate,
     rotation_vector,
+    turned,
 )
 from viscorod.typing import Floats, Integers
 
 
-@kernel
+@part
 def relative_rotation(q0: Floats, q: Floats, out: Floats) -> None:
     """Write the rotation vector of ``conj(q0) q`` into ``out``."""
     d = np.empty(4)
@@ -40,7 +40,7 @@ def relative_rotation(q0: Floats, q: Floats, out: Floats) -> None:
     rotation_vector(d, out)
 
 
-@kernel
+@part
 def unwind(psi: Floats, R0: Floats, axes: Floats, fixed: Floats, target: Floats) -> None:
     """Add the whole turns to a rotation vector that bring its prescribed components nearest to their targets."""
     phi = np.sqrt(psi[0] ** 2 + psi[1] ** 2 + psi[2] ** 2)
@@ -86,8 +86,9 @@ def support_directions(
     unwind(psi, R0, axes, fixed, target)
     rotation_tangent(psi, T)
     inverse_rotation_tangent(psi, Ti)
-    G[:, :] = 0.0
-    Z[:, :] = 0.0
+    for i in range(6):
+        for j in range(6):
+            G[i, j] = Z[i, j] = 0.0
     for i in range(3):
         value[i] = 0.0
         value[3 + i] = 0.0
@@ -104,23 +105,22 @@ def support_directions(
                 Z[3 + j, 3 + i] += e * T[j, a]
 
 
-@kernel
+@part
 def step_to_target(
     axes: Floats, r0: Floats, q0: Floats, target: Floats, r: Floats, q: Floats, out: Floats
 ) -> None:
     """Write the body increment ``(6,)`` that takes a pose to the fully prescribed one, for any number of turns."""
     R = np.empty((3, 3))
     rotation_matrix(q0, R)
-    step = np.zeros((1, 6))
+    theta = np.zeros(3)
     for a in range(3):
         for i in range(3):
             for b in range(3):
-                step[0, 3 + a] += R[b, a] * axes[b, i] * target[3 + i]
-    origin = np.zeros((1, 3))
-    reached = np.empty((1, 4))
-    retract(origin, q0.reshape((1, 4)), step, origin, reached)
+                theta[a] += R[b, a] * axes[b, i] * target[3 + i]
+    reached = np.empty(4)
+    turned(q0, theta, reached)
     turn = np.empty(3)
-    relative_rotation(q, reached[0], turn)
+    relative_rotation(q, reached, turn)
     gap = np.empty(3)
     rotation_matrix(q, R)
     for i in range(3):
@@ -130,15 +130,15 @@ def step_to_target(
             for b in range(3):
                 distance += axes[a, b] * target[b]
             gap[i] += R[a, i] * distance
-    # the translation of the logarithm on SE(3): the inverse of the left tangent, which is that of -turn
+    # the translation of the logarithm on SE(3): the inverse of the left tangent, the transpose of that of the right
     Ti = np.empty((3, 3))
-    inverse_rotation_tangent(-turn, Ti)
+    inverse_rotation_tangent(turn, Ti)
     for i in range(3):
-        out[i] = Ti[i, 0] * gap[0] + Ti[i, 1] * gap[1] + Ti[i, 2] * gap[2]
+        out[i] = Ti[0, i] * gap[0] + Ti[1, i] * gap[1] + Ti[2, i] * gap[2]
         out[3 + i] = turn[i]
 
 
-@kernel
+@part
 def reaction_stiffness(G: Floats, psi: Floats, reaction: Floats, out: Floats) -> None:
     """Write the derivative of ``G^T reaction`` per body increment ``(6, 6)`` at constant reaction components.
 
@@ -168,7 +168,9 @@ def reaction_stiffness(G: Floats, psi: Floats, reaction: Floats, out: Floats) ->
         for j in range(3):
             D[i, j] += slope * twice[i] * psi[j] - c * m[i] * psi[j]
         D[i, i] += c * (psi[0] * m[0] + psi[1] * m[1] + psi[2] * m[2])
-    out[:, :] = 0.0
+    for i in range(6):
+        for j in range(6):
+            out[i, j] = 0.0
     add_skew(f, 1.0, out[0:3, 3:6])
     for i in range(3):
         for j in range(3):
@@ -186,46 +188,37 @@ def impose(
     target: Floats,
     r: Floats,
     q: Floats,
-    with_tangent: bool,
     residual: Floats,
     reaction: Floats,
-    band: Floats,
-    diagonal: int,
-    reach: int,
+    G: Floats,
+    Z: Floats,
+    psi: Floats,
 ) -> None:
-    """Replace the rows of supported nodes in residual and band.
+    """Replace the rows of supported nodes in the residual.
 
     Args:
         nodes: supported nodes ``(m,)``; fixed: 1.0 where a component is fixed or prescribed ``(m, 6)``.
         axes: ``(m, 3, 3)`` columns; r0, q0: reference poses; target: prescribed values ``(m, 6)`` [m, rad].
-        r, q: present poses of all nodes; with_tangent: whether the band is changed too.
-        residual: ``(n, 6)``; on return free rows hold the projected balance, fixed rows what is to be undone
-            (with the tangent, times the weight of the row).
+        r, q: present poses of all nodes.
+        residual: ``(n, 6)``; on return free rows hold the projected balance, fixed rows what is to be undone.
         reaction: output ``(m, 6)``, force and moment components along the axes that the support exerts.
-        band: transposed band; reach: number of neighbouring nodes within the band on either side.
+        G, Z, psi: outputs of :func:`support_directions`, ``(m, 6, 6), (m, 6, 6), (m, 3)``.
     """
     value = np.empty(6)
-    G = np.empty((6, 6))
-    Z = np.empty((6, 6))
-    psi = np.empty(3)
-    old = np.empty((6, 6))
-    step = np.empty(6)
-    block = np.empty((6, 6))
-    weight = np.empty(6)
     for s in range(nodes.shape[0]):
         k = nodes[s]
-        support_directions(axes[s], r0[s], q0[s], fixed[s], target[s], r[k], q[k], value, G, Z, psi)
+        support_directions(axes[s], r0[s], q0[s], fixed[s], target[s], r[k], q[k], value, G[s], Z[s], psi[s])
         complete = True
         for i in range(6):
             reaction[s, i] = 0.0
             for j in range(6):
-                reaction[s, i] += Z[j, i] * residual[k, j]
+                reaction[s, i] += Z[s, j, i] * residual[k, j]
             if fixed[s, i] == 0.0:
                 complete = False
         if complete:
-            step_to_target(axes[s], r0[s], q0[s], target[s], r[k], q[k], step)
+            step_to_target(axes[s], r0[s], q0[s], target[s], r[k], q[k], residual[k])
             for i in range(6):
-                residual[k, i] = -step[i]
+                residual[k, i] = -residual[k, i]
         else:
             for i in range(6):
                 if fixed[s, i] == 0.0:
@@ -233,41 +226,68 @@ def impose(
                     reaction[s, i] = 0.0
                 else:
                     residual[k, i] = value[i] - target[s, i]
-        if not with_tangent:
-            continue
+
+
+@kernel
+def impose_tangent(
+    nodes: Integers,
+    fixed: Floats,
+    G: Floats,
+    Z: Floats,
+    psi: Floats,
+    reaction: Floats,
+    residual: Floats,
+    band: Floats,
+    diagonal: int,
+    reach: int,
+) -> None:
+    """Replace the rows of supported nodes in the band, after :func:`impose`; held rows of both are weighted.
+
+    Args:
+        nodes, fixed, G, Z, psi, reaction: as :func:`impose` left them.
+        residual: ``(n, 6)``; band: transposed band; reach: number of neighbouring nodes within it on either side.
+    """
+    old = np.empty((6, 6))
+    block = np.empty((6, 6))
+    weight = np.empty(6)
+    for s in range(nodes.shape[0]):
+        k = nodes[s]
         # constraint rows as large as the balance rows they replace: pivoting then sees no difference in scale
         weight_move = weight_turn = 0.0
         for j in range(3):
             for i in range(3):
                 weight_move = max(weight_move, abs(band[6 * k + j, diagonal + i - j]))
                 weight_turn = max(weight_turn, abs(band[6 * k + 3 + j, diagonal + i - j]))
+        complete = True
         for i in range(6):
             weight[i] = weight_move if i < 3 else weight_turn
             if weight[i] == 0.0:
                 weight[i] = 1.0
-            if complete or fixed[s, i] != 0.0:
+            if fixed[s, i] != 0.0:
                 residual[k, i] *= weight[i]
+            else:
+                complete = False
         if not complete:
-            reaction_stiffness(G, psi, reaction[s], block)
+            reaction_stiffness(G[s], psi[s], reaction[s], block)
             for j in range(6):
                 for i in range(6):
                     band[6 * k + j, diagonal + i - j] -= block[i, j]
-        for other in range(max(0, k - reach), min(r.shape[0], k + reach + 1)):
+        for other in range(max(0, k - reach), min(residual.shape[0], k + reach + 1)):
             offset = diagonal + 6 * (k - other)
             for j in range(6):
-                column = band[6 * other + j]
+                column = 6 * other + j
                 for i in range(6):
-                    old[i, j] = column[offset + i - j]
+                    old[i, j] = band[column, offset + i - j]
                 for i in range(6):
                     new = 0.0
                     if complete:
                         new = weight[i] if other == k and i == j else 0.0
                     elif fixed[s, i] == 0.0:
                         for a in range(6):
-                            new += Z[a, i] * old[a, j]
+                            new += Z[s, a, i] * old[a, j]
                     elif other == k:
-                        new = weight[i] * G[i, j]
-                    column[offset + i - j] = new
+                        new = weight[i] * G[s, i, j]
+                    band[column, offset + i - j] = new
 
 
 @kernel
@@ -338,7 +358,6 @@ def prescribed_motion(
         r, q, twist, twist_rate: outputs ``(m, 3), (m, 4), (m, 6), (m, 6)``.
     """
     psi = np.empty((3, 3))  # rotation vector in the reference frame and its two derivatives
-    step = np.zeros((1, 6))
     R0 = np.empty((3, 3))
     R = np.empty((3, 3))
     T = np.empty((3, 3))
@@ -347,7 +366,7 @@ def prescribed_motion(
         rotation_matrix(q0[s], R0)
         for a in range(3):
             r[s, a] = r0[s, a]
-            psi[:, a] = 0.0
+            psi[0, a] = psi[1, a] = psi[2, a] = 0.0
             for i in range(3):
                 r[s, a] += axes[s, a, i] * target[s, i]
                 e = 0.0
@@ -356,10 +375,7 @@ def prescribed_motion(
                 psi[0, a] += e * target[s, 3 + i]
                 psi[1, a] += e * rate[s, 3 + i]
                 psi[2, a] += e * acceleration[s, 3 + i]
-        for a in range(3):
-            step[0, 3 + a] = psi[0, a]
-        origin = np.zeros((1, 3))
-        retract(origin, q0[s : s + 1], step, origin, q[s : s + 1])
+        turned(q0[s], psi[0], q[s])
         rotation_matrix(q[s], R)
         rotation_tangent(psi[0], T)
         rotation_tangent_rate(psi[0], psi[1], Tt)

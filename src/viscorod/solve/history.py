@@ -42,7 +42,7 @@ class StationReader:
         """
         r, q, twist = r[..., self.nodes, :], q[..., self.nodes, :], twist[..., self.nodes, :]
         if self._linked:
-            r = r + _rotate(q, np.broadcast_to(self._offset, r.shape))
+            r = r + _rotate(q, np.broadcast_to(self._offset, r.shape).copy())
             q = product(q, np.broadcast_to(self._turn, q.shape))
             twist = np.einsum("nij,...nj->...ni", self._map, twist)
         return r, q, _rotate(q, twist[..., :3]), twist[..., 3:].copy()

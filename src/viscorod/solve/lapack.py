@@ -14,7 +14,7 @@ from numba import types
 from numba.extending import get_cython_function_address
 from numpy.typing import NDArray
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, part
 from viscorod.typing import Floats, Integers
 
 Bytes: TypeAlias = NDArray[np.uint8]
@@ -38,66 +38,50 @@ def pivots(size: int) -> Integers:
     return np.zeros(size + 5, dtype=np.int32)
 
 
-@kernel
-def _describe(band: Floats, integers: Integers) -> tuple[Integers, Integers, Integers, Integers, Integers]:
-    """Fill LAPACK's integer arguments (rows, half width, columns of storage, one, result) behind the pivots."""
+@part
+def _describe(band: Floats, integers: Integers) -> int:
+    """Write LAPACK's integer arguments (rows, half width, columns of storage, one, result) behind the pivots."""
     n = band.shape[0]
     integers[n] = n
     integers[n + 1] = (band.shape[1] - 1) // 3
     integers[n + 2] = band.shape[1]
     integers[n + 3] = 1
-    return integers[n:], integers[n + 1 :], integers[n + 2 :], integers[n + 3 :], integers[n + 4 :]
+    return int(n)
 
 
 @kernel
 def factorise(band: Floats, integers: Integers) -> int:
     """Replace a real band matrix by its LU factors; return 0, or the (1-based) row of a zero pivot."""
-    n, w, columns, _, info = _describe(band, integers)
-    _dgbtrf(n.ctypes, n.ctypes, w.ctypes, w.ctypes, band.ctypes, columns.ctypes, integers.ctypes, info.ctypes)
-    return int(info[0])
+    n = _describe(band, integers)
+    size, width, columns = integers[n:].ctypes, integers[n + 1 :].ctypes, integers[n + 2 :].ctypes
+    _dgbtrf(size, size, width, width, band.ctypes, columns, integers.ctypes, integers[n + 4 :].ctypes)
+    return int(integers[n + 4])
 
 
 @kernel
 def factorise_complex(band: Floats, integers: Integers) -> int:
     """Replace a complex band matrix by its LU factors; return 0, or the (1-based) row of a zero pivot."""
-    n, w, columns, _, info = _describe(band, integers)
-    _zgbtrf(n.ctypes, n.ctypes, w.ctypes, w.ctypes, band.ctypes, columns.ctypes, integers.ctypes, info.ctypes)
-    return int(info[0])
+    n = _describe(band, integers)
+    size, width, columns = integers[n:].ctypes, integers[n + 1 :].ctypes, integers[n + 2 :].ctypes
+    _zgbtrf(size, size, width, width, band.ctypes, columns, integers.ctypes, integers[n + 4 :].ctypes)
+    return int(integers[n + 4])
 
 
-@kernel
+@part
 def solve(band: Floats, integers: Integers, letter: Bytes, b: Floats) -> None:
     """Solve with real factors in place; ``letter`` is ``NO_TRANSPOSE``."""
-    n, w, columns, one, info = _describe(band, integers)
-    _dgbtrs(
-        letter.ctypes,
-        n.ctypes,
-        w.ctypes,
-        w.ctypes,
-        one.ctypes,
-        band.ctypes,
-        columns.ctypes,
-        integers.ctypes,
-        b.ctypes,
-        n.ctypes,
-        info.ctypes,
-    )
+    n = _describe(band, integers)
+    size, width, columns = integers[n:].ctypes, integers[n + 1 :].ctypes, integers[n + 2 :].ctypes
+    one, result = integers[n + 3 :].ctypes, integers[n + 4 :].ctypes
+    pivots_ = integers.ctypes
+    _dgbtrs(letter.ctypes, size, width, width, one, band.ctypes, columns, pivots_, b.ctypes, size, result)
 
 
-@kernel
+@part
 def solve_complex(band: Floats, integers: Integers, letter: Bytes, b: Floats) -> None:
     """Solve with complex factors in place; ``letter`` is ``NO_TRANSPOSE``."""
-    n, w, columns, one, info = _describe(band, integers)
-    _zgbtrs(
-        letter.ctypes,
-        n.ctypes,
-        w.ctypes,
-        w.ctypes,
-        one.ctypes,
-        band.ctypes,
-        columns.ctypes,
-        integers.ctypes,
-        b.ctypes,
-        n.ctypes,
-        info.ctypes,
-    )
+    n = _describe(band, integers)
+    size, width, columns = integers[n:].ctypes, integers[n + 1 :].ctypes, integers[n + 2 :].ctypes
+    one, result = integers[n + 3 :].ctypes, integers[n + 4 :].ctypes
+    pivots_ = integers.ctypes
+    _zgbtrs(letter.ctypes, size, width, width, one, band.ctypes, columns, pivots_, b.ctypes, size, result)

@@ -31,6 +31,7 @@ class SupportState:
         self.rate: Floats = np.zeros((m, 6))
         self.acceleration: Floats = np.zeros((m, 6))
         self.reaction: Floats = np.zeros((m, 6))
+        self._directions_now = np.zeros((m, 6, 6)), np.zeros((m, 6, 6)), np.zeros((m, 3))
         self.complete = s.complete
         self.partial = s.partial
         self.moving = bool(s.motions)
@@ -98,13 +99,21 @@ class SupportState:
             self.target,
             state.r,
             state.q,
-            tangent,
             residual,
             self.reaction,
-            band.data,
-            band.diagonal,
-            band.reach,
+            *self._directions_now,
         )
+        if tangent:
+            supports.impose_tangent(
+                self.set.nodes,
+                self.set.fixed,
+                *self._directions_now,
+                self.reaction,
+                residual,
+                band.data,
+                band.diagonal,
+                band.reach,
+            )
 
     def unbalanced(self, residual: Floats) -> Floats:
         """Return a copy of an imposed residual without the rows of held components."""

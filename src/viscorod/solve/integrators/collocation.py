@@ -74,9 +74,9 @@ class Collocation:
         self.ends = Ends.of(body, active=False)
         self.matrices = Matrices.of(body, system.band.width)
         self.factors = Factors.of(system.band, with_complex=stages > 1)
-        self.scratch = Work.of(body)
+        self.scratch = Work.of(body, stages)
         self._places = system.gauss_places()
-        self._points = Points.of(body.elements)  # at t
+        self._points = Points.of(body.elements, 1)  # at t
         self._stress = np.zeros(body.elements.reference.shape)  # at t
         self._force = np.zeros((problem.size, 6))  # what accelerates the nodes at t
         self._end_rate = np.zeros((problem.size, 6))  # of the twists at t
@@ -84,7 +84,7 @@ class Collocation:
         self._powers = np.zeros((2, stages))
         self._reaction = np.zeros((len(body.nodes), 6))  # of the supports at t, along their axes
         self._error = np.zeros((problem.size, 6))
-        self._next_elastic = 0.0
+        self._elastic = np.zeros(stages)
         self._snapshot: Snapshot
         self._earlier: tuple[State, Floats, Floats, float] | None = None  # the last step's polynomials
         self._have_jacobian = self._fresh_jacobian = False
@@ -121,7 +121,7 @@ class Collocation:
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         self._predict(h)
         state, stages = self.state, self.stages
-        code, count, size, rate, unknown, error, worst, self._next_elastic = try_step(
+        code, count, size, rate, unknown, error, worst = try_step(
             self.body,
             self.given,
             state.r,
@@ -139,6 +139,7 @@ class Collocation:
             self.iterations,
             self._rate,
             self._powers,
+            self._elastic,
             self._error,
         )
         self.evaluations += (count + (code == iteration.CONVERGED)) * len(self.tableau.nodes)
@@ -158,7 +159,7 @@ class Collocation:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         stages, weights = self.stages, self.tableau.weights
         h = self._end - self.t
-        self.elastic = self._next_elastic
+        self.elastic = float(self._elastic[self._last])
         self.work, self.loss = h * float(weights @ self._powers[0]), h * float(weights @ self._powers[1])
         self._before = (self.state, self._start_rate(h), self._snapshot)
         self._earlier = (self.state, stages.X.copy(), np.concatenate([self._stress[None], stages.stress]), h)
@@ -265,7 +266,13 @@ class Collocation:
         self.t, self.state = t, state
         internal, external = self.scratch.vector, self.scratch.change
         internal_forces(
-            body.elements, state.r, state.q, state.twist, points, False, self.scratch.element, internal
+            body.elements,
+            state.r[None],
+            state.q[None],
+            state.twist[None],
+            points,
+            self.scratch.element,
+            internal[None],
         )
         external.fill(0.0)
         self._add_loads(self.loads.at(t, before), state, external, None)
@@ -279,14 +286,15 @@ class Collocation:
             residual += np.einsum("nij,nj->ni", body.mass, acceleration)
         supports.impose(state, residual, self.system.band, tangent=False)
         self.kinetic = inertia.kinetic_energy(body.mass, state.twist)
-        self.elastic, _ = energies(body.elements, points)
+        energies(body.elements, points.strain, points.strain_rate, self._elastic[:1], self._powers[1, :1])
+        self.elastic = float(self._elastic[0])
         self._reaction[:] = supports.reaction
-        self._stress[:] = points.stress
+        self._stress[:] = points.stress[0]
         self._snapshot = Snapshot(
             state,
-            self._gather(points.strain),
-            self._gather(points.strain_rate),
-            self._gather(points.stress),
+            self._gather(points.strain[0]),
+            self._gather(points.strain_rate[0]),
+            self._gather(points.stress[0]),
             supports.global_reactions(state),
             self.kinetic,
             self.elastic,

@@ -70,7 +70,7 @@ class Midpoint(Collocation):
         """Go twice the way to the middle, and evaluate the forces there."""
         ends, stages = self.ends, self.stages
         twist = 2.0 * stages.twist[0] - self.state.twist
-        state = State(ends.r.copy(), ends.q.copy(), twist)
+        state = State(ends.r[0].copy(), ends.q[0].copy(), twist)
         c = self.supports.complete
         if self.supports.moving and len(c):
             state.twist[self.supports.set.nodes[c]] = self._end_twist

@@ -2,106 +2,163 @@
 
 from __future__ import annotations
 
-from viscorod.mechanics.compiled import inlined, kernel
-from viscorod.mechanics.internal_force import energies
+from viscorod.mechanics.compiled import kernel, part
+from viscorod.mechanics.inertia import balance
+from viscorod.mechanics.internal_force import Points, conserve_energy, energies, internal_forces
+from viscorod.mechanics.linearised import add_frozen_forces, carry_stress
+from viscorod.mechanics.motion import move_stages, place_stages
 from viscorod.solve import lapack
-from viscorod.solve.integrators.iteration import CONVERGED, newton
+from viscorod.solve.integrators import stages as over
+from viscorod.solve.integrators.energy_step import hold_ends, reach_end
+from viscorod.solve.integrators.iteration import CONVERGED, GOING, SLOW, judge
 from viscorod.solve.integrators.stage_data import Body, Ends, Factors, Given, Matrices, Stages, Work
-from viscorod.solve.integrators.stages import points_of
 from viscorod.solve.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
 
-@inlined
-def account(body: Body, given: Given, stages: Stages, powers: Floats) -> float:
-    """Write powers of loads and viscosity at all stages ``(2, s)`` [W]; return the elastic energy [J] of the last."""
-    elastic = 0.0
-    for i in range(stages.X.shape[0]):
-        power = 0.0
-        for k in range(stages.twist.shape[1]):
+@part
+def add_powers(
+    nodes: Integers,
+    fixed: Floats,
+    complete: Floats,
+    external: Floats,
+    twist: Floats,
+    held_power: Floats,
+    reaction: Floats,
+    rate: Floats,
+    power: Floats,
+) -> None:
+    """Write the powers ``(s,)`` [W] of loads ``external (s, n, 6)`` and of supports at all stages.
+
+    Supports: ``held_power (s,)`` of completely held nodes; of the others ``reaction, rate (s, m, 6)``.
+    """
+    for i in range(twist.shape[0]):
+        power[i] = held_power[i]
+        for k in range(twist.shape[1]):
             for a in range(6):
-                power += stages.external[i, k, a] * stages.twist[i, k, a]
-        power += stages.held_power[i]
-        for m in range(body.nodes.shape[0]):
-            if body.complete[m] == 0.0:
+                power[i] += external[i, k, a] * twist[i, k, a]
+        for m in range(nodes.shape[0]):
+            if complete[m] == 0.0:
                 for a in range(6):
-                    power += body.fixed[m, a] * stages.reaction[i, m, a] * given.rate[i, m, a]
-        elastic, dissipated = energies(body.elements, points_of(stages, i))
-        powers[0, i], powers[1, i] = power, dissipated
-    return elastic
+                    power[i] += fixed[m, a] * reaction[i, m, a] * rate[i, m, a]
 
 
-@inlined
-def estimate_error(
-    body: Body,
+@part
+def error_sides(
+    X: Floats,
+    twist: Floats,
     twist0: Floats,
     force0: Floats,
     h: float,
-    tableau: Tableau,
-    matrices: Matrices,
-    factors: Factors,
-    stages: Stages,
-    work: Work,
+    real: float,
+    weights: Floats,
+    held: Floats,
+    mass: Floats,
+    adjoint: Floats,
+    rate: Floats,
+    v: Floats,
     out: Floats,
-) -> tuple[float, int]:
-    """Write the estimated error of the poses ``(n, 6)`` (body components); return its size and the unknown it is at.
+) -> None:
+    """Write both right sides of :func:`estimate_error` before the damping matrix joins them ``(n, 6)``.
 
-    ``(mu M ex + C0 ex + K0 eX, mu eX - ex) = (F + M sum e_i (x_i - x_0)/h, x_0 + sum e_i X_i/h)`` with ``mu = real/h``,
-    reduced to the poses, where the real matrix is factorised already.
+    ``p = sum e_i X_i/h`` into ``rate`` and ``F + M (sum e_i (x_i - x_0)/h + mu p) - M ad(x) p`` into ``out``.
     """
-    X, twist = stages.X, stages.twist
-    n = X.shape[1]
-    s = X.shape[0]
-    mu = tableau.real / h
-    e = tableau.error
-    rate = work.rate
-    v = work.vector
-    for k in range(n):
+    for k in range(X.shape[1]):
         for a in range(6):
             p, d = twist0[k, a], 0.0
-            for i in range(s):
-                p += e[i] * X[i, k, a] / h
-                d += e[i] * (twist[i, k, a] - twist0[k, a]) / h
-            rate[k, a] = 0.0 if body.held[k] != 0.0 else p
-            v[k, a] = d + mu * p
-    for k in range(n):
-        M, A = body.mass[k], matrices.adjoint[k]
+            for i in range(X.shape[0]):
+                p += weights[i] * X[i, k, a] / h
+                d += weights[i] * (twist[i, k, a] - twist0[k, a]) / h
+            rate[k, a] = 0.0 if held[k] != 0.0 else p
+            v[k, a] = d + real / h * p
         for a in range(6):
             total = force0[k, a]
             for b in range(6):
-                total += M[a, b] * v[k, b] - A[a, b] * rate[k, b]
+                total += mass[k, a, b] * v[k, b] - adjoint[k, a, b] * rate[k, b]
             out[k, a] = total
-    for m in range(body.nodes.shape[0]):
-        k = body.nodes[m]
+
+
+@part
+def project_free(nodes: Integers, fixed: Floats, Z: Floats, free: Floats, out: Floats) -> None:
+    """Project the forces ``(n, 6)`` on supported nodes on their free directions ``Z``; ``free (n, 6)`` is scratch."""
+    for m in range(nodes.shape[0]):
+        k = nodes[m]
         for a in range(6):
             total = 0.0
             for b in range(6):
-                total += matrices.Z[m, b, a] * out[k, b]
-            work.change[0, a] = total if body.fixed[m, a] == 0.0 else 0.0
+                total += Z[m, b, a] * out[k, b]
+            free[0, a] = total if fixed[m, a] == 0.0 else 0.0
         for a in range(6):
-            out[k, a] = work.change[0, a]
-    width = (matrices.C.shape[1] - 1) // 2
-    size = 6 * n
+            out[k, a] = free[0, a]
+
+
+@part
+def add_damping(C: Floats, rate: Floats, out: Floats) -> None:
+    """Add ``C rate`` of a band of width 2 w + 1 to ``out (n, 6)``."""
+    width = (C.shape[1] - 1) // 2
+    size = C.shape[0]
     for j in range(size):
         p = rate[j // 6, j % 6]
         if p != 0.0:
             for i in range(max(0, j - width), min(size, j + width + 1)):
-                out[i // 6, i % 6] += matrices.C[j, width + i - j] * p
-    for i in range(size):
-        work.real[i] = factors.real_rows[i] * out[i // 6, i % 6]
-    for m in range(body.nodes.shape[0]):
+                out[i // 6, i % 6] += C[j, width + i - j] * p
+
+
+@part
+def scale_free(nodes: Integers, fixed: Floats, rows: Floats, out: Floats, right: Floats) -> None:
+    """Write the right side ``(6 n,)``: the scaled ``out (n, 6)``, zero at held components."""
+    for i in range(right.shape[0]):
+        right[i] = rows[i] * out[i // 6, i % 6]
+    for m in range(nodes.shape[0]):
         for a in range(6):
-            if body.fixed[m, a] != 0.0:
-                work.real[6 * body.nodes[m] + a] = 0.0
-    lapack.solve(factors.real, factors.real_integers, factors.letter, work.real)
+            if fixed[m, a] != 0.0:
+                right[6 * nodes[m] + a] = 0.0
+
+
+@part
+def largest_error(columns: Floats, solution: Floats, length: float, out: Floats) -> tuple[float, int]:
+    """Write the scaled solution ``(n, 6)``; return its size and the unknown it is at."""
     largest, where = 0.0, 0
-    for i in range(size):
-        value = factors.columns[i] * work.real[i]
+    for i in range(solution.shape[0]):
+        value = columns[i] * solution[i]
         out[i // 6, i % 6] = value
-        value = abs(value) / body.length if i % 6 < 3 else abs(value)
+        value = abs(value) / length if i % 6 < 3 else abs(value)
         if not value <= largest:
             largest, where = value, i
     return largest, where
+
+
+@part
+def estimate_error(
+    stages_X: Floats,
+    stages_twist: Floats,
+    twist0: Floats,
+    force0: Floats,
+    h: float,
+    real: float,
+    weights: Floats,
+    held: Floats,
+    mass: Floats,
+    adjoint: Floats,
+    nodes: Integers,
+    fixed: Floats,
+    Z: Floats,
+    C: Floats,
+    rate: Floats,
+    vector: Floats,
+    free: Floats,
+    out: Floats,
+) -> None:
+    """Write the right side of the equation of the estimated error of the poses ``(n, 6)`` (body components).
+
+    ``(mu M ex + C0 ex + K0 eX, mu eX - ex) = (F + M sum e_i (x_i - x_0)/h, x_0 + sum e_i X_i/h)`` with ``mu = real/h``,
+    reduced to the poses, where the real matrix is factorised already.
+    """
+    error_sides(
+        stages_X, stages_twist, twist0, force0, h, real, weights, held, mass, adjoint, rate, vector, out
+    )
+    project_free(nodes, fixed, Z, free, out)
+    add_damping(C, rate, out)
 
 
 @kernel
@@ -145,38 +202,158 @@ def try_step(
     limit: int,
     known_rate: float,
     powers: Floats,
+    elastic: Floats,
     error: Floats,
-) -> tuple[int, int, float, float, int, float, int, float]:
-    """Solve the stages; if that succeeds, estimate the error and take account of the energy.
+) -> tuple[int, int, float, float, int, float, int]:
+    """Iterate until the estimated error of the stage coordinates is below ``tolerance``; evaluate the result.
+
+    If that succeeds, estimate the error and take account of the energy.
 
     Args:
-        force0: what accelerates the nodes at the start ``(n, 6)``; the rest as in the functions called.
+        r0, q0, twist0: start of the step; force0: what accelerates the nodes there ``(n, 6)``; h: step [s].
+        tolerance: displacement over length, or rotation [rad]; limit: allowed iterations.
+        known_rate: convergence rate of the last step, trusted in the first iteration (1 if unknown).
+        powers: output, of loads and viscosity at all stages ``(2, s)`` [W]; elastic: energies there ``(s,)`` [J].
+        error: output, the estimated error ``(n, 6)``.
 
     Returns:
-        what ``iteration.newton`` returns, size and unknown of the largest error, elastic energy of the last stage [J].
+        code, iterations, size of the last change, convergence rate, unknown of the largest change, size and unknown
+        of the largest error.
     """
-    code, count, size, rate, unknown = newton(
-        body,
-        given,
-        r0,
-        q0,
-        twist0,
-        h,
-        tableau,
-        factors,
-        matrices.operators,
-        stages,
-        ends,
-        work,
-        tolerance,
-        limit,
-        known_rate,
-    )
-    largest, worst, elastic = 0.0, 0, 0.0
-    if code == CONVERGED:
-        if stages.X.shape[0] > 1:
-            largest, worst = estimate_error(
-                body, twist0, force0, h, tableau, matrices, factors, stages, work, error
+    # all tuples are taken apart here: whatever is read from a tuple further down, copies the whole of it
+    (
+        elements,
+        mass,
+        held,
+        split,
+        nodes,
+        fixed,
+        axes,
+        support_r,
+        support_q,
+        complete,
+        partly,
+        loaded,
+        length,
+    ) = body
+    target, rate_target, given_r, given_q, given_twist, given_rate = given[:6]
+    acting, dead, following, gravity, at_element, shape, point_dead, point_following, end_r, end_q = given[6:]
+    X, r, q, twist, acceleration, internal, external, force, residual, reaction = stages[:10]
+    strain, strain_rate, S, sigma, held_power = stages[10:]
+    ends_active, r1, q1, twist1, strain1, strain_rate1, S1, strain0, force1 = ends
+    D, T, T_inverse, eigenvalue, weights = tableau[3], tableau[4], tableau[5], tableau[6], tableau[8]
+    real_lu, real_integers, real_rows, pair_lu, pair_integers, pair_rows, columns, letter = factors
+    C, adjoint, free_directions = matrices[1], matrices[3], matrices[5]
+    B, A, P = matrices[6]
+    scratch, right, pair_right, rates, rate, vector, change, end_reaction, G, Z, psi, band = work
+    order, element_nodes, element_links, link_positions, link_quaternions = elements[:5]
+    points, points1 = Points(strain, strain_rate, S, sigma), Points(strain1, strain_rate1, S1, S1)
+    several = X.shape[0] > 1
+    last = size = 0.0
+    convergence = known_rate**0.8  # trusted less with every step that does not confirm it
+    unknown = count = 0
+    code = GOING
+    while True:
+        final = code == CONVERGED
+        place_stages(r0, q0, twist0, X, D, h, split, held, r, q, twist, acceleration)
+        over.hold(nodes, complete, given_r, given_q, given_twist, given_rate, r, q, twist, acceleration)
+        internal_forces(elements, r, q, twist, points, scratch, internal)
+        if ends_active:
+            reach_end(
+                r0, q0, X, split, held, nodes, complete, end_r, end_q, change[0], rate[0], r1, q1, twist1
             )
-        elastic = account(body, given, stages, powers)
-    return code, count, size, rate, unknown, largest, worst, elastic
+            internal_forces(elements, r1, q1, twist1, points1, scratch, force1)
+            conserve_energy(elements, strain, strain_rate, strain0, strain1, h, S)
+        over.evaluate_loads(
+            loaded,
+            mass,
+            acting,
+            dead,
+            following,
+            gravity,
+            at_element,
+            shape,
+            point_dead,
+            point_following,
+            order,
+            element_nodes,
+            element_links,
+            link_positions,
+            link_quaternions,
+            r,
+            q,
+            external,
+            band,
+        )
+        balance(mass, twist, acceleration, internal, external, force, residual)
+        if final:
+            over.held_power(nodes, complete, residual, twist, held_power)
+        else:
+            add_frozen_forces(elements, B, S, sigma, residual)
+        if final or partly:
+            over.impose(nodes, fixed, axes, support_r, support_q, target, r, q, residual, reaction, G, Z, psi)
+        over.clear_held(held, residual)
+        if ends_active:
+            hold_ends(
+                nodes,
+                fixed,
+                axes,
+                support_r,
+                support_q,
+                target,
+                r1,
+                q1,
+                vector,
+                end_reaction,
+                G,
+                Z,
+                psi,
+                residual,
+            )
+        if final or count == limit:
+            break
+        over.to_modes(residual, T_inverse, real_rows, pair_rows, right, pair_right)
+        lapack.solve(real_lu, real_integers, letter, right)
+        if several:
+            lapack.solve_complex(pair_lu, pair_integers, letter, pair_right)
+        # the residual is not needed any more: its place is taken by the changes
+        size, unknown = over.to_changes(right, pair_right, T, columns, held, length, residual)
+        count += 1
+        code, convergence = judge(count, limit, size, last, convergence, tolerance)
+        if code not in (CONVERGED, GOING):
+            break
+        move_stages(X, residual, split, held)
+        over.differentiate(D, h, residual, rates)
+        carry_stress(elements, A, P, residual, rates, S, sigma)
+        last = size
+    largest, worst = 0.0, 0
+    if code == CONVERGED:
+        if several:
+            estimate_error(
+                X,
+                twist,
+                twist0,
+                force0,
+                h,
+                eigenvalue,
+                weights,
+                held,
+                mass,
+                adjoint,
+                nodes,
+                fixed,
+                free_directions,
+                C,
+                rate,
+                vector,
+                change,
+                error,
+            )
+            scale_free(nodes, fixed, real_rows, error, right)
+            lapack.solve(real_lu, real_integers, letter, right)
+            largest, worst = largest_error(columns, right, length, error)
+        add_powers(nodes, fixed, complete, external, twist, held_power, reaction, rate_target, powers[0])
+        energies(elements, strain, strain_rate, elastic, powers[1])
+    elif code == GOING:
+        code = SLOW
+    return code, count, size, convergence, unknown, largest, worst

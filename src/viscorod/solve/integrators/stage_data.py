@@ -169,7 +169,7 @@ class Stages(NamedTuple):
 class Ends(NamedTuple):
     """Ends of a step for the method that conserves energy between them; unused (``active`` False) by the others.
 
-    Poses and twists at the end of the step ``(n, ...)``, its Gauss points, the strains at the start, and forces that
+    Poses and twists at the end of the step ``(1, n, ...)``, its Gauss points, the strains at the start, and forces that
     nobody needs.
     """
 
@@ -180,25 +180,23 @@ class Ends(NamedTuple):
     strain: Floats
     strain_rate: Floats
     section_force: Floats
-    stress: Floats
     start_strain: Floats
     force: Floats
 
     @classmethod
     def of(cls, body: Body, *, active: bool) -> Ends:
         """Allocate."""
-        n, points = len(body.mass), body.elements.reference.shape
+        n, points = len(body.mass), (1, *body.elements.reference.shape)
         return cls(
             active,
-            r=np.zeros((n, 3)),
-            q=np.zeros((n, 4)),
-            twist=np.zeros((n, 6)),
+            r=np.zeros((1, n, 3)),
+            q=np.zeros((1, n, 4)),
+            twist=np.zeros((1, n, 6)),
             strain=np.zeros(points),
             strain_rate=np.zeros(points),
             section_force=np.zeros(points),
-            stress=np.zeros(points),
             start_strain=np.zeros(points),
-            force=np.zeros((n, 6)),
+            force=np.zeros((1, n, 6)),
         )
 
 
@@ -260,28 +258,39 @@ class Factors(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Scratch: one element; right sides ``(6 n,)``; nodal vectors ``(n, 6)``; an unused band."""
+    """Scratch: one element; right sides ``(6 n,)``; rates of all stages; nodal vectors ``(n, 6)``; an unused band.
+
+    ``G, Z (m, 6, 6)`` and ``psi (m, 3)`` are the directions of the supports.
+    """
 
     element: ElementWork
     real: Floats
     complex: Floats
+    rates: Floats
     rate: Floats
     vector: Floats
     change: Floats
     reaction: Floats
+    G: Floats
+    Z: Floats
+    psi: Floats
     band: Floats
 
     @classmethod
-    def of(cls, body: Body) -> Work:
+    def of(cls, body: Body, stages: int) -> Work:
         """Allocate."""
-        n = len(body.mass)
+        n, m = len(body.mass), len(body.nodes)
         return cls(
             element=ElementWork.of(body.elements.nodes.shape[1] - 1),
             real=np.zeros(6 * n),
             complex=np.zeros(6 * n, dtype=complex),
+            rates=np.zeros((stages, n, 6)),
             rate=np.zeros((n, 6)),
             vector=np.zeros((n, 6)),
             change=np.zeros((n, 6)),
-            reaction=np.zeros((len(body.nodes), 6)),
+            reaction=np.zeros((m, 6)),
+            G=np.zeros((m, 6, 6)),
+            Z=np.zeros((m, 6, 6)),
+            psi=np.zeros((m, 3)),
             band=np.zeros((1, 1)),
         )

@@ -1,4 +1,4 @@
-"""Compiled heart of the collocation integrators: stage residuals, simplified Newton iteration, error estimate.
+"""Parts of a compiled collocation step that go over all stages: supports, loads, right sides and changes.
 
 Unknowns are the coordinates ``X_i`` of all nodes at the stages, seen from the poses at the start of the step (see
 ``mechanics.motion``). Twists follow exactly, ``x_i = T(X_i) sum_j d_ij X_j / h``, accelerations as
@@ -7,240 +7,223 @@ Unknowns are the coordinates ``X_i`` of all nodes at the stages, seen from the p
     R_i = M x_i' + L1(x_i) M x_i + f_int - f_ext = 0.
 
 With body increments ``dx = (increment)' + ad(x) increment``, and ``M, C, K`` from the frozen Jacobian, the linear
-system of
-all stages decouples in the eigenvectors of ``D``: one real and one complex matrix ``(mu/h)^2 M + (mu/h) C + K`` of the
-size of
-the model (Hairer and Wanner 1996, IV.8, for the second-order form).
+system of all stages decouples in the eigenvectors of ``D``: one real and one complex matrix
+``(mu/h)^2 M + (mu/h) C + K`` of the size of the model (Hairer and Wanner 1996, IV.8, for the second-order form).
+
+Arrays have the stages ``s`` first. Parts take the arrays they need and nothing else: what they take is dear to compile.
 """
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
 from viscorod.mechanics import supports
-from viscorod.mechanics.compiled import inlined
-from viscorod.mechanics.inertia import balance
-from viscorod.mechanics.internal_force import Points, conserve_energy, internal_forces
-from viscorod.mechanics.linearised import Operators, add_frozen_forces
+from viscorod.mechanics.compiled import part
 from viscorod.mechanics.loading import add_nodal_loads, add_station_load
-from viscorod.mechanics.motion import place, place_stages
-from viscorod.solve.integrators.stage_data import Body, Ends, Given, Stages, Work
-from viscorod.solve.integrators.tableau import Tableau
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
 
-@inlined
-def points_of(stages: Stages, i: int) -> Points:
-    """Return the Gauss points of stage ``i``."""
-    return Points(stages.strain[i], stages.strain_rate[i], stages.section_force[i], stages.stress[i])
-
-
-@inlined
-def evaluate_loads(body: Body, given: Given, stages: Stages, i: int, work: Work) -> None:
-    """External loads at stage ``i`` (body components)."""
-    r, q, external = stages.r[i], stages.q[i], stages.external[i]
-    external[:, :] = 0.0
-    if given.acting[i] != 0.0:
-        add_nodal_loads(
-            body.loaded,
-            q,
-            given.dead[i],
-            given.following[i],
-            given.gravity[i],
-            body.mass,
-            False,
-            external,
-            work.band,
-            0,
-        )
-    elements = body.elements
-    for load in range(given.element.shape[1]):
-        e = given.element[i, load]
-        if e >= 0:
-            m = elements.order[e] + 1
-            add_station_load(
-                elements.nodes[e, :m],
-                elements.links[e, :m],
-                elements.link_positions,
-                elements.link_quaternions,
-                given.shape[i, load, :m],
-                given.point_dead[i, load],
-                given.point_following[i, load],
-                r,
-                q,
-                False,
-                external,
-                work.band,
-                0,
-            )
-
-
-@inlined
-def impose(body: Body, given: Given, stages: Stages, i: int, work: Work) -> None:
-    """Replace the supported rows of the residual of stage ``i``; keeps the reactions."""
-    supports.impose(
-        body.nodes,
-        body.fixed,
-        body.axes,
-        body.r0,
-        body.q0,
-        given.target[i],
-        stages.r[i],
-        stages.q[i],
-        False,
-        stages.residual[i],
-        stages.reaction[i],
-        work.band,
-        0,
-        0,
-    )
-
-
-@inlined
-def hold(body: Body, given: Given, stages: Stages, i: int) -> None:
-    """Put completely held nodes where their supports are at stage ``i``."""
-    for m in range(body.nodes.shape[0]):
-        if body.complete[m] != 0.0:
-            k = body.nodes[m]
-            for a in range(3):
-                stages.r[i, k, a] = given.r[i, m, a]
-            for a in range(4):
-                stages.q[i, k, a] = given.q[i, m, a]
-            for a in range(6):
-                stages.twist[i, k, a] = given.twist[i, m, a]
-                stages.acceleration[i, k, a] = given.twist_rate[i, m, a]
-
-
-@inlined
-def reach_end(
-    body: Body,
-    given: Given,
-    r0: Floats,
-    q0: Floats,
-    X: Floats,
-    ends: Ends,
-    work: Work,
+@part
+def hold(
+    nodes: Integers,
+    complete: Floats,
+    given_r: Floats,
+    given_q: Floats,
+    given_twist: Floats,
+    given_rate: Floats,
+    r: Floats,
+    q: Floats,
+    twist: Floats,
+    acceleration: Floats,
 ) -> None:
-    """Poses and strains at the end of a step of the midpoint rule, where the coordinates are ``2 X``."""
-    rate = work.rate[0]
-    double = work.change[0]
-    for k in range(X.shape[0]):
-        for a in range(6):
-            double[a] = 2.0 * X[k, a]
-            rate[a] = 0.0
-        if body.held[k] == 0.0:
-            place(r0[k], q0[k], double, rate, body.split[k] != 0.0, ends.r[k], ends.q[k], ends.twist[k])
-    for m in range(body.nodes.shape[0]):
-        if body.complete[m] != 0.0:
-            k = body.nodes[m]
-            for a in range(3):
-                ends.r[k, a] = given.end_r[m, a]
-            for a in range(4):
-                ends.q[k, a] = given.end_q[m, a]
-    points = Points(ends.strain, ends.strain_rate, ends.section_force, ends.stress)
-    internal_forces(body.elements, ends.r, ends.q, ends.twist, points, False, work.element, ends.force)
-
-
-@inlined
-def hold_ends(body: Body, given: Given, stages: Stages, ends: Ends, work: Work) -> None:
-    """Ask held nodes to be at their targets at the end of the step rather than in its middle."""
-    residual = work.vector
-    reaction = work.reaction
-    residual[:, :] = 0.0
-    supports.impose(
-        body.nodes,
-        body.fixed,
-        body.axes,
-        body.r0,
-        body.q0,
-        given.target[0],
-        ends.r,
-        ends.q,
-        False,
-        residual,
-        reaction,
-        work.band,
-        0,
-        0,
-    )
-    for m in range(body.nodes.shape[0]):
-        for a in range(6):
-            if body.fixed[m, a] != 0.0:
-                stages.residual[0, body.nodes[m], a] = 0.5 * residual[body.nodes[m], a]
-
-
-@inlined
-def evaluate(
-    body: Body,
-    given: Given,
-    r0: Floats,
-    q0: Floats,
-    twist0: Floats,
-    h: float,
-    tableau: Tableau,
-    operators: Operators,
-    stages: Stages,
-    ends: Ends,
-    work: Work,
-    final: bool,
-) -> None:
-    """Compute the residual of all stages from their coordinates ``X``; ``r0, q0, twist0`` is the start of the step."""
-    X, twist = stages.X, stages.twist
-    s, n = X.shape[0], X.shape[1]
-    place_stages(
-        r0,
-        q0,
-        twist0,
-        X,
-        tableau.derivative,
-        h,
-        body.split,
-        body.held,
-        stages.r,
-        stages.q,
-        twist,
-        stages.acceleration,
-    )
-    for i in range(s):
-        hold(body, given, stages, i)
-        points = points_of(stages, i)
-        internal_forces(
-            body.elements, stages.r[i], stages.q[i], twist[i], points, True, work.element, stages.internal[i]
-        )
-        if ends.active:
-            reach_end(body, given, r0, q0, X[i], ends, work)
-            conserve_energy(
-                body.elements,
-                stages.strain[i],
-                stages.strain_rate[i],
-                ends.start_strain,
-                ends.strain,
-                h,
-                stages.section_force[i],
-            )
-        evaluate_loads(body, given, stages, i, work)
-        residual = stages.residual[i]
-        balance(
-            body.mass,
-            twist[i],
-            stages.acceleration[i],
-            stages.internal[i],
-            stages.external[i],
-            stages.force[i],
-            residual,
-        )
-        if not final:
-            add_frozen_forces(body.elements, operators, stages.section_force[i], stages.stress[i], residual)
-        if final:
-            power = 0.0
-            for m in range(body.nodes.shape[0]):
-                if body.complete[m] != 0.0:
-                    for a in range(6):
-                        power += residual[body.nodes[m], a] * twist[i, body.nodes[m], a]
-            stages.held_power[i] = power
-        if final or body.partly:
-            impose(body, given, stages, i, work)
-        for k in range(n):
-            if body.held[k] != 0.0:
+    """Put completely held nodes where their supports are: the given motion ``(s, m, ...)`` into ``(s, n, ...)``."""
+    for i in range(r.shape[0]):
+        for m in range(nodes.shape[0]):
+            if complete[m] != 0.0:
+                k = nodes[m]
+                for a in range(3):
+                    r[i, k, a] = given_r[i, m, a]
+                for a in range(4):
+                    q[i, k, a] = given_q[i, m, a]
                 for a in range(6):
-                    residual[k, a] = 0.0
-        if ends.active:
-            hold_ends(body, given, stages, ends, work)
+                    twist[i, k, a] = given_twist[i, m, a]
+                    acceleration[i, k, a] = given_rate[i, m, a]
+
+
+@part
+def held_power(nodes: Integers, complete: Floats, residual: Floats, twist: Floats, power: Floats) -> None:
+    """Write the power ``(s,)`` [W] that completely held nodes take, from the unbalanced forces ``(s, n, 6)`` there."""
+    for i in range(twist.shape[0]):
+        power[i] = 0.0
+        for m in range(nodes.shape[0]):
+            if complete[m] != 0.0:
+                for a in range(6):
+                    power[i] += residual[i, nodes[m], a] * twist[i, nodes[m], a]
+
+
+@part
+def impose(
+    nodes: Integers,
+    fixed: Floats,
+    axes: Floats,
+    r0: Floats,
+    q0: Floats,
+    target: Floats,
+    r: Floats,
+    q: Floats,
+    residual: Floats,
+    reaction: Floats,
+    G: Floats,
+    Z: Floats,
+    psi: Floats,
+) -> None:
+    """Replace the supported rows of the residuals; keeps the reactions (see ``mechanics.supports.impose``)."""
+    for i in range(r.shape[0]):
+        supports.impose(
+            nodes, fixed, axes, r0, q0, target[i], r[i], q[i], residual[i], reaction[i], G, Z, psi
+        )
+
+
+@part
+def clear_held(held: Floats, values: Floats) -> None:
+    """Set the rows of completely held nodes to zero in ``(s, n, 6)``."""
+    for i in range(values.shape[0]):
+        for k in range(values.shape[1]):
+            if held[k] != 0.0:
+                for a in range(6):
+                    values[i, k, a] = 0.0
+
+
+@part
+def evaluate_loads(
+    loaded: Integers,
+    mass: Floats,
+    acting: Floats,
+    dead: Floats,
+    following: Floats,
+    gravity: Floats,
+    loaded_element: Integers,
+    given_shape: Floats,
+    point_dead: Floats,
+    point_following: Floats,
+    order: Integers,
+    element_nodes: Integers,
+    element_links: Integers,
+    link_positions: Floats,
+    link_quaternions: Floats,
+    r: Floats,
+    q: Floats,
+    external: Floats,
+    band: Floats,
+) -> None:
+    """Write the external loads of all stages ``(s, n, 6)``, in body components; arguments as in ``Given``.
+
+    ``band`` is not used: its single row says so.
+    """
+    # no constants are handed on: for every constant the load kernels would be compiled again
+    tangent, diagonal = band.shape[0] > 1, band.shape[1] - 1
+    for i in range(r.shape[0]):
+        for k in range(r.shape[1]):
+            for a in range(6):
+                external[i, k, a] = 0.0
+        if acting[i] != 0.0:
+            add_nodal_loads(
+                loaded, q[i], dead[i], following[i], gravity[i], mass, tangent, external[i], band, diagonal
+            )
+        for load in range(loaded_element.shape[1]):
+            e = loaded_element[i, load]
+            if e < 0:
+                continue
+            m = order[e] + 1
+            nodes = np.empty(m, np.int64)
+            links = np.empty(m, np.int64)
+            shape = np.empty(m)
+            for k in range(m):
+                nodes[k] = element_nodes[e, k]
+                links[k] = element_links[e, k]
+                shape[k] = given_shape[i, load, k]
+            add_station_load(
+                nodes,
+                links,
+                link_positions,
+                link_quaternions,
+                shape,
+                point_dead[i, load],
+                point_following[i, load],
+                r[i],
+                q[i],
+                tangent,
+                external[i],
+                band,
+                diagonal,
+            )
+
+
+@part
+def to_modes(
+    residual: Floats, T: Floats, rows: Floats, complex_rows: Floats, real: Floats, pair: Floats
+) -> None:
+    """Write the right sides ``-T R`` of the real and the complex system, rows scaled.
+
+    Args:
+        residual: ``(s, n, 6)``; T: ``to_modes`` of the method; rows, complex_rows: scales ``(6 n,)``.
+        real, pair: outputs ``(6 n,)``; methods of one stage have no complex pair.
+    """
+    for k in range(residual.shape[1]):
+        for a in range(6):
+            row = 6 * k + a
+            one = re = im = 0.0
+            for j in range(residual.shape[0]):
+                value = residual[j, k, a]
+                one -= T[0, j] * value
+                if residual.shape[0] > 1:
+                    re -= T[1, j] * value
+                    im -= T[2, j] * value
+            real[row] = rows[row] * one
+            if residual.shape[0] > 1:
+                pair[row] = complex(complex_rows[row] * re, complex_rows[row] * im)
+
+
+@part
+def to_changes(
+    real: Floats, pair: Floats, T: Floats, columns: Floats, held: Floats, length: float, change: Floats
+) -> tuple[float, int]:
+    """Write the changes of all stages from the solutions; return size and unknown of the largest.
+
+    Args:
+        real, pair: solutions ``(6 n,)``; T: ``to_stages`` of the method; columns: scales of the unknowns.
+        length: displacements are measured in it; infinity is returned if any change is undefined.
+        change: output ``(s, n, 6)``, zero at nodes that are ``held (n,)``.
+    """
+    largest, where = 0.0, 0
+    for k in range(change.shape[1]):
+        for i in range(change.shape[0]):
+            for a in range(6):
+                row = 6 * k + a
+                value = T[i, 0] * real[row]
+                if change.shape[0] > 1:
+                    value += T[i, 1] * pair[row].real + T[i, 2] * pair[row].imag
+                value *= columns[row]
+                if held[k] != 0.0:
+                    value = 0.0
+                change[i, k, a] = value
+                size = abs(value) / length if a < 3 else abs(value)
+                if not size <= 1e300:
+                    return math.inf, row
+                if size > largest:
+                    largest, where = size, row
+    return largest, where
+
+
+@part
+def differentiate(D: Floats, h: float, values: Floats, out: Floats) -> None:
+    """Write the rates ``sum_j d_ij values_j / h`` of stage values ``(s, n, 6)``."""
+    for i in range(values.shape[0]):
+        for k in range(values.shape[1]):
+            for a in range(6):
+                total = 0.0
+                for j in range(values.shape[0]):
+                    total += D[i, j] * values[j, k, a]
+                out[i, k, a] = total / h
