@@ -28,15 +28,16 @@ from peers.suite import MODULES, SUITE, available
 
 LADDERS: dict[str, tuple[tuple[int, int, float], ...]] = {
     "llt": (
-        (1, 4, 1e-2),
+        (1, 4, 2e-2),
+        (1, 5, 1e-2),
         (1, 5, 3e-3),
         (1, 5, 1e-3),
         (1, 6, 3e-4),
         (1, 6, 1e-4),
         (1, 7, 3e-5),
         (1, 7, 1e-5),
-        (1, 7, 3e-6),
-        (1, 8, 1e-6),
+        (1, 8, 5e-6),
+        (1, 8, 2e-6),
     ),
     "frame": (
         (1, 5, 1e-2),

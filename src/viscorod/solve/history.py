@@ -81,6 +81,10 @@ class EnergyAccount:
         """T + W + D - P - (T + W)_0: energy that the time integration produced (negative: lost)."""
         return self.kinetic + self.elastic + self.viscous - self.external - self.start
 
+    def copy(self) -> EnergyAccount:
+        """Return an independent copy."""
+        return EnergyAccount(self.kinetic, self.elastic, self.viscous, self.external, self.start)
+
     def add(self, step: Progressing) -> None:
         """Add a step."""
         self.kinetic, self.elastic = step.kinetic, step.elastic

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -145,7 +145,7 @@ class Transient:
                             result.outcome = Outcome.TOO_SMALL
                         return
                     continue
-                before = replace(account)
+                before = account.copy()
                 integrator.accept()
                 if not np.abs(integrator.snapshot().strain[:, :3]).max() < LARGEST_STRAIN:
                     result.outcome, result.failed_at = Outcome.BROKEN, end

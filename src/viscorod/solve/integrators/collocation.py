@@ -90,7 +90,8 @@ class Collocation:
         self._have_jacobian = self._fresh_jacobian = False
         self._factor_step = self._end = self._step = 0.0
         self._rate = 1.0
-        self._before: tuple[State, Floats, Snapshot] | None = None
+        self._before: tuple[State, Snapshot] | None = None
+        self._stage_reactions: Floats
 
     # --- the contract
 
@@ -161,7 +162,7 @@ class Collocation:
         h = self._end - self.t
         self.elastic = float(self._elastic[self._last])
         self.work, self.loss = h * float(weights @ self._powers[0]), h * float(weights @ self._powers[1])
-        self._before = (self.state, self._start_rate(h), self._snapshot)
+        self._before = (self.state, self._snapshot)
         self._earlier = (self.state, stages.X.copy(), np.concatenate([self._stress[None], stages.stress]), h)
         self._arrive()
         self.t, self._step = self._end, h
@@ -180,8 +181,9 @@ class Collocation:
         and reactions follow the stages.
         """
         assert self._before is not None
-        (old, start_rate, first), new, h = self._before, self.state, self._step
+        (old, first), new, h = self._before, self.state, self._step
         count, stages = len(parts), self.stages
+        start_rate = np.tensordot(self.tableau.start_derivative / h, stages.twist - old.twist, 1)
         r, q, twist = (np.empty((count, *shape.shape)) for shape in (new.r, new.q, new.twist))
         interpolate(
             parts,
@@ -202,24 +204,29 @@ class Collocation:
         )
         weights = self.tableau.polynomials(parts)
         points = np.empty((3, count, len(self._places), 6))
-        for start, values, out in (
-            (first.strain, stages.strain, points[0]),
-            (first.strain_rate, stages.strain_rate, points[1]),
-            (first.section_force, stages.stress, points[2]),
-        ):
-            solved_step.follow(weights, start, values, self._places, out)
-        change = self._reactions() - first.reaction
-        reaction = first.reaction + np.einsum("ks,smi->kmi", weights, change)
-        work, loss = h * self._powers @ self.tableau.partial_weights(parts).T
-        loss = np.maximum.accumulate(np.clip(loss, 0.0, self.loss))  # interpolation must not give energy back
+        solved_step.follow(
+            weights,
+            first.strain,
+            first.strain_rate,
+            first.section_force,
+            stages.strain,
+            stages.strain_rate,
+            stages.stress,
+            self._places,
+            points,
+        )
+        reaction = first.reaction + np.tensordot(weights, self._stage_reactions - first.reaction, 1)
+        work, losses = h * self._powers @ self.tableau.partial_weights(parts).T
         found = []
+        loss = 0.0
         for k, part in enumerate(parts):
             state = State(r[k], q[k], twist[k])
             self.supports.correct(state, self.t - (1.0 - part) * h)
             kinetic = inertia.kinetic_energy(self.body.mass, twist[k])
             strain, rate, force = points[0, k], points[1, k], points[2, k]
             snapshot = Snapshot(state, strain, rate, force, reaction[k], kinetic, 0.0)
-            found.append((snapshot, float(work[k]), float(loss[k])))
+            loss = max(loss, min(float(losses[k]), self.loss))  # interpolation must not give energy back
+            found.append((snapshot, float(work[k]), loss))
         return found
 
     # --- what methods differ in
@@ -247,13 +254,6 @@ class Collocation:
         self._end_rate = stages.acceleration[last].copy()
         self.kinetic = inertia.kinetic_energy(self.body.mass, self.state.twist)
         self._snapshot = self._take()
-
-    def _start_rate(self, h: float) -> Floats:
-        """Rates of the twists at the start of the step, from the polynomial through the stages."""
-        stages = self.stages
-        weights = self.tableau.start_derivative / h
-        rate: Floats = np.einsum("s,sna->na", weights, stages.twist - self.state.twist)
-        return rate
 
     # --- parts
 
@@ -306,12 +306,13 @@ class Collocation:
 
     def _take(self) -> Snapshot:
         stages, last = self.stages, self._last
+        self._stage_reactions = self._reactions()
         return Snapshot(
             self.state,
             self._gather(stages.strain[last]),
             self._gather(stages.strain_rate[last]),
             self._gather(stages.stress[last]),
-            self._reactions()[last],
+            self._stage_reactions[last],
             self.kinetic,
             self.elastic,
         )

@@ -6,6 +6,7 @@ import numpy as np
 
 from viscorod.solve.integrators.collocation import Collocation
 from viscorod.solve.integrators.contract import StepReport
+from viscorod.solve.integrators.solved_step import largest_turn
 from viscorod.solve.integrators.tableau import RADAU
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import System
@@ -48,12 +49,11 @@ class Radau(Collocation):
         self._turn = 0.0
 
     def _judge(self, report: StepReport, error: float, unknown: int) -> StepReport:
-        turns = np.sum(self.stages.X[self._last, :, 3:] ** 2, axis=1)
-        self._turn = float(np.sqrt(np.max(turns)))
+        self._turn, turning = largest_turn(self.stages.X[self._last])
         error /= self.step_tolerance
         too_far = (self._turn / self.largest_turn) ** (self.order + 1)
         if too_far > error:
-            return report.erring(too_far, 6 * int(np.argmax(turns)) + 3)
+            return report.erring(too_far, 6 * turning + 3)
         return report.erring(error, unknown)
 
     @property

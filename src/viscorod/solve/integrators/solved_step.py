@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.inertia import balance
 from viscorod.mechanics.internal_force import Points, conserve_energy, energies, internal_forces
@@ -162,25 +164,49 @@ def estimate_error(
 
 
 @kernel
-def follow(weights: Floats, start: Floats, values: Floats, places: Integers, out: Floats) -> None:
-    """Interpolate Gauss-point fields between the stages of a step.
+def follow(
+    weights: Floats,
+    strain0: Floats,
+    rate0: Floats,
+    force0: Floats,
+    strain: Floats,
+    rate: Floats,
+    force: Floats,
+    places: Integers,
+    out: Floats,
+) -> None:
+    """Interpolate strains, strain rates and section forces between the stages of a step.
 
     Args:
         weights: of the stages at the wanted instants ``(k, s)``; the start has the rest of one.
-        start: field at the start of the step ``(m, 6)``, in the order of results; values: at the stages
-            ``(s, e, points, 6)``.
+        strain0, rate0, force0: at the start of the step ``(m, 6)``, in the order of results; strain, rate, force: at
+            the stages ``(s, e, points, 6)``.
         places: where the points of the results are in ``(e, points)`` flattened.
-        out: ``(k, m, 6)``.
+        out: ``(3, k, m, 6)``.
     """
-    top = values.shape[2]
+    top = strain.shape[2]
     for k in range(weights.shape[0]):
         for g in range(places.shape[0]):
             e, point = places[g] // top, places[g] % top
             for a in range(6):
-                total = start[g, a]
+                x, y, z = strain0[g, a], rate0[g, a], force0[g, a]
                 for i in range(weights.shape[1]):
-                    total += weights[k, i] * (values[i, e, point, a] - start[g, a])
-                out[k, g, a] = total
+                    c = weights[k, i]
+                    x += c * (strain[i, e, point, a] - strain0[g, a])
+                    y += c * (rate[i, e, point, a] - rate0[g, a])
+                    z += c * (force[i, e, point, a] - force0[g, a])
+                out[0, k, g, a], out[1, k, g, a], out[2, k, g, a] = x, y, z
+
+
+@kernel
+def largest_turn(X: Floats) -> tuple[float, int]:
+    """Return the largest rotation [rad] of coordinates ``(n, 6)``, and its node."""
+    largest, node = 0.0, 0
+    for k in range(X.shape[0]):
+        square = X[k, 3] * X[k, 3] + X[k, 4] * X[k, 4] + X[k, 5] * X[k, 5]
+        if square > largest:
+            largest, node = square, k
+    return math.sqrt(largest), node
 
 
 @kernel
