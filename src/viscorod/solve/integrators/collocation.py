@@ -183,7 +183,8 @@ class Collocation:
         assert self._before is not None
         (old, first), new, h = self._before, self.state, self._step
         count, stages = len(parts), self.stages
-        start_rate = np.tensordot(self.tableau.start_derivative / h, stages.twist - old.twist, 1)
+        change = (stages.twist - old.twist).reshape(self._last + 1, -1)
+        start_rate = np.dot(self.tableau.start_derivative / h, change).reshape(old.twist.shape)
         r, q, twist = (np.empty((count, *shape.shape)) for shape in (new.r, new.q, new.twist))
         interpolate(
             parts,
@@ -215,7 +216,8 @@ class Collocation:
             self._places,
             points,
         )
-        reaction = first.reaction + np.tensordot(weights, self._stage_reactions - first.reaction, 1)
+        change = (self._stage_reactions - first.reaction).reshape(self._last + 1, -1)
+        reaction = first.reaction + np.dot(weights, change).reshape(count, *first.reaction.shape)
         work, losses = h * self._powers @ self.tableau.partial_weights(parts).T
         found = []
         loss = 0.0

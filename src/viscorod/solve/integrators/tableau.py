@@ -91,7 +91,10 @@ class Tableau(NamedTuple):
         return self._powers(parts) @ self.integrals.T
 
     def _powers(self, places: Floats) -> Floats:
-        powers: Floats = places[:, None] ** np.arange(1, len(self.nodes) + 1)
+        powers = np.empty((len(places), len(self.nodes)))
+        powers[:, 0] = places
+        for k in range(1, len(self.nodes)):
+            powers[:, k] = powers[:, k - 1] * places
         return powers
 
 
