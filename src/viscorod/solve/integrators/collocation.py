@@ -163,6 +163,7 @@ class Collocation:
         self.elastic = float(self._elastic[self._last])
         self.work, self.loss = h * float(weights @ self._powers[0]), h * float(weights @ self._powers[1])
         self._before = (self.state, self._snapshot)
+        self._stage_reactions = self._reactions()
         self._earlier = (self.state, stages.X.copy(), np.concatenate([self._stress[None], stages.stress]), h)
         self._arrive()
         self.t, self._step = self._end, h
@@ -308,7 +309,6 @@ class Collocation:
 
     def _take(self) -> Snapshot:
         stages, last = self.stages, self._last
-        self._stage_reactions = self._reactions()
         return Snapshot(
             self.state,
             self._gather(stages.strain[last]),
