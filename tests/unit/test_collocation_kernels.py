@@ -8,6 +8,7 @@ import pytest
 import viscorod as vr
 from derivatives import slope_of
 from frames import Moved, adjoint, dense, frame
+from parts import from_python
 from viscorod.mechanics import inertia
 from viscorod.mechanics import supports as support_kernels
 from viscorod.mechanics.internal_force import ElementWork, Points, conserve_energy, energies, internal_forces
@@ -27,14 +28,13 @@ FRAMES = {
 
 def forces(at, r, q, twist, stress=None):
     """Internal forces ``(n, 6)`` and the Gauss points ``(e, points, 6)``; with ``stress`` of that iterate."""
-    shape = at.elements.reference.shape
-    points = Points(*(np.zeros(shape) for _ in range(4)))
+    points = Points.of(at.elements, 1)
     if stress is not None:
-        points.stress[:] = stress
+        points = points._replace(stress=stress[None].copy())
     work = ElementWork.of(at.elements.nodes.shape[1] - 1)
-    out = np.full((at.n, 6), np.nan)
-    internal_forces(at.elements, r, q, twist, points, stress is not None, work, out)
-    return out, points
+    out = np.full((1, at.n, 6), np.nan)
+    internal_forces(at.elements, r[None], q[None], twist[None], points, work, out)
+    return out[0], Points(*(field[0] for field in points))
 
 
 @pytest.mark.parametrize("name", FRAMES)
@@ -53,11 +53,12 @@ def test_internal_forces_are_those_of_the_assembly(name):
         found = getattr(points, field).reshape(-1, 6)[places]
         value = getattr(expected, field)
         assert found == pytest.approx(value, abs=1e-12 * np.abs(value).max())
-    elastic, power = energies(at.elements, points)
-    assert elastic == pytest.approx(at.system.elastic_energy(), rel=1e-12)
+    elastic, power = np.full((2, 1), np.nan)
+    energies(at.elements, points.strain[None], points.strain_rate[None], elastic, power)
+    assert elastic[0] == pytest.approx(at.system.elastic_energy(), rel=1e-12)
     rate, length = expected.strain_rate, at.system.gauss_positions().length
     loss = np.einsum("g,gi,gij,gj->", length, rate, at.system.gauss_positions().damping, rate)
-    assert power == pytest.approx(loss, rel=1e-12, abs=1e-14)
+    assert power[0] == pytest.approx(loss, rel=1e-12, abs=1e-14)
 
 
 @pytest.mark.parametrize("name", FRAMES)
@@ -95,7 +96,8 @@ def test_conserved_energy():
     damping = elements.damping[elements.section]
     rate = middle.strain_rate
     before, S = middle.section_force.copy(), middle.section_force
-    conserve_energy(elements, middle.strain, rate, start, end, h, S)
+    given = (field[None] for field in (middle.strain, rate, start, end))
+    from_python(conserve_energy)(elements, *given, h, S[None])
     energy = 0.5 * (
         np.einsum("egi,egij,egj->eg", end, stiff, end) - np.einsum("egi,egij,egj->eg", start, stiff, start)
     )
@@ -153,12 +155,14 @@ def test_carried_stress_and_frozen_forces():
 
     slope = slope_of(section_forces, 1, h=1e-4).reshape(S.shape)
     sigma = np.empty_like(S)
-    carry_stress(at.elements, operators, d, rate, S, sigma)
+    from_python(carry_stress)(
+        at.elements, operators.force, operators.viscous, d[None], rate[None], S[None], sigma[None]
+    )
     used = (np.arange(S.shape[1])[None, :] < at.elements.order[:, None])[..., None]
     assert (sigma - S) * used == pytest.approx(slope * used, abs=1e-7 * np.abs(slope).max())
     stress = S + rng.normal(size=S.shape)
     total = forces(at, state.r, state.q, state.twist, stress=stress)[0]
-    add_frozen_forces(at.elements, operators, S, stress, total)
+    from_python(add_frozen_forces)(at.elements, operators.strain, S[None], stress[None], total[None])
     plain = forces(at, state.r, state.q, state.twist)[0]
     assert total == pytest.approx(plain, abs=1e-12 * np.abs(plain).max())
 
@@ -237,10 +241,10 @@ def test_supported_systems_are_solved(mu):
     x = row_scales * b
     if kind is complex:
         assert lapack.factorise_complex(out, integers) == 0
-        lapack.solve_complex(out, integers, letter, x)
+        from_python(lapack.solve_complex)(out, integers, letter, x)
     else:
         assert lapack.factorise(out, integers) == 0
-        lapack.solve(out, integers, letter, x)
+        from_python(lapack.solve)(out, integers, letter, x)
     expected = np.linalg.solve(A, b)
     assert columns * x == pytest.approx(
         expected if kind is complex else expected.real, abs=1e-10 * np.abs(expected).max()

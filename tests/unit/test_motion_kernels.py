@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+from parts import from_python
 from viscorod.mechanics.interpolation import hermite, interpolate
 from viscorod.mechanics.motion import coordinate_rates, coordinates, extrapolate, place, versine_slopes
 from viscorod.mechanics.quaternion import matrices
@@ -80,7 +81,7 @@ def test_coordinate_rates_are_the_inverse(angle, split):
     """Closed form: the rates that give a twist give it back."""
     r0, q0, X, rate = at(angle)
     back = np.empty(6)
-    coordinate_rates(X, placed(r0, q0, X, rate, split)[2], split, back)
+    from_python(coordinate_rates)(X, placed(r0, q0, X, rate, split)[2], split, back)
     assert back == pytest.approx(rate, abs=1e-12)
 
 
@@ -100,10 +101,11 @@ def test_coordinates_round_trip(angle, split):
 def test_versine_slopes(phi):
     """Finite differences of the coefficients over the angle, on both sides of the change to series."""
     h = 1e-3 * max(phi, 0.1)
-    values = {k: np.array(versine_coefficients((phi + k * h) ** 2)) for k in (-2, -1, 1, 2)}
+    coefficients = from_python(versine_coefficients)
+    values = {k: np.array(coefficients((phi + k * h) ** 2)) for k in (-2, -1, 1, 2)}
     slope = (8 * (values[1] - values[-1]) - (values[2] - values[-2])) / (12 * h)
-    a, b = versine_coefficients(phi * phi)
-    assert phi * np.array(versine_slopes(phi * phi, a, b)) == pytest.approx(slope, abs=1e-11)
+    a, b = coefficients(phi * phi)
+    assert phi * np.array(from_python(versine_slopes)(phi * phi, a, b)) == pytest.approx(slope, abs=1e-11)
 
 
 def test_extrapolate_continues_a_steady_screw():
@@ -139,7 +141,8 @@ def test_hermite_reproduces_polynomials(smooth, degree):
         p = np.polynomial.Polynomial.basis(k)
         v, a = p.deriv(), p.deriv(2)
         h, start = 0.7, 0.4
-        y, slope = hermite(0.3, h, *(f(start) for f in (p, v, a)), *(f(start + h) for f in (p, v, a)), smooth)
+        ends = [f(t) for t in (start, start + h) for f in (p, v, a)]
+        y, slope = from_python(hermite)(0.3, h, *ends, smooth)
         t = start + 0.3 * h
         if k <= degree:
             assert (y, slope) == pytest.approx((p(t), v(t)), abs=1e-13)
