@@ -47,7 +47,8 @@ def integrator_of(elements: int, order: int, rods: int = 1) -> GeneralizedAlpha:
     n = problem.size
     integrator.start(0.0, State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((n, 6))))
     for k in range(1, 4):
-        assert integrator.step(1e-3 * k, before=False).converged
+        assert integrator.attempt(1e-3 * k, before=False).converged
+        integrator.accept()
     return integrator
 
 
