@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import logging
@@ -135,10 +136,12 @@ def announce_compilation(largest: Any) -> None:
 
 def compile_aside() -> None:
     """Have the kernels of transients compiled by a second process, while this one is busy with those of statics."""
-    if _ASIDE not in os.environ and not _helpers:
+    if _ASIDE not in os.environ and not _helpers and sys.executable:
         command = [sys.executable, "-m", "viscorod.warmup"]
         quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        _helpers.append(subprocess.Popen(command, env=os.environ | {_ASIDE: "1"}, **quiet))
+        # where no process can be started, this one compiles everything
+        with contextlib.suppress(OSError):
+            _helpers.append(subprocess.Popen(command, env=os.environ | {_ASIDE: "1"}, **quiet))
 
 
 def await_compilation() -> None:
