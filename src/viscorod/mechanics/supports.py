@@ -303,39 +303,26 @@ def reaction_wrenches(
     reaction: Floats,
     out: Floats,
 ) -> None:
-    """Write the forces and moments (global) that the reaction components of :func:`impose` stand for, ``(m, 6)``."""
+    """Write the forces and moments (global) that the reaction components of :func:`impose` stand for.
+
+    All of several states at once, the first index of ``target``, ``r``, ``q``, ``reaction`` and ``out (states, m, 6)``.
+    """
     value = np.empty(6)
     G = np.empty((6, 6))
     Z = np.empty((6, 6))
     psi = np.empty(3)
     wrench = np.empty(6)
-    for s in range(nodes.shape[0]):
-        k = nodes[s]
-        support_directions(axes[s], r0[s], q0[s], fixed[s], target[s], r[k], q[k], value, G, Z, psi)
-        for j in range(6):
-            wrench[j] = 0.0
-            for i in range(6):
-                wrench[j] += G[i, j] * fixed[s, i] * reaction[s, i]
-        rotate(q[k], wrench[0:3], out[s, 0:3])
-        rotate(q[k], wrench[3:6], out[s, 3:6])
-
-
-@kernel
-def stage_reaction_wrenches(
-    nodes: Integers,
-    fixed: Floats,
-    axes: Floats,
-    r0: Floats,
-    q0: Floats,
-    target: Floats,
-    r: Floats,
-    q: Floats,
-    reaction: Floats,
-    out: Floats,
-) -> None:
-    """Write :func:`reaction_wrenches` of several states, the first index of ``target`` and what follows it."""
-    for i in range(r.shape[0]):
-        reaction_wrenches(nodes, fixed, axes, r0, q0, target[i], r[i], q[i], reaction[i], out[i])
+    for state in range(r.shape[0]):
+        for s in range(nodes.shape[0]):
+            k = nodes[s]
+            rk, qk = r[state, k], q[state, k]
+            support_directions(axes[s], r0[s], q0[s], fixed[s], target[state, s], rk, qk, value, G, Z, psi)
+            for j in range(6):
+                wrench[j] = 0.0
+                for i in range(6):
+                    wrench[j] += G[i, j] * fixed[s, i] * reaction[state, s, i]
+            rotate(qk, wrench[0:3], out[state, s, 0:3])
+            rotate(qk, wrench[3:6], out[state, s, 3:6])
 
 
 @kernel

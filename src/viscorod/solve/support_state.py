@@ -131,20 +131,21 @@ class SupportState:
         The components that :meth:`impose` keeps are conjugate to those of the rotation vector; ``G^T`` makes a wrench
         of them.
         """
-        out = np.empty((len(self.set.nodes), 6))
+        out = np.empty((1, len(self.set.nodes), 6))
         supports.reaction_wrenches(
             self.set.nodes,
             self.set.fixed,
             self.set.axes,
             self.r0,
             self.q0,
-            self.target,
-            state.r,
-            state.q,
-            self.reaction,
+            self.target[None],
+            state.r[None],
+            state.q[None],
+            self.reaction[None],
             out,
         )
-        return out
+        wrenches: Floats = out[0]
+        return wrenches
 
     def _directions(self, k: int, state: State) -> tuple[Floats, Floats, Floats, Floats]:
         """Measured components, their derivative G, dual directions Z and rotation vector of a support."""

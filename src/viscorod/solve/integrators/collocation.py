@@ -289,8 +289,9 @@ class Collocation:
             residual += np.einsum("nij,nj->ni", body.mass, acceleration)
         supports.impose(state, residual, self.system.band, tangent=False)
         self.kinetic = inertia.kinetic_energy(body.mass, state.twist)
-        energies(body.elements, points.strain, points.strain_rate, self._elastic[:1], self._powers[1, :1])
-        self.elastic = float(self._elastic[0])
+        elastic, dissipated = np.empty((2, 1))  # not the powers of the last step, which states between need
+        energies(body.elements, points.strain, points.strain_rate, elastic, dissipated)
+        self.elastic = float(elastic[0])
         self._reaction[:] = supports.reaction
         self._stress[:] = points.stress[0]
         self._snapshot = Snapshot(
@@ -323,7 +324,7 @@ class Collocation:
         """Global wrenches of the supports at all stages ``(s, supports, 6)``."""
         b, stages = self.body, self.stages
         out = np.empty(stages.reaction.shape)
-        support_kernels.stage_reaction_wrenches(
+        support_kernels.reaction_wrenches(
             b.nodes,
             b.fixed,
             b.axes,

@@ -117,6 +117,7 @@ class GeneralizedAlpha:
         self._power = self._end = self._step = 0.0
         self._trial: tuple[Relation, Solution]
         self._start: tuple[State, Snapshot]
+        self._snapshot: Snapshot
         self._twist_mean: Floats = np.zeros((n, 6))  # xi
         self._momentum: Floats = np.zeros((n, 6))
         self._wrench: Floats = np.zeros((n, 6))
@@ -146,6 +147,7 @@ class GeneralizedAlpha:
         self.t = t
         self.state = state
         self._power = self._work_rate()
+        self._snapshot = Snapshot.of(state, system, supports, self.kinetic)
 
     def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
@@ -216,7 +218,7 @@ class GeneralizedAlpha:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         relation, solution = self._trial
         h = self._end - self.t
-        self._start = self.state, self.snapshot()
+        self._start = self.state, self._snapshot
         self._accept(solution, relation, self._end)
         if self._fresh:
             self._wrench_mean, self._twist_mean = self._wrench.copy(), self.state.twist.copy()
@@ -237,6 +239,7 @@ class GeneralizedAlpha:
         self.elastic = self.system.elastic_energy()
         self._power = power
         self._step = h
+        self._snapshot = Snapshot.of(self.state, self.system, self.supports, self.kinetic)
 
     def _work_rate(self) -> float:
         """Present power of loads and moving supports [W]."""
@@ -244,7 +247,7 @@ class GeneralizedAlpha:
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        return Snapshot.of(self.state, self.system, self.supports, self.kinetic)
+        return self._snapshot
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`: cubic in the poses, linear in the rest."""
