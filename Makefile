@@ -7,11 +7,12 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-com
 WORKERS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check docs bench peers clean
+.PHONY: help demo test search check docs bench peers clean
 
 help:
 	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
 	@echo "make test   all checks and all tests"
+	@echo "make search property tests with new random examples"
 	@echo "make check  ruff, mypy, import contracts, documentation with warnings as errors"
 	@echo "make docs   documentation in docs/_build/html"
 	@echo "make bench  timings, as ratios"
@@ -43,6 +44,9 @@ check: $(VENV)/.stamp-test
 
 test: check
 	$(BIN)/python -m pytest -n $(WORKERS)
+
+search: $(VENV)/.stamp-test
+	$(BIN)/python -m pytest -n $(WORKERS) tests/property --hypothesis-profile=search
 
 docs: $(VENV)/.stamp-test
 	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html

@@ -82,7 +82,9 @@ def spots(node, path=()):
 
 
 def typo(key, data):
-    """`key` with one character dropped, doubled, swapped or replaced."""
+    """`key` with one character dropped, doubled, swapped or replaced (an empty key gets one)."""
+    if not key:
+        return "q"
     at = data.draw(st.integers(0, len(key) - 1))
     kind = data.draw(st.sampled_from(["drop", "double", "swap", "replace", "case"]))
     if kind == "drop":
