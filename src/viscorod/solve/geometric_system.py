@@ -9,6 +9,7 @@ from viscorod.mechanics.basis import lobatto
 from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.lanes import LANES
 from viscorod.solve.banded import BandMatrix
+from viscorod.solve.element_forces import ElementForces, GeometricForces
 from viscorod.solve.loads import LoadState
 from viscorod.solve.problem import ElementSet, Problem
 from viscorod.solve.system import GaussPoints, GaussPositions, State
@@ -270,6 +271,11 @@ class GeometricSystem:
             bool(damping.any()),
             reference,
         )
+
+    def element_forces(self, elements: Elements, stage_rates: Floats) -> ElementForces:
+        """See :class:`~viscorod.solve.system.System`."""
+        del stage_rates
+        return GeometricForces(elements)
 
     def element_number(self, part: int, element: int) -> int:
         """See :class:`~viscorod.solve.system.System`."""

@@ -8,13 +8,16 @@ nothing of strains or interpolation. A formulation implements this class once an
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from viscorod.mechanics.internal_force import Elements
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.loads import LoadState
 from viscorod.solve.problem import Problem
 from viscorod.typing import Floats, Integers
+
+if TYPE_CHECKING:
+    from viscorod.solve.element_forces import ElementForces
 
 
 @dataclass
@@ -98,6 +101,9 @@ class System(Protocol):
 
     def elements(self) -> Elements:
         """Return all elements as one structure for compiled code."""
+
+    def element_forces(self, elements: Elements, stage_rates: Floats) -> ElementForces:
+        """Return what a collocation method asks for forces; ``stage_rates (s, e, points, 6)`` are its strain rates."""
 
     def element_number(self, part: int, element: int) -> int:
         """Return the number in :meth:`elements` of an element of the problem's element set ``part``."""

@@ -7,6 +7,7 @@ import math
 from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.inertia import balance
 from viscorod.mechanics.internal_force import Points, conserve_energy, energies, internal_forces
+from viscorod.mechanics.intrinsic import StrainMotion, stage_forces
 from viscorod.mechanics.linearised import add_frozen_forces, carry_stress
 from viscorod.mechanics.motion import move_stages, place_stages
 from viscorod.solve import lapack
@@ -224,6 +225,7 @@ def try_step(
     stages: Stages,
     ends: Ends,
     work: Work,
+    motion: StrainMotion | None,
     tolerance: float,
     limit: int,
     known_rate: float,
@@ -236,6 +238,7 @@ def try_step(
     If that succeeds, estimate the error and take account of the energy.
 
     Args:
+        motion: strains as states of their own (intrinsic formulation); None: they follow from the poses.
         r0, q0, twist0: start of the step; force0: what accelerates the nodes there ``(n, 6)``; h: step [s].
         tolerance: displacement over length, or rotation [rad]; limit: allowed iterations.
         known_rate: convergence rate of the last step, trusted in the first iteration (1 if unknown).
@@ -283,13 +286,38 @@ def try_step(
         final = code == CONVERGED
         place_stages(r0, q0, twist0, X, D, h, split, held, r, q, twist, acceleration)
         over.hold(nodes, complete, given_r, given_q, given_twist, given_rate, r, q, twist, acceleration)
-        internal_forces(elements, r, q, twist, points, scratch, internal)
         if ends_active:
             reach_end(
                 r0, q0, X, split, held, nodes, complete, end_r, end_q, change[0], rate[0], r1, q1, twist1
             )
-            internal_forces(elements, r1, q1, twist1, points1, scratch, force1)
-            conserve_energy(elements, strain, strain_rate, strain0, strain1, h, S)
+        if motion is None:
+            internal_forces(elements, r, q, twist, points, scratch, internal)
+            if ends_active:
+                internal_forces(elements, r1, q1, twist1, points1, scratch, force1)
+                conserve_energy(elements, strain, strain_rate, strain0, strain1, h, S)
+        else:
+            linearised, start, at_points, viscous_rate, linear_rate, T_e, F_e, X_e, matrix, side = motion
+            stage_forces(
+                elements,
+                linearised,
+                start,
+                D,
+                h,
+                twist,
+                at_points,
+                linear_rate,
+                viscous_rate,
+                T_e,
+                F_e,
+                X_e,
+                matrix,
+                side,
+                strain,
+                strain_rate,
+                S,
+                sigma,
+                internal,
+            )
         over.evaluate_loads(
             loaded,
             mass,
@@ -379,7 +407,10 @@ def try_step(
             lapack.solve(real_lu, real_integers, letter, right)
             largest, worst = largest_error(columns, right, length, error)
         add_powers(nodes, fixed, complete, external, twist, held_power, reaction, rate_target, powers[0])
-        energies(elements, strain, strain_rate, elastic, powers[1])
+        if motion is None:
+            energies(elements, strain, strain_rate, elastic, powers[1])
+        else:
+            energies(elements, strain, motion[3], elastic, powers[1])
     elif code == GOING:
         code = SLOW
     return code, count, size, convergence, unknown, largest, worst

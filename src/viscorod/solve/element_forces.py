@@ -1,0 +1,132 @@
+"""How the two formulations get the strains of a moving body: what a collocation method asks of them.
+
+The geometric formulation computes strains from poses. The intrinsic one keeps them as states at the Gauss points, which
+the twists move; it takes them from the poses once, at the beginning of a run.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from viscorod.mechanics.internal_force import Elements, ElementWork, Points, internal_forces
+from viscorod.mechanics.intrinsic import StrainMotion, forces_at
+from viscorod.mechanics.intrinsic_linearised import linearise_intrinsic
+from viscorod.mechanics.linearised import Operators, linearise
+from viscorod.solve.system import State
+from viscorod.typing import Floats
+
+
+class ElementForces(Protocol):
+    """Internal forces of a moving body; ``motion`` is handed to the compiled step."""
+
+    motion: StrainMotion | None
+
+    def evaluate(self, state: State, points: Points, internal: Floats) -> None:
+        """Write the Gauss points ``(1, e, points, 6)`` and the internal forces ``(n, 6)`` of ``state``."""
+
+    def linearise(
+        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+    ) -> None:
+        """Write the operators and add to the bands ``K`` and ``C`` of the Jacobian at ``state``.
+
+        Args:
+            turning: ``ad(x1)`` of every node ``(n, 6, 6)``; stress: section forces ``(e, points, 6)``.
+        """
+
+    def arrive(self, strain: Floats) -> None:
+        """Take the strains ``(e, points, 6)`` at the end of a step."""
+
+
+class GeometricForces:
+    """Strains follow from poses."""
+
+    motion = None
+
+    def __init__(self, elements: Elements) -> None:
+        self.elements = elements
+        self._work = ElementWork.of(elements.nodes.shape[1] - 1)
+
+    def evaluate(self, state: State, points: Points, internal: Floats) -> None:
+        """See :class:`ElementForces`."""
+        internal_forces(
+            self.elements, state.r[None], state.q[None], state.twist[None], points, self._work, internal[None]
+        )
+
+    def linearise(
+        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+    ) -> None:
+        """See :class:`ElementForces`."""
+        linearise(self.elements, state.r, state.q, state.twist, turning, stress, operators, K, C)
+
+    def arrive(self, strain: Floats) -> None:
+        """Nothing to keep: poses say it all."""
+
+
+class IntrinsicForces:
+    """Strains are states.
+
+    Args:
+        elements: of the problem.
+        stage_rates: strain rates at the stages of a step ``(s, e, points, 6)``, which the damping acts on.
+        linearised: whether damping is that of AWP (22), else the full one of AWP (13).
+    """
+
+    motion: StrainMotion
+
+    def __init__(self, elements: Elements, stage_rates: Floats, *, linearised: bool) -> None:
+        self.elements = elements
+        self.motion = StrainMotion.of(elements, stage_rates, linearised=linearised)
+        self._rate = np.zeros((1, *elements.reference.shape))
+        self._now = StrainMotion.of(elements, self._rate, linearised=linearised)
+        self._known = False
+
+    def evaluate(self, state: State, points: Points, internal: Floats) -> None:
+        """See :class:`ElementForces`."""
+        if not self._known:
+            GeometricForces(self.elements).evaluate(state, points, internal)
+            self.arrive(points.strain[0])
+        points.strain[0] = self.motion.start
+        forces_at(
+            self.elements,
+            self._now,
+            state.twist[None],
+            points.strain,
+            self._rate,
+            points.section_force,
+            internal[None],
+        )
+        points.strain_rate[:] = self._rate
+
+    def linearise(
+        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+    ) -> None:
+        """See :class:`ElementForces`."""
+        now = self._now
+        forces_at(
+            self.elements,
+            now,
+            state.twist[None],
+            self.motion.start[None],
+            self._rate,
+            np.zeros((1, *stress.shape)),
+            np.zeros((1, *state.twist.shape)),
+        )
+        linearise_intrinsic(
+            self.elements,
+            now.linearised,
+            self.motion.start,
+            now.twist[0],
+            now.viscous_rate[0],
+            turning,
+            stress,
+            operators,
+            K,
+            C,
+        )
+
+    def arrive(self, strain: Floats) -> None:
+        """See :class:`ElementForces`."""
+        self.motion.start[:] = strain
+        self._known = True
