@@ -34,8 +34,8 @@ class Midpoint(Collocation):
 
     def _prepare_step(self, end: float, before: bool) -> None:
         h = end - self.t
-        given, supports = self.given, self.supports
-        self._prepare(0, self.t + 0.5 * h, before=False)
+        given, supports = self.actions.given, self.supports
+        self.actions.prepare(0, self.t + 0.5 * h, before=False)
         if not supports.moving:
             return
         supports.update(self.t, False)
