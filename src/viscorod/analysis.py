@@ -63,7 +63,7 @@ class Workplace:
     began: float = field(default_factory=time.perf_counter)
 
     @classmethod
-    def of(cls, model: ModelDescription, formulation: str = "geometric") -> Workplace:
+    def of(cls, model: ModelDescription, formulation: str = "geometric", damping: str = "full") -> Workplace:
         """Discretise a model.
 
         Raises:
@@ -71,7 +71,7 @@ class Workplace:
         """
         problem = discretise(model)
         announce_compilation(geometric.assemble)
-        system = FORMULATIONS[formulation](problem)
+        system = FORMULATIONS[formulation, damping](problem)
         supports = SupportState(problem)
         return cls(problem, system, supports, StaticSolver(system, supports))
 
@@ -168,6 +168,9 @@ class Workplace:
         attrs |= chosen | {
             "outcome": result.outcome.name.lower(),
             "integrator": settings.integrator,
+            "formulation": settings.formulation,
+            "damping": settings.damping,
+            "dynamics": settings.dynamics,
             "loop_time_s": time.perf_counter() - began,
             "steps": effort.steps,
             "iterations": effort.iterations,

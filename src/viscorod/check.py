@@ -12,7 +12,7 @@ from viscorod.model.description import ModelDescription
 from viscorod.model.rod import Rod
 from viscorod.model.section import MaterialSection
 from viscorod.solve.discretise import discretise
-from viscorod.solve.formulations import FORMULATIONS
+from viscorod.solve.geometric_system import GeometricSystem
 from viscorod.solve.modes import complex_modes, linearise, natural_frequencies
 from viscorod.solve.problem import Problem
 from viscorod.solve.rigid import free_motions
@@ -99,7 +99,7 @@ def doubts(model: ModelDescription, *, settled: bool) -> list[str]:
 def _prepared(model: ModelDescription) -> tuple[Problem, StaticSolver, State]:
     problem = discretise(model)
     announce_compilation(geometric.assemble)
-    solver = StaticSolver(FORMULATIONS["geometric"](problem), SupportState(problem))
+    solver = StaticSolver(GeometricSystem(problem), SupportState(problem))
     return (
         problem,
         solver,

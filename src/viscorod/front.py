@@ -67,6 +67,9 @@ class Model(ModelDescription):
         integrator: str = "radau",
         spectral_radius: float | None = None,
         output_interval: float | None = None,
+        formulation: str = "geometric",
+        damping: str = "full",
+        dynamics: str = "nonlinear",
         progress: Progress | None = None,
         title: str = "",
     ) -> Run:
@@ -82,6 +85,10 @@ class Model(ModelDescription):
             integrator: "radau", "generalized_alpha" or "midpoint".
             spectral_radius: numerical damping of unresolved frequencies by "generalized_alpha", 0 (most) to 1 (none).
             output_interval: time between stored states [s]; None stores every step.
+            formulation: "geometric" (strains follow from positions and rotations) or "intrinsic" (body velocities and
+                strains; positions follow by integration in time).
+            damping: "full" or "linearised" (intrinsic formulation).
+            dynamics: "nonlinear", or "linear" about the initial state (intrinsic formulation, linearised damping).
             progress: called with (time, step) after every step.
             title: kept with the result.
 
@@ -89,7 +96,14 @@ class Model(ModelDescription):
             InputError: the model or a setting is wrong.
             SolveError: a step failed however small; ``run`` holds the motion up to there.
         """
-        given: dict[str, Any] = {"duration": duration, "initial": initial, "integrator": integrator}
+        given: dict[str, Any] = {
+            "duration": duration,
+            "initial": initial,
+            "integrator": integrator,
+            "formulation": formulation,
+            "damping": damping,
+            "dynamics": dynamics,
+        }
         optional = {
             "tolerance": tolerance,
             "time_step": time_step,
@@ -98,7 +112,8 @@ class Model(ModelDescription):
         }
         given |= {name: value for name, value in optional.items() if value is not None}
         settings = SimulateSettings(**given)
-        return self._discretised().simulate(settings, progress, self._attrs(title))
+        work = self._discretised(settings.formulation, settings.damping)
+        return work.simulate(settings, progress, self._attrs(title))
 
     def modes(self, count: int = 6, *, about: str = "equilibrium") -> Modes:
         """Find the slowest small damped vibrations about the equilibrium at t = 0- or about the reference shape.
@@ -116,10 +131,10 @@ class Model(ModelDescription):
             raise InputError(f"count = {count!r}: give a whole number of at least 1")
         return self._discretised().modes(int(count), about)
 
-    def _discretised(self) -> Workplace:
+    def _discretised(self, formulation: str = "geometric", damping: str = "full") -> Workplace:
         from viscorod.analysis import Workplace
 
-        return Workplace.of(self)
+        return Workplace.of(self, formulation, damping)
 
     def _attrs(self, title: str) -> dict[str, Any]:
         from viscorod import __version__

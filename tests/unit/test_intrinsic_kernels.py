@@ -29,17 +29,19 @@ def some_strain(elements, seed=1):
 
 
 def evaluate(at, strain, twist, linearised):
-    """Internal forces ``(n, 6)``, section forces, strain rates and what damping acts on, each ``(e, points, 6)``."""
+    """Internal forces ``(n, 6)``, section forces, what damping acts on, and twists, each ``(e, points, 6)``."""
     rate = np.zeros((1, *strain.shape))
-    motion = StrainMotion.of(at.elements, rate, linearised=linearised)
+    motion = StrainMotion.of(at.elements, 1, linearised=linearised)
     S, force = np.zeros_like(rate), np.full((1, at.n, 6), np.nan)
     forces_at(at.elements, motion, twist[None].copy(), strain[None].copy(), rate, S, force)
-    return force[0], S[0], rate[0], motion.viscous_rate[0], motion.twist[0]
+    return force[0], S[0], rate[0], motion.twist[0]
 
 
 def quadrature(elements):
     """Weights (e, points) [m], zero beyond an element's order."""
-    return np.array([elements.weights[p] * h for p, h in zip(elements.order, elements.half_lengths, strict=True)])
+    return np.array(
+        [elements.weights[p] * h for p, h in zip(elements.order, elements.half_lengths, strict=True)]
+    )
 
 
 @pytest.mark.parametrize("linearised", [False, True])
@@ -48,7 +50,8 @@ def test_power(name, linearised):
     """Conservation law (AWP 19, 32): nodal forces work the rate of elastic energy and the dissipated power, exactly."""
     at = FRAMES[name]()
     e, strain, twist = at.elements, some_strain(at.elements), at.state.twist
-    force, _, rate, viscous, _ = evaluate(at, strain, twist, linearised)
+    force, _, viscous, _ = evaluate(at, strain, twist, linearised)
+    rate = evaluate(at, strain, twist, False)[2]
     C, D, w = e.stiffness[e.section], e.damping[e.section], quadrature(e)
     stored = np.einsum("eg,egi,egij,egj->", w, rate, C, strain)
     lost = np.einsum("eg,egi,egij,egj->", w, viscous, D, viscous)
@@ -65,7 +68,7 @@ def test_straight_unstrained_rods_are_those_of_the_geometric_element():
     points, expected = Points.of(e, 1), np.zeros((1, at.n, 6))
     pose = at.problem.positions[None], at.problem.quaternions[None]
     internal_forces(e, *pose, twist[None], points, ElementWork.of(e.nodes.shape[1] - 1), expected)
-    force, S, rate, _, _ = evaluate(at, np.zeros_like(e.reference), twist, False)
+    force, S, rate, _ = evaluate(at, np.zeros_like(e.reference), twist, False)
     assert rate == pytest.approx(points.strain_rate[0], abs=1e-12 * np.abs(rate).max())
     assert S == pytest.approx(points.section_force[0], abs=1e-12 * np.abs(S).max())
     assert force == pytest.approx(expected[0], abs=1e-11 * np.abs(force).max())
@@ -76,7 +79,7 @@ def matrices(at, strain, linearised):
     K, C = np.zeros((2, 6 * at.n, 2 * width + 1))
     turning = np.array([adjoint(x) for x in at.state.twist])
     operators = Operators.of(at.elements)
-    _, S, _, viscous, twist = evaluate(at, strain, at.state.twist, linearised)
+    _, S, viscous, twist = evaluate(at, strain, at.state.twist, linearised)
     linearise_intrinsic(at.elements, linearised, strain, twist, viscous, turning, S, operators, K, C)
     return dense(K, width), dense(C, width), operators, turning
 
@@ -94,16 +97,22 @@ def test_linearised_elements(name, linearised):
     at = FRAMES[name]()
     strain, twist, n = some_strain(at.elements), at.state.twist, at.n
     K, C, operators, turning = matrices(at, strain, linearised)
-    rate = evaluate(at, strain, twist, linearised)[2]
-    assert nodal_strain(at.elements, operators.strain, twist) == pytest.approx(rate, abs=1e-12 * np.abs(rate).max())
+    rate = evaluate(at, strain, twist, False)[2]
+    assert nodal_strain(at.elements, operators.strain, twist) == pytest.approx(
+        rate, abs=1e-12 * np.abs(rate).max()
+    )
 
     def moved(x):
         d = x.reshape(n, 6)
-        return strain + nodal_strain(at.elements, operators.strain, d), twist + np.einsum("nij,nj->ni", turning, d)
+        return strain + nodal_strain(at.elements, operators.strain, d), twist + np.einsum(
+            "nij,nj->ni", turning, d
+        )
 
     reference = slope_of(lambda x: evaluate(at, *moved(x), linearised)[0].ravel(), 6 * n)
     assert K == pytest.approx(reference, abs=3e-8 * np.abs(reference).max())
-    reference = slope_of(lambda x: evaluate(at, strain, twist + x.reshape(n, 6), linearised)[0].ravel(), 6 * n)
+    reference = slope_of(
+        lambda x: evaluate(at, strain, twist + x.reshape(n, 6), linearised)[0].ravel(), 6 * n
+    )
     assert C == pytest.approx(reference, abs=1e-9 * max(np.abs(reference).max(), 1.0))
     # section forces follow A d + P d'
     d, d_rate = np.random.default_rng(3).normal(size=(2, n, 6))
@@ -114,7 +123,9 @@ def test_linearised_elements(name, linearised):
 
     slope = slope_of(section_forces, 1, h=1e-4).reshape(strain.shape)
     used = (np.arange(strain.shape[1])[None, :] < at.elements.order[:, None])[..., None]
-    carried = nodal_strain(at.elements, operators.force, d) + nodal_strain(at.elements, operators.viscous, d_rate)
+    carried = nodal_strain(at.elements, operators.force, d) + nodal_strain(
+        at.elements, operators.viscous, d_rate
+    )
     assert carried * used == pytest.approx(slope * used, abs=1e-7 * np.abs(slope).max())
 
 

@@ -32,7 +32,6 @@ class StrainMotion(NamedTuple):
         linearised: viscous forces are those of the linearised damping.
         start: strains at the start of the step ``(e, points, 6)``.
         twist: body twists at the Gauss points of the stages ``(s, e, points, 6)``.
-        viscous_rate: what damping acts on: ``eps_t``, or ``b`` if linearised ``(s, e, points, 6)``.
         linear_rate: ``b``, the strain rate of the unstrained rod, likewise.
         nodes, forces: scratch of one element ``(m, 6)``; map: ``(6, 6)``; matrix: ``(3 s, 3 s)``; right: ``(3 s,)``.
     """
@@ -40,7 +39,6 @@ class StrainMotion(NamedTuple):
     linearised: bool
     start: Floats
     twist: Floats
-    viscous_rate: Floats
     linear_rate: Floats
     nodes: Floats
     forces: Floats
@@ -49,16 +47,14 @@ class StrainMotion(NamedTuple):
     right: Floats
 
     @classmethod
-    def of(cls, elements: Elements, strain_rate: Floats, *, linearised: bool) -> StrainMotion:
-        """Allocate for stages with the given array of strain rates ``(s, e, points, 6)``."""
-        stages, m = len(strain_rate), elements.nodes.shape[1]
-        linear = np.zeros(strain_rate.shape)
+    def of(cls, elements: Elements, stages: int, *, linearised: bool) -> StrainMotion:
+        """Allocate for a number of stages."""
+        points, m = elements.reference.shape, elements.nodes.shape[1]
         return cls(
             linearised,
-            np.zeros(elements.reference.shape),
-            np.zeros(strain_rate.shape),
-            linear if linearised else strain_rate,
-            linear,
+            np.zeros(points),
+            np.zeros((stages, *points)),
+            np.zeros((stages, *points)),
             np.zeros((m, 6)),
             np.zeros((m, 6)),
             np.zeros((6, 6)),
@@ -138,11 +134,18 @@ def gather_twists(
 
 
 @part
-def strain_rates(strain: Floats, twist: Floats, linear_rate: Floats, out: Floats) -> None:
-    """Write ``eps_t = b + (kappa x v + gamma x w, kappa x w)`` of all Gauss points ``(s, e, points, 6)``."""
+def viscous_rates(linearised: bool, strain: Floats, twist: Floats, linear_rate: Floats, out: Floats) -> None:
+    """Write the rates that damping acts on at all Gauss points ``(s, e, points, 6)``.
+
+    They are ``eps_t = b + (kappa x v + gamma x w, kappa x w)``, or ``b`` if linearised.
+    """
     for s in range(out.shape[0]):
         for e in range(out.shape[1]):
             for g in range(out.shape[2]):
+                if linearised:
+                    for i in range(6):
+                        out[s, e, g, i] = linear_rate[s, e, g, i]
+                    continue
                 for i in range(3):
                     a, b = (i + 1) % 3, (i + 2) % 3
                     v_a, v_b = twist[s, e, g, a], twist[s, e, g, b]
@@ -150,7 +153,11 @@ def strain_rates(strain: Floats, twist: Floats, linear_rate: Floats, out: Floats
                     gamma_a, gamma_b = strain[s, e, g, a], strain[s, e, g, b]
                     kappa_a, kappa_b = strain[s, e, g, 3 + a], strain[s, e, g, 3 + b]
                     out[s, e, g, i] = (
-                        linear_rate[s, e, g, i] + kappa_a * v_b - kappa_b * v_a + gamma_a * w_b - gamma_b * w_a
+                        linear_rate[s, e, g, i]
+                        + kappa_a * v_b
+                        - kappa_b * v_a
+                        + gamma_a * w_b
+                        - gamma_b * w_a
                     )
                     out[s, e, g, 3 + i] = linear_rate[s, e, g, 3 + i] + kappa_a * w_b - kappa_b * w_a
 
@@ -243,7 +250,7 @@ def advance_strains(
 
 
 @part
-def section_forces(elements: Elements, strain: Floats, viscous_rate: Floats, S: Floats) -> None:
+def section_forces(elements: Elements, strain: Floats, strain_rate: Floats, S: Floats) -> None:
     """Write ``C eps + D eps_t`` (or ``D b``) of all Gauss points ``(s, e, points, 6)``."""
     orders, section, C, D, damped = elements[0], elements[9], elements[10], elements[11], elements[12]
     for s in range(S.shape[0]):
@@ -256,7 +263,7 @@ def section_forces(elements: Elements, strain: Floats, viscous_rate: Floats, S: 
                         total += C[of, i, j] * strain[s, e, g, j]
                     if damped:
                         for j in range(6):
-                            total += D[of, i, j] * viscous_rate[s, e, g, j]
+                            total += D[of, i, j] * strain_rate[s, e, g, j]
                     S[s, e, g, i] = total
 
 
@@ -265,7 +272,7 @@ def nodal_forces(
     elements: Elements,
     linearised: bool,
     strain: Floats,
-    viscous_rate: Floats,
+    strain_rate: Floats,
     sigma: Floats,
     F: Floats,
     X: Floats,
@@ -299,7 +306,7 @@ def nodal_forces(
                 if linearised:
                     of = section[e, g]
                     for j in range(6):
-                        rate = viscous_rate[s, e, g, j]
+                        rate = strain_rate[s, e, g, j]
                         N0 -= D[of, 0, j] * rate
                         N1 -= D[of, 1, j] * rate
                         N2 -= D[of, 2, j] * rate
@@ -339,14 +346,14 @@ def forces_at(
     """Write strain rates, section forces and internal forces of a state with known strains.
 
     Args:
-        motion: whose arrays belong to one state; twist: of all nodes ``(1, n, 6)``; strain: ``(1, e, points, 6)``.
-        strain_rate, section_force: outputs ``(1, e, points, 6)``; force: output ``(1, n, 6)``.
+        motion: scratch for one state; twist: of all nodes ``(1, n, 6)``; strain: ``(1, e, points, 6)``.
+        strain_rate: output, what damping acts on; section_force: output, likewise; force: output ``(1, n, 6)``.
     """
-    linearised, _, at_points, viscous_rate, linear_rate, T, F, X, _, _ = motion
+    linearised, _, at_points, linear_rate, T, F, X, _, _ = motion
     interpolate_twists(elements, twist, T, X, at_points, linear_rate)
-    strain_rates(strain, at_points, linear_rate, strain_rate)
-    section_forces(elements, strain, viscous_rate, section_force)
-    nodal_forces(elements, linearised, strain, viscous_rate, section_force, F, X, force)
+    viscous_rates(linearised, strain, at_points, linear_rate, strain_rate)
+    section_forces(elements, strain, strain_rate, section_force)
+    nodal_forces(elements, linearised, strain, strain_rate, section_force, F, X, force)
 
 
 @part
@@ -359,7 +366,6 @@ def stage_forces(
     twist: Floats,
     at_points: Floats,
     linear_rate: Floats,
-    viscous_rate: Floats,
     T: Floats,
     F: Floats,
     X: Floats,
@@ -371,9 +377,9 @@ def stage_forces(
     sigma: Floats,
     force: Floats,
 ) -> None:
-    """Write strains, rates, section forces and the internal forces of ``sigma`` at all stages of a step of ``h`` [s]."""
+    """Write strains, what damping acts on, section forces and the forces of ``sigma`` at all stages of a step ``h``."""
     interpolate_twists(elements, twist, T, X, at_points, linear_rate)
     advance_strains(elements, D, h, start, at_points, linear_rate, matrix, right, strain)
-    strain_rates(strain, at_points, linear_rate, strain_rate)
-    section_forces(elements, strain, viscous_rate, section_force)
-    nodal_forces(elements, linearised, strain, viscous_rate, sigma, F, X, force)
+    viscous_rates(linearised, strain, at_points, linear_rate, strain_rate)
+    section_forces(elements, strain, strain_rate, section_force)
+    nodal_forces(elements, linearised, strain, strain_rate, sigma, F, X, force)

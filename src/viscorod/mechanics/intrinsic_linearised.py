@@ -1,8 +1,8 @@
 """The intrinsic element linearised at one state: operators of its section forces, stiffness and damping matrices.
 
 A nodal body increment ``d`` moves strains by ``B d`` with ``B_k = N'_k + N_k [[U~, V~], [0, U~]]``: what the strain
-rate is to twists. It holds up to the error of the interpolation (compatibility is integrated, not differentiated), which
-is good enough for a Jacobian and of high order in the mesh. With ``dx1 = d' + ad(x1) d``,
+rate is to twists. It holds up to the error of the interpolation (compatibility is integrated, not differentiated): good
+enough for a Jacobian, and of high order in the mesh. With ``dx1 = d' + ad(x1) d``,
 
     d(eps_t) = B d' + (L B + B ad) d     L = [[-w~, -v~], [0, -w~]]
     dS = A d + P d'                      A = C B + D (L B + B ad)     P = D B

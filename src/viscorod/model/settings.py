@@ -37,6 +37,11 @@ class SimulateSettings(Described):
         spectral_radius: of "generalized_alpha" at infinite frequency, 0 (strong damping of what is not resolved)
             to 1 (none); 0.6 unless given.
         output_interval: time between stored states, s; None stores every step.
+        formulation: "geometric" (strains follow from positions and rotations) or "intrinsic" (strains and body
+            velocities; positions follow by integration in time), which goes with "radau" and "midpoint".
+        damping: "full" Kelvin-Voigt damping, which never damps rigid motions, or "linearised" (Artola, Wynn and
+            Palacios), which also damps rotations of bent rods; the latter with the intrinsic formulation.
+        dynamics: "nonlinear", or "linear" about the state that the motion starts from, with linearised damping.
     """
 
     duration: Positive = Field(description="simulated time, s")
@@ -50,6 +55,36 @@ class SimulateSettings(Described):
     ] = "radau"
     spectral_radius: OptionalUnitInterval = None
     output_interval: OptionalPositive = None
+    formulation: Annotated[Literal["geometric", "intrinsic"], one_of("geometric", "intrinsic")] = "geometric"
+    damping: Annotated[Literal["full", "linearised"], one_of("full", "linearised")] = "full"
+    dynamics: Annotated[Literal["nonlinear", "linear"], one_of("nonlinear", "linear")] = "nonlinear"
+
+    @model_validator(mode="after")
+    def _fits_formulation(self) -> Self:
+        if self.formulation == "geometric":
+            for name, wanted in (("damping", "linearised"), ("dynamics", "linear")):
+                if getattr(self, name) == wanted:
+                    raise RefusedError(
+                        "the geometric formulation has full damping and nonlinear dynamics only",
+                        f"add formulation = 'intrinsic', or leave out {name}",
+                        found=show(wanted),
+                        at=(name,),
+                    )
+        elif self.integrator == "generalized_alpha":
+            raise RefusedError(
+                "generalised-alpha integrates the geometric formulation only",
+                "give integrator = 'radau' or 'midpoint', or formulation = 'geometric'",
+                found=show(self.integrator),
+                at=("integrator",),
+            )
+        if self.dynamics == "linear" and self.damping == "full":
+            raise RefusedError(
+                "linear dynamics have linearised damping",
+                "add damping = 'linearised', or leave out dynamics",
+                found=show(self.dynamics),
+                at=("dynamics",),
+            )
+        return self
 
     @model_validator(mode="after")
     def _fits_duration(self) -> Self:

@@ -19,9 +19,11 @@ from viscorod.typing import Floats
 
 
 class ElementForces(Protocol):
-    """Internal forces of a moving body; ``motion`` is handed to the compiled step."""
+    """Internal forces of a moving body."""
 
-    motion: StrainMotion | None
+    @property
+    def motion(self) -> StrainMotion | None:
+        """Handed to the compiled step."""
 
     def evaluate(self, state: State, points: Points, internal: Floats) -> None:
         """Write the Gauss points ``(1, e, points, 6)`` and the internal forces ``(n, 6)`` of ``state``."""
@@ -37,6 +39,9 @@ class ElementForces(Protocol):
 
     def arrive(self, strain: Floats) -> None:
         """Take the strains ``(e, points, 6)`` at the end of a step."""
+
+    def reflect(self, middle: Floats) -> None:
+        """Take the strains at the end of a step from those in its middle, twice the way."""
 
 
 class GeometricForces:
@@ -63,23 +68,23 @@ class GeometricForces:
     def arrive(self, strain: Floats) -> None:
         """Nothing to keep: poses say it all."""
 
+    def reflect(self, middle: Floats) -> None:
+        """Nothing to keep: poses say it all."""
+
 
 class IntrinsicForces:
     """Strains are states.
 
     Args:
         elements: of the problem.
-        stage_rates: strain rates at the stages of a step ``(s, e, points, 6)``, which the damping acts on.
+        stages: of a step.
         linearised: whether damping is that of AWP (22), else the full one of AWP (13).
     """
 
-    motion: StrainMotion
-
-    def __init__(self, elements: Elements, stage_rates: Floats, *, linearised: bool) -> None:
+    def __init__(self, elements: Elements, stages: int, *, linearised: bool) -> None:
         self.elements = elements
-        self.motion = StrainMotion.of(elements, stage_rates, linearised=linearised)
-        self._rate = np.zeros((1, *elements.reference.shape))
-        self._now = StrainMotion.of(elements, self._rate, linearised=linearised)
+        self.motion = StrainMotion.of(elements, stages, linearised=linearised)
+        self._now = StrainMotion.of(elements, 1, linearised=linearised)
         self._known = False
 
     def evaluate(self, state: State, points: Points, internal: Floats) -> None:
@@ -93,24 +98,23 @@ class IntrinsicForces:
             self._now,
             state.twist[None],
             points.strain,
-            self._rate,
+            points.strain_rate,
             points.section_force,
             internal[None],
         )
-        points.strain_rate[:] = self._rate
 
     def linearise(
         self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
     ) -> None:
         """See :class:`ElementForces`."""
-        now = self._now
+        now, rate = self._now, np.zeros((1, *stress.shape))
         forces_at(
             self.elements,
             now,
             state.twist[None],
             self.motion.start[None],
-            self._rate,
-            np.zeros((1, *stress.shape)),
+            rate,
+            np.zeros_like(rate),
             np.zeros((1, *state.twist.shape)),
         )
         linearise_intrinsic(
@@ -118,7 +122,7 @@ class IntrinsicForces:
             now.linearised,
             self.motion.start,
             now.twist[0],
-            now.viscous_rate[0],
+            rate[0],
             turning,
             stress,
             operators,
@@ -130,3 +134,7 @@ class IntrinsicForces:
         """See :class:`ElementForces`."""
         self.motion.start[:] = strain
         self._known = True
+
+    def reflect(self, middle: Floats) -> None:
+        """See :class:`ElementForces`."""
+        self.arrive(2.0 * middle - self.motion.start)

@@ -272,9 +272,9 @@ class GeometricSystem:
             reference,
         )
 
-    def element_forces(self, elements: Elements, stage_rates: Floats) -> ElementForces:
+    def element_forces(self, elements: Elements, stages: int) -> ElementForces:
         """See :class:`~viscorod.solve.system.System`."""
-        del stage_rates
+        del stages
         return GeometricForces(elements)
 
     def element_number(self, part: int, element: int) -> int:

@@ -9,7 +9,6 @@ from viscorod.mechanics.internal_force import Elements
 from viscorod.solve.element_forces import ElementForces, IntrinsicForces
 from viscorod.solve.geometric_system import GeometricSystem
 from viscorod.solve.problem import Problem
-from viscorod.typing import Floats
 
 
 class IntrinsicSystem(GeometricSystem):
@@ -24,6 +23,6 @@ class IntrinsicSystem(GeometricSystem):
         super().__init__(problem)
         self.linearised = linearised
 
-    def element_forces(self, elements: Elements, stage_rates: Floats) -> ElementForces:
+    def element_forces(self, elements: Elements, stages: int) -> ElementForces:
         """See :class:`~viscorod.solve.system.System`."""
-        return IntrinsicForces(elements, stage_rates, linearised=self.linearised)
+        return IntrinsicForces(elements, stages, linearised=self.linearised)

@@ -102,8 +102,8 @@ class System(Protocol):
     def elements(self) -> Elements:
         """Return all elements as one structure for compiled code."""
 
-    def element_forces(self, elements: Elements, stage_rates: Floats) -> ElementForces:
-        """Return what a collocation method asks for forces; ``stage_rates (s, e, points, 6)`` are its strain rates."""
+    def element_forces(self, elements: Elements, stages: int) -> ElementForces:
+        """Return what a collocation method asks for forces at the start and the stages of a step."""
 
     def element_number(self, part: int, element: int) -> int:
         """Return the number in :meth:`elements` of an element of the problem's element set ``part``."""

@@ -13,8 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics import inertia
-from viscorod.mechanics.internal_force import Points, energies, internal_forces
-from viscorod.mechanics.linearised import linearise
+from viscorod.mechanics.internal_force import Points, energies
 from viscorod.solve import lapack
 from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators import iteration, jacobian
@@ -67,6 +66,7 @@ class Collocation:
         stages = len(tableau.nodes)
         self._last = stages - 1
         self.body = body = Body.of(problem, system.elements(), supports)
+        self.forces = system.element_forces(body.elements, stages)
         self.actions = Actions(system, supports, body, stages)
         self.stages = Stages.of(stages, body)
         self.predictor = Predictor(body, self.stages, tableau)
@@ -133,6 +133,7 @@ class Collocation:
             stages,
             self.ends,
             self.scratch,
+            self.forces.motion,
             self.newton_tolerance,
             self.iterations,
             self._rate,
@@ -195,6 +196,7 @@ class Collocation:
         stages, last = self.stages, self._last
         self.state = State(stages.r[last].copy(), stages.q[last].copy(), stages.twist[last].copy())
         self._force[:], self._stress[:] = stages.force[last], stages.stress[last]
+        self.forces.arrive(stages.strain[last])
         self._reaction[:] = stages.reaction[last]
         if len(self.supports.partial):
             self.actions.move_supports(self._end, before=True)
@@ -213,15 +215,7 @@ class Collocation:
         supports, body, points = self.supports, self.body, self._points
         self.t, self.state = t, state
         internal, external = self.scratch.vector, self.scratch.change
-        internal_forces(
-            body.elements,
-            state.r[None],
-            state.q[None],
-            state.twist[None],
-            points,
-            self.scratch.element,
-            internal[None],
-        )
+        self.forces.evaluate(state, points, internal)
         external.fill(0.0)
         self.actions.add_loads(t, state, external, self.scratch.band, before=before)
         self.evaluations += 1
@@ -248,17 +242,7 @@ class Collocation:
         jacobian.adjoint(state.twist, self._turning)
         matrices.K.fill(0.0)
         matrices.C.fill(0.0)
-        linearise(
-            body.elements,
-            state.r,
-            state.q,
-            state.twist,
-            self._turning,
-            self._stress,
-            matrices.operators,
-            matrices.K,
-            matrices.C,
-        )
+        self.forces.linearise(state, self._turning, self._stress, matrices.operators, matrices.K, matrices.C)
         self.actions.add_load_stiffness(self.t, state, self.scratch.vector, matrices.K)
         matrices.mass[:] = body.mass
         jacobian.add_inertia(body.mass, state.twist, self._turning, matrices.K, matrices.C, matrices.adjoint)

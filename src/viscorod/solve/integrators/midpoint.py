@@ -70,6 +70,7 @@ class Midpoint(Collocation):
         """Go twice the way to the middle, and evaluate the forces there."""
         ends, stages = self.ends, self.stages
         twist = 2.0 * stages.twist[0] - self.state.twist
+        self.forces.reflect(stages.strain[0])
         state = State(ends.r[0].copy(), ends.q[0].copy(), twist)
         c = self.supports.complete
         if self.supports.moving and len(c):

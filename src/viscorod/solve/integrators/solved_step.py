@@ -296,7 +296,7 @@ def try_step(
                 internal_forces(elements, r1, q1, twist1, points1, scratch, force1)
                 conserve_energy(elements, strain, strain_rate, strain0, strain1, h, S)
         else:
-            linearised, start, at_points, viscous_rate, linear_rate, T_e, F_e, X_e, matrix, side = motion
+            linearised, start, at_points, linear_rate, T_e, F_e, X_e, matrix, side = motion
             stage_forces(
                 elements,
                 linearised,
@@ -306,7 +306,6 @@ def try_step(
                 twist,
                 at_points,
                 linear_rate,
-                viscous_rate,
                 T_e,
                 F_e,
                 X_e,
@@ -407,10 +406,7 @@ def try_step(
             lapack.solve(real_lu, real_integers, letter, right)
             largest, worst = largest_error(columns, right, length, error)
         add_powers(nodes, fixed, complete, external, twist, held_power, reaction, rate_target, powers[0])
-        if motion is None:
-            energies(elements, strain, strain_rate, elastic, powers[1])
-        else:
-            energies(elements, strain, motion[3], elastic, powers[1])
+        energies(elements, strain, strain_rate, elastic, powers[1])
     elif code == GOING:
         code = SLOW
     return code, count, size, convergence, unknown, largest, worst
