@@ -22,7 +22,7 @@ from viscorod.solve import modes as small_motion
 from viscorod.solve.discretise import discretise
 from viscorod.solve.formulations import FORMULATIONS
 from viscorod.solve.history import EnergyAccount, History, Snapshot
-from viscorod.solve.integrators import INTEGRATORS, Integrator
+from viscorod.solve.integrators import INTEGRATORS, LINEAR_INTEGRATORS, Integrator
 from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.loads import LoadState
 from viscorod.solve.modes import Modes
@@ -203,7 +203,7 @@ class Workplace:
         tolerance, duration = settings.tolerance, settings.duration
         if settings.integrator == "radau" and tolerance is None:
             tolerance = TOLERANCE
-        make = INTEGRATORS[settings.integrator]
+        make = (LINEAR_INTEGRATORS if settings.dynamics == "linear" else INTEGRATORS)[settings.integrator]
         given: dict[str, Any] = {}
         if settings.integrator == "generalized_alpha":
             radius = settings.spectral_radius

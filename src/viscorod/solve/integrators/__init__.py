@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from viscorod.solve.integrators.contract import Integrator
 from viscorod.solve.integrators.generalized_alpha import GeneralizedAlpha
+from viscorod.solve.integrators.linear_motion import linear_midpoint, linear_radau
 from viscorod.solve.integrators.midpoint import Midpoint
 from viscorod.solve.integrators.radau import Radau
 
@@ -15,4 +16,10 @@ INTEGRATORS: dict[str, Callable[..., Integrator]] = {
     "midpoint": Midpoint,
 }
 
-__all__ = ["INTEGRATORS", "GeneralizedAlpha", "Integrator", "Midpoint", "Radau"]
+LINEAR_INTEGRATORS: dict[str, Callable[..., Integrator]] = {
+    "radau": linear_radau,
+    "midpoint": linear_midpoint,
+}
+"""Those of linear dynamics."""
+
+__all__ = ["INTEGRATORS", "LINEAR_INTEGRATORS", "GeneralizedAlpha", "Integrator", "Midpoint", "Radau"]

@@ -56,12 +56,14 @@ class Actions:
         """Add the loads at time ``t`` [s] to ``external (n, 6)``, in body components."""
         self._add(self.loads.at(t, before), state, external, band, False)
 
-    def add_load_stiffness(self, t: float, state: State, external: Floats, K: Floats) -> None:
+    def add_load_stiffness(
+        self, t: float, state: State, external: Floats, K: Floats, *, before: bool = False
+    ) -> None:
         """Subtract the derivative of the loads at time ``t`` [s], which turn with the body frames, from the band ``K``.
 
         The loads are added to ``external (n, 6)`` too.
         """
-        self._add(self.loads.at(t), state, external, K, True)
+        self._add(self.loads.at(t, before), state, external, K, True)
 
     def _add(self, loads: LoadState, state: State, external: Floats, band: Floats, tangent: bool) -> None:
         body, diagonal = self.body, (band.shape[1] - 1) // 2

@@ -341,10 +341,16 @@ def try_step(
         balance(mass, twist, acceleration, internal, external, force, residual)
         if final:
             over.held_power(nodes, complete, residual, twist, held_power)
-        else:
-            add_frozen_forces(elements, B, S, sigma, residual)
         if final or partly:
             over.impose(nodes, fixed, axes, support_r, support_q, target, r, q, residual, reaction, G, Z, psi)
+        if not final:
+            # projected as the Jacobian is: what stiff sections add here dwarfs all other forces
+            over.clear(internal)
+            add_frozen_forces(elements, B, S, sigma, internal)
+            if partly:
+                for i in range(internal.shape[0]):
+                    project_free(nodes, fixed, free_directions, vector, internal[i])
+            over.add(internal, residual)
         over.clear_held(held, residual)
         if ends_active:
             hold_ends(

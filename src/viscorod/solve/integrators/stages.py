@@ -97,6 +97,24 @@ def clear_held(held: Floats, values: Floats) -> None:
 
 
 @part
+def clear(values: Floats) -> None:
+    """Set ``(s, n, 6)`` to zero."""
+    for i in range(values.shape[0]):
+        for k in range(values.shape[1]):
+            for a in range(6):
+                values[i, k, a] = 0.0
+
+
+@part
+def add(values: Floats, out: Floats) -> None:
+    """Add ``(s, n, 6)`` to ``out``."""
+    for i in range(values.shape[0]):
+        for k in range(values.shape[1]):
+            for a in range(6):
+                out[i, k, a] += values[i, k, a]
+
+
+@part
 def evaluate_loads(
     loaded: Integers,
     mass: Floats,
