@@ -27,6 +27,7 @@ from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.loads import LoadState
 from viscorod.solve.modes import Modes
 from viscorod.solve.newton import NewtonReport, Outcome
+from viscorod.solve.pose_check import pose_gap
 from viscorod.solve.problem import Problem
 from viscorod.solve.rigid import free_motions, undetermined
 from viscorod.solve.static import StaticPath, StaticSolver
@@ -183,6 +184,8 @@ class Workplace:
             "smallest_step_why": effort.smallest_why,
             "warnings": json.dumps(result.notes),
         }
+        if settings.formulation == "intrinsic" and settings.dynamics == "nonlinear":
+            attrs["pose_gap"], attrs["rotation_gap"] = pose_gap(self.system, self.history)
         if result.outcome is Outcome.INTERRUPTED:
             message = f"Stopped at t = {integrator.t:.6g} s: {result.reason}"
             raise SolveError(message, Run(self._dataset("simulate", attrs | {"message": message})))

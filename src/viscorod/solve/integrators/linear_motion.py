@@ -17,6 +17,7 @@ import scipy.sparse.linalg as spla
 from scipy import sparse
 
 from viscorod.errors import InputError
+from viscorod.mechanics.along_rod import rotated
 from viscorod.mechanics.internal_force import Points, energies
 from viscorod.mechanics.rotation import retract
 from viscorod.solve.element_forces import GeometricForces, IntrinsicForces
@@ -275,7 +276,7 @@ class LinearMotion:
         increment = moved[0].reshape(n, 6).copy()
         increment[:, :3] = 0.0
         retract(self.base.r, self.base.q, increment, state.r, state.q)
-        state.r[:] = self.base.r + _rotated(self.base.q, moved[0].reshape(n, 6)[:, :3])
+        state.r[:] = self.base.r + rotated(self.base.q, moved[0].reshape(n, 6)[:, :3])
         return state
 
     def _take(self, moved: Floats, acceleration: Floats, load: Floats) -> Snapshot:
@@ -315,12 +316,6 @@ def _sparse(band: Floats) -> sparse.csr_array:
     stored = (band != 0.0) & (rows >= 0) & (rows < size)
     columns = np.broadcast_to(np.arange(size)[:, None], band.shape)[stored]
     return sparse.csr_array((band[stored], (rows[stored], columns)), shape=(size, size))
-
-
-def _rotated(q: Floats, a: Floats) -> Floats:
-    """Rotate ``a (n, 3)`` by unit quaternions ``q (n, 4)``."""
-    t = 2.0 * np.cross(q[:, 1:], a)
-    return np.asarray(a + q[:, :1] * t + np.cross(q[:, 1:], t))
 
 
 def _quintic(
