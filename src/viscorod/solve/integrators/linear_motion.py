@@ -18,7 +18,8 @@ from scipy import sparse
 
 from viscorod.errors import InputError
 from viscorod.mechanics.along_rod import rotated
-from viscorod.mechanics.internal_force import Points, energies
+from viscorod.mechanics.internal_force import Elements, Points, energies
+from viscorod.mechanics.intrinsic_linearised import linearise_intrinsic
 from viscorod.mechanics.rotation import retract
 from viscorod.solve.element_forces import GeometricForces, IntrinsicForces
 from viscorod.solve.history import Snapshot
@@ -32,6 +33,9 @@ from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
 from viscorod.solve.time_step import start_step
 from viscorod.typing import Floats
+
+SWEEPS = 3
+"""Solutions with the same factors per step."""
 
 RECORDS = 4
 """States per step that draw the motion smoothly."""
@@ -100,19 +104,11 @@ class LinearMotion:
         self._base_force = internal.ravel().copy()
         self._base_strain = points.strain[0].copy()
         self.forces.arrive(self._base_strain)
-        width = system.band.width
-        matrices = Matrices.of(body, width)
-        still = np.zeros((n, 6, 6))
-        self.forces.linearise(
-            self.base, still, points.section_force[0], matrices.operators, matrices.K, matrices.C
-        )
+        self._load_stiffness = np.zeros((6 * n, 2 * system.band.width + 1))
         if internal.any():
-            self.actions.add_load_stiffness(t, self.base, np.zeros((n, 6)), matrices.K, before=True)
-        self._B = matrices.operators.strain
-        self._stiffness, self._damping = _sparse(matrices.K), _sparse(matrices.C)
+            self.actions.add_load_stiffness(t, self.base, np.zeros((n, 6)), self._load_stiffness, before=True)
+        matrices = self._matrices(points.strain[0], points.section_force[0], body.elements)
         self._mass = sparse.block_diag(list(body.mass), format="csr")
-        skew = 0.5 * (self._stiffness - self._stiffness.T)
-        self._skew, self._symmetric = skew, self._stiffness - skew
         matrices.mass[:] = body.mass
         supports = self.supports
         supports.impose(self.base, internal.copy(), system.band, tangent=False)
@@ -140,11 +136,56 @@ class LinearMotion:
             sparse.csc_array(unit @ matrix[rows] @ self._basis)
             for matrix in (_sparse(matrices.K), _sparse(matrices.C), mass)
         ]
+        self._separate(points.strain[0], points.section_force[0])
         elastic, unused = np.zeros((2, 1))
         energies(body.elements, points.strain, np.zeros_like(points.strain), elastic, unused)
         self._base_energy = float(elastic[0])
         self.jacobians += 1
         self._known = True
+
+    def _matrices(self, strain: Floats, section_force: Floats, elements: Elements) -> Matrices:
+        """Operators, stiffness (that of the loads too) and damping matrix at rest, not projected."""
+        matrices = Matrices.of(self.body, self.system.band.width)
+        matrices.K[:] = self._load_stiffness
+        still = np.zeros_like(section_force)
+        linearise_intrinsic(
+            elements,
+            True,
+            strain,
+            still,
+            still,
+            np.zeros((len(self.body.mass), 6, 6)),
+            section_force,
+            matrices.operators,
+            matrices.K,
+            matrices.C,
+        )
+        return matrices
+
+    def _separate(self, strain: Floats, section_force: Floats) -> None:
+        """Split the stiffness into ``B^T C B`` and what loads and stresses add.
+
+        Sums of stiff terms leave a rest that is no equilibrium; applied factor by factor, ``C`` multiplies strains, and
+        what rounding adds to them does no harm.
+        """
+        elements = self.body.elements
+        weights = [
+            elements.weights[p] * h for p, h in zip(elements.order, elements.half_lengths, strict=True)
+        ]
+        blocks = np.array(weights)[..., None, None] * elements.stiffness[elements.section]
+        self._weighted_stiffness = sparse.block_diag(list(blocks.reshape(-1, 6, 6)), format="csr")
+        blocks = np.array(weights)[..., None, None] * elements.damping[elements.section]
+        self._weighted_damping = sparse.block_diag(list(blocks.reshape(-1, 6, 6)), format="csr")
+        soft = elements._replace(
+            stiffness=np.zeros_like(elements.stiffness), damping=np.zeros_like(elements.damping), damped=False
+        )
+        matrices = self._matrices(strain, section_force, soft)
+        self._B = _operator(matrices.operators.strain, elements, len(self.body.mass))
+        rest = _sparse(matrices.K)
+        self._skew = 0.5 * (rest - rest.T)
+        self._rest = rest - self._skew
+        matrices = self._matrices(np.zeros_like(strain), section_force, soft)
+        self._B0 = _operator(matrices.operators.strain, elements, len(self.body.mass))
 
     # --- the contract
 
@@ -165,7 +206,7 @@ class LinearMotion:
 
     def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        force = (self._load - self._internal(self._xi)).reshape(-1, 6)
+        force = (self._load - self._internal(*self._xi)).reshape(-1, 6)
         return start_step(self.body.mass, force, self.state.twist, self.body.held, self.body.length, duration)
 
     def attempt(self, end: float, *, before: bool) -> StepReport:
@@ -181,22 +222,26 @@ class LinearMotion:
         self.evaluations += len(times)
         xi, x = self._xi
         D = tableau.derivative / h
-        # balance at the stages if nothing moved: what is left drives the changes
-        stopped = np.outer(D.sum(axis=1), -(self._mass @ x))
-        residual = stopped + self._base_force + self._stiffness @ xi - self._stage_loads
-        modes = -(tableau.to_modes @ residual @ self._basis)
-        change = np.empty_like(modes)
-        change[0] = self._real.solve(modes[0])
-        if last:
-            pair = self._pair.solve(modes[1] + 1j * modes[2])
-            change[1], change[2] = pair.real, pair.imag
-        changes = (tableau.to_stages @ change) @ self._basis.T
-        self._stages[0] = xi + changes
-        self._stages[1] = D @ changes
-        if not np.isfinite(self._stages).all():
-            return StepReport(Outcome.NOT_FINITE, 1, 0.0, 0.0, 0)
+        changes = np.zeros_like(self._stages[0])
+        size = 0.0
+        for _ in range(SWEEPS):  # the first solves, the others mend what rounding of stiff terms spoilt
+            rates = D @ changes
+            residual = D @ (rates - x) @ self._mass - self._stage_loads
+            residual += [self._internal(xi + c, r) for c, r in zip(changes, rates, strict=True)]
+            modes = -(tableau.to_modes @ residual @ self._basis)
+            change = np.empty_like(modes)
+            change[0] = self._real.solve(modes[0])
+            if last:
+                pair = self._pair.solve(modes[1] + 1j * modes[2])
+                change[1], change[2] = pair.real, pair.imag
+            correction = (tableau.to_stages @ change) @ self._basis.T
+            changes += correction
+            size = float(np.abs(correction / self._unit).max())
+            if not size < np.inf:
+                return StepReport(Outcome.NOT_FINITE, 1, 0.0, 0.0, 0)
+        self._stages[0], self._stages[1] = xi + changes, D @ changes
         self._end = end
-        report = StepReport(Outcome.CONVERGED, 1, float(np.abs(changes / self._unit).max()), 0.0, 0)
+        report = StepReport(Outcome.CONVERGED, SWEEPS, size, 0.0, 0)
         if self.tolerance is None:
             return report
         return report.erring(*self._error(h, changes))
@@ -206,7 +251,7 @@ class LinearMotion:
         tableau, (_, x) = self.tableau, self._xi
         p = x + tableau.error @ changes / h
         v = tableau.error @ (self._stages[1] - x) / h + tableau.real / h * p
-        side = self._load - self._internal(self._xi) + self._mass @ v + self._damping @ p
+        side = self._load - self._internal(*self._xi) + self._mass @ v + self._damping(p)
         error = np.abs(self._basis @ self._real.solve(self._basis.T @ side)) / self._unit
         where = int(np.argmax(error))
         return float(error[where]) / (self.step_factor * (self.tolerance or 1.0)), where
@@ -220,7 +265,8 @@ class LinearMotion:
         self._rates = self.tableau.start_derivative / h @ (self._stages[1] - self._xi[1]), rates[last]
         for i, (xi, x) in enumerate(zip(*self._stages, strict=True)):
             self._powers[0, i] = x @ self._stage_loads[i] - x @ (self._skew @ xi)
-            self._powers[1, i] = x @ (self._damping @ x)
+            rate = self._B0 @ x
+            self._powers[1, i] = rate @ (self._weighted_damping @ rate)
         self.work, self.loss = h * (self._powers @ self.tableau.weights)
         end = self._stages[:, last].copy() if last else 2.0 * self._stages[:, 0] - self._xi
         self.t, self._step = self._end, h
@@ -256,9 +302,14 @@ class LinearMotion:
         self.actions.add_loads(t, self.base, external, np.zeros((1, 1)), before=before)
         return external.ravel()
 
-    def _internal(self, moved: Floats) -> Floats:
+    def _internal(self, xi: Floats, x: Floats) -> Floats:
         """Return ``F_0 + K xi + C xi'``."""
-        return np.asarray(self._base_force + self._stiffness @ moved[0] + self._damping @ moved[1])
+        stiff = self._B.T @ (self._weighted_stiffness @ (self._B @ xi))
+        soft = self._rest @ xi + self._skew @ xi
+        return np.asarray(self._base_force + stiff + soft + self._damping(x))
+
+    def _damping(self, x: Floats) -> Floats:
+        return np.asarray(self._B0.T @ (self._weighted_damping @ (self._B0 @ x)))
 
     def _arrive(self, moved: Floats) -> None:
         xi, x = moved
@@ -268,7 +319,9 @@ class LinearMotion:
         self.state = self._pose(moved)
 
     def _elastic(self, xi: Floats) -> float:
-        return self._base_energy + float(self._base_force @ xi + 0.5 * xi @ (self._symmetric @ xi))
+        strain = self._B @ xi
+        second = strain @ (self._weighted_stiffness @ strain) + xi @ (self._rest @ xi)
+        return self._base_energy + float(self._base_force @ xi + 0.5 * second)
 
     def _pose(self, moved: Floats) -> State:
         n = len(self.base.r)
@@ -283,11 +336,10 @@ class LinearMotion:
         """Return the snapshot of displacements and velocities ``(2, 6 n)``."""
         elements, state = self.body.elements, self._pose(moved)
         points, internal = Points.of(elements, 1), np.zeros_like(state.twist)
-        increments = moved[0].reshape(-1, 6)[elements.nodes].reshape(len(elements.order), -1)
-        strain = np.einsum("eij,ej->ei", self._B, increments).reshape(self._base_strain.shape)
+        strain = (self._B @ moved[0]).reshape(self._base_strain.shape)
         self.forces.arrive(self._base_strain + strain)
         self.forces.evaluate(state, points, internal)
-        residual = (self._internal(moved) + self._mass @ acceleration - load).reshape(-1, 6)
+        residual = (self._internal(*moved) + self._mass @ acceleration - load).reshape(-1, 6)
         self.supports.impose(self.base, residual, self.system.band, tangent=False)
         strain, rate, force = (field[0].reshape(-1, 6)[self._places] for field in points[:3])
         kinetic = 0.5 * float(moved[1] @ (self._mass @ moved[1]))
@@ -316,6 +368,16 @@ def _sparse(band: Floats) -> sparse.csr_array:
     stored = (band != 0.0) & (rows >= 0) & (rows < size)
     columns = np.broadcast_to(np.arange(size)[:, None], band.shape)[stored]
     return sparse.csr_array((band[stored], (rows[stored], columns)), shape=(size, size))
+
+
+def _operator(blocks: Floats, elements: Elements, nodes: int) -> sparse.csr_array:
+    """Operators of all elements ``(e, 6 points, 6 m)`` as one sparse array, Gauss points times nodes."""
+    count, rows, columns = blocks.shape
+    at = (6 * elements.nodes[:, :, None] + np.arange(6)).reshape(count, 1, columns)
+    row = np.arange(count * rows).reshape(count, rows, 1)
+    at, row = np.broadcast_to(at, blocks.shape), np.broadcast_to(row, blocks.shape)
+    stored = blocks != 0.0
+    return sparse.csr_array((blocks[stored], (row[stored], at[stored])), shape=(count * rows, 6 * nodes))
 
 
 def _quintic(
