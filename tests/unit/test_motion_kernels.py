@@ -117,11 +117,14 @@ def test_extrapolate_continues_a_steady_screw():
     weights = np.array(
         [np.linalg.solve(np.vander(c, 3, increasing=True).T, [1, x, x * x]) for x in 1 + 0.7 * c]
     )
+    # half of the motion by the twist at the start, half by the stages
+    weights = np.column_stack([0.5 * weights, 0.5 * (1 + 0.7 * c)])
     out = np.empty((3, 2, 6))
     two = [np.array([v, v]) for v in (r0, q0, r1, q1)]
-    extrapolate(
+    from_python(extrapolate)(
         two[0],
         two[1],
+        np.array([X, X]),
         np.repeat(values, 2, axis=1),
         weights,
         two[2],

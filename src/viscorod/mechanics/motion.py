@@ -314,10 +314,11 @@ def coordinates(r0: Floats, q0: Floats, r: Floats, q: Floats, split: bool, X: Fl
     X[0], X[1], X[2] = u0, u1, u2
 
 
-@kernel
+@part
 def extrapolate(
     r0: Floats,
     q0: Floats,
+    twist0: Floats,
     X: Floats,
     weights: Floats,
     r1: Floats,
@@ -329,8 +330,8 @@ def extrapolate(
     """Continue the motion of a step as coordinates from another start.
 
     Args:
-        r0, q0: poses at the start of the old step; X: its stage coordinates ``(stages, n, 6)``.
-        weights: ``(new stages, stages)``, values of the old step's polynomials at the new stages.
+        r0, q0, twist0: poses and twists at the start of the old step; X: its stage coordinates ``(stages, n, 6)``.
+        weights: ``(new stages, stages + 1)``, of the old stages at the new ones, and of ``twist0`` [s].
         r1, q1: poses at the start of the new step.
         split, held: per node, coordinates are separate / pose is prescribed (left zero).
         out: ``(new stages, n, 6)``.
@@ -347,7 +348,7 @@ def extrapolate(
             if held[k] != 0.0:
                 continue
             for a in range(6):
-                x[a] = 0.0
+                x[a] = weights[i, X.shape[0]] * twist0[k, a]
                 for j in range(X.shape[0]):
                     x[a] += weights[i, j] * X[j, k, a]
             place(r0[k], q0[k], x, still, split[k] != 0.0, r, q, twist)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -99,14 +99,13 @@ class EnergyAccount:
         The remainder is known at the ends of steps only, and linear between; the elastic energy is what the balance
         leaves.
         """
-        account = EnergyAccount(kinetic, 0.0, self.viscous + loss, self.external + work, self.start)
+        viscous, external = self.viscous + loss, self.external + work
         remainder = (1.0 - part) * self.numerical + part * end.numerical
-        account.elastic = max(remainder - account.numerical, 0.0)
-        return account
+        elastic = max(remainder - (kinetic + viscous - external - self.start), 0.0)
+        return EnergyAccount(kinetic, elastic, viscous, external, self.start)
 
 
-@dataclass(frozen=True)
-class Snapshot:
+class Snapshot(NamedTuple):
     """The state of everything at one instant.
 
     Attributes:

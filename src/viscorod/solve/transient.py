@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -147,7 +148,7 @@ class Transient:
                     continue
                 before = account.copy()
                 integrator.accept()
-                if not np.abs(integrator.snapshot().strain[:, :3]).max() < LARGEST_STRAIN:
+                if not integrator.strain < LARGEST_STRAIN:
                     result.outcome, result.failed_at = Outcome.BROKEN, end
                     return
                 account.add(integrator)
@@ -158,11 +159,10 @@ class Transient:
                 if progress is not None:
                     progress(end, end - t)
                 times = self._records(t, end, output_interval, end == duration)
-                parts = (np.array(times) - t) / (end - t)
-                inside = parts <= 1.0 - 1e-9
-                states = integrator.between(parts[inside]) if inside.any() else []
+                parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
+                states = integrator.between(np.array(parts)) if parts else []
                 for (between, work, loss), at, part in zip(states, times, parts, strict=False):
-                    energy = before.between(account, float(part), between.kinetic, work, loss)
+                    energy = before.between(account, part, between.kinetic, work, loss)
                     history.record(at, between, energy, end - t, report.iterations)
                 if len(times) > len(states):
                     history.record(times[-1], integrator.snapshot(), account, end - t, report.iterations)
@@ -178,8 +178,8 @@ class Transient:
         if output_interval is None:
             count = self.integrator.records
             return [*(t + k / count * (end - t) for k in range(1, count)), end]
-        first = int(np.floor(t / output_interval * (1.0 + 1e-12) + 1e-9)) + 1
-        last = int(np.floor(end / output_interval * (1.0 + 1e-12) + 1e-9))
+        first = math.floor(t / output_interval * (1.0 + 1e-12) + 1e-9) + 1
+        last = math.floor(end / output_interval * (1.0 + 1e-12) + 1e-9)
         times = [k * output_interval for k in range(first, last + 1)]
         return [*times, end] if final and (not times or times[-1] < end * (1.0 - 1e-9)) else times
 

@@ -25,6 +25,7 @@ class Actions:
         self.system, self.supports, self.body = system, supports, body
         self.loads = ExternalLoads(system.problem)
         self.given = Given.of(stages, body, max(1, len(system.problem.station_loads)))
+        self._written: list[LoadState | None] = [None] * stages
 
     def prepare(self, i: int, t: float, *, before: bool) -> None:
         """Evaluate loads and prescribed motions of stage ``i`` at time ``t`` [s]; ``before``: limits from the left."""
@@ -37,6 +38,9 @@ class Actions:
                 r, q, twist, rate = supports.complete_motion()
                 given.r[i, c], given.q[i, c], given.twist[i, c], given.twist_rate[i, c] = r, q, twist, rate
         loads = self.loads.at(t, before)
+        if loads is self._written[i]:  # time factors are the same
+            return
+        self._written[i] = loads
         given.acting[i] = 1.0 if len(loads.nodes) else 0.0
         if len(loads.nodes):
             given.dead[i], given.following[i], given.gravity[i] = loads.dead, loads.following, loads.gravity

@@ -145,7 +145,9 @@ class Collocation:
         self._end = end
         if code == iteration.CONVERGED:
             self._rate = rate
-            return self._judge(StepReport(Outcome.CONVERGED, count, size, 0.0, 0, 0.0, rate), error, worst)
+            error, worst = self._judge(error, worst)
+            node, component = divmod(worst, 6)
+            return StepReport(Outcome.CONVERGED, count, size, 0.0, node, error, rate, component)
         node, component = divmod(unknown, 6)
         self._rate = 1.0
         if not self._fresh_jacobian:
@@ -168,6 +170,11 @@ class Collocation:
         if self._rate > self.stale:
             self._have_jacobian = False
 
+    @property
+    def strain(self) -> float:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
+        return self.recorded.strain
+
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         return self.recorded.snapshot
@@ -180,10 +187,10 @@ class Collocation:
 
     # --- what methods differ in
 
-    def _judge(self, report: StepReport, error: float, unknown: int) -> StepReport:
-        """Complete the report of a converged step by its error estimate, largest at ``unknown``."""
+    def _judge(self, error: float, unknown: int) -> tuple[float, int]:
+        """Return the error of a converged step over the tolerated one, and the unknown where it is largest."""
         del error, unknown
-        return report
+        return 0.0, 0
 
     def _prepare_step(self, end: float, before: bool) -> None:
         """Evaluate loads and prescribed motions at all stages of the step to ``end``."""
@@ -202,8 +209,7 @@ class Collocation:
             self.actions.move_supports(self._end, before=True)
             self.supports.project_twists(self.state)
         self._end_rate = stages.acceleration[last].copy()
-        self.kinetic = inertia.kinetic_energy(self.body.mass, self.state.twist)
-        self.recorded.arrive(self.state, self.kinetic, self.elastic)
+        self.kinetic = self.recorded.arrive(self.state, self.elastic)
 
     # --- parts
 
@@ -233,8 +239,7 @@ class Collocation:
         self.elastic = float(elastic[0])
         self._reaction[:] = supports.reaction
         self._stress[:] = points.stress[0]
-        fields = points.strain[0], points.strain_rate[0], points.stress[0]
-        self.recorded.settle(state, fields, supports.global_reactions(state), self.kinetic, self.elastic)
+        self.recorded.settle(state, points, supports.global_reactions(state), self.kinetic, self.elastic)
 
     def _renew_jacobian(self) -> None:
         """Linearise at the start of the step."""

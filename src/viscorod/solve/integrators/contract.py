@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from viscorod.solve.history import Snapshot
 from viscorod.solve.newton import Outcome
@@ -11,8 +10,7 @@ from viscorod.solve.system import State
 from viscorod.typing import Floats
 
 
-@dataclass(frozen=True)
-class StepReport:
+class StepReport(NamedTuple):
     """What an attempted step did.
 
     Attributes:
@@ -45,13 +43,9 @@ class StepReport:
         """Whether the equations of the step are solved."""
         return self.outcome is Outcome.CONVERGED
 
-    def erring(self, error: float, unknown: int) -> StepReport:
-        """Return this report with an estimated error and the unknown (6 per node) where it is largest."""
-        return replace(self, error=error, node=unknown // 6, component=unknown % 6)
-
     def after(self, iterations: int) -> StepReport:
         """Return this report with the iterations of an earlier attempt added."""
-        return replace(self, iterations=self.iterations + iterations)
+        return self._replace(iterations=self.iterations + iterations)
 
 
 class Integrator(Protocol):
@@ -87,6 +81,10 @@ class Integrator(Protocol):
     @property
     def records(self) -> int:
         """States to record in the last step."""
+
+    @property
+    def strain(self) -> float:
+        """Largest shear or stretch at ``t``."""
 
     def first_step(self, duration: float) -> float:
         """Return a step [s] to begin with at ``t`` when steps follow the error."""

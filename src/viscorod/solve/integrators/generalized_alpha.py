@@ -17,7 +17,7 @@ internal forces have no spatial resultant and the scheme is linear in the moment
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -212,7 +212,7 @@ class GeneralizedAlpha:
         error = self.system.band.solve(error)
         size = np.abs(error) / ([self.system.problem.length] * 3 + [1.0] * 3)
         node, component = divmod(int(np.argmax(size)), 6)
-        return replace(report, error=float(size.max()) / self.step_tolerance, node=node, component=component)
+        return report._replace(error=float(size.max()) / self.step_tolerance, node=node, component=component)
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
@@ -240,6 +240,11 @@ class GeneralizedAlpha:
         self._power = power
         self._step = h
         self._snapshot = Snapshot.of(self.state, self.system, self.supports, self.kinetic)
+
+    @property
+    def strain(self) -> float:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
+        return float(np.abs(self._snapshot.strain[:, :3]).max())
 
     def _work_rate(self) -> float:
         """Present power of loads and moving supports [W]."""

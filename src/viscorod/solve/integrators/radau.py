@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.solve.integrators.collocation import Collocation
-from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.integrators.solved_step import largest_turn
 from viscorod.solve.integrators.tableau import RADAU
 from viscorod.solve.support_state import SupportState
@@ -48,13 +47,11 @@ class Radau(Collocation):
         self.step_tolerance = self.step_factor * tolerance
         self._turn = 0.0
 
-    def _judge(self, report: StepReport, error: float, unknown: int) -> StepReport:
+    def _judge(self, error: float, unknown: int) -> tuple[float, int]:
         self._turn, turning = largest_turn(self.stages.X[self._last])
         error /= self.step_tolerance
         too_far = (self._turn / self.largest_turn) ** (self.order + 1)
-        if too_far > error:
-            return report.erring(too_far, 6 * turning + 3)
-        return report.erring(error, unknown)
+        return (too_far, 6 * turning + 3) if too_far > error else (error, unknown)
 
     @property
     def records(self) -> int:

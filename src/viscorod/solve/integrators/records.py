@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics import inertia
 from viscorod.mechanics import supports as support_kernels
+from viscorod.mechanics.internal_force import Points
 from viscorod.mechanics.interpolation import interpolate
 from viscorod.solve.history import Snapshot
-from viscorod.solve.integrators import solved_step
+from viscorod.solve.integrators.readings import read_between, read_end
 from viscorod.solve.integrators.stage_data import Body, Given, Stages
 from viscorod.solve.integrators.tableau import Tableau
 from viscorod.solve.support_state import SupportState
@@ -24,7 +24,7 @@ class Records:
         places: where the Gauss points of the results are in the arrays of the stages, flattened.
 
     Attributes:
-        snapshot: everything at the present time.
+        snapshot: everything at the present time; strain: largest shear or stretch there.
     """
 
     snapshot: Snapshot
@@ -41,31 +41,24 @@ class Records:
         self.body, self.given, self.stages, self.tableau = body, given, stages, tableau
         self.supports = supports
         self._places = places
-        self._last = len(tableau.nodes) - 1
-        self._start: tuple[State, Snapshot]  # of the last step
+        self.strain = 0.0
+        self._fields = np.empty((3, len(places), 6))
+        self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
         self._reactions = np.zeros(stages.reaction.shape)
 
-    def settle(
-        self,
-        state: State,
-        fields: tuple[Floats, Floats, Floats],
-        reaction: Floats,
-        kinetic: float,
-        elastic: float,
-    ) -> None:
+    def settle(self, state: State, points: Points, reaction: Floats, kinetic: float, elastic: float) -> None:
         """Take the snapshot of a ``state`` that no stage led to.
 
         Args:
-            state: poses and twists.
-            fields: strain, strain rate and section force ``(e, points, 6)``.
+            state: poses and twists; points: one stage of Gauss points in that state.
             reaction: global wrenches of the supports ``(supports, 6)``; kinetic, elastic: energies [J].
         """
-        strain, rate, force = (self._gather(field) for field in fields)
-        self.snapshot = Snapshot(state, strain, rate, force, reaction, kinetic, elastic)
+        self._read(state, points.strain, points.strain_rate, points.stress)
+        self._take(state, reaction, kinetic, elastic)
 
     def leave(self, state: State) -> None:
         """Keep what states between need of the ``state`` at the start of an accepted step, and of its stages."""
-        self._start = (state, self.snapshot)
+        self._start = (state, self._fields, self.snapshot.reaction)
         b, stages = self.body, self.stages
         self._reactions = np.empty(stages.reaction.shape)
         support_kernels.reaction_wrenches(
@@ -81,11 +74,24 @@ class Records:
             self._reactions,
         )
 
-    def arrive(self, state: State, kinetic: float, elastic: float) -> None:
-        """Take the snapshot of a ``state`` that is the last stage's; energies in J."""
-        stages, last = self.stages, self._last
-        fields = stages.strain[last], stages.strain_rate[last], stages.stress[last]
-        self.settle(state, fields, self._reactions[last], kinetic, elastic)
+    def arrive(self, state: State, elastic: float) -> float:
+        """Take the snapshot of a ``state`` that is the last stage's; return its kinetic energy [J]."""
+        stages = self.stages
+        kinetic = self._read(state, stages.strain, stages.strain_rate, stages.stress)
+        self._take(state, self._reactions[-1], kinetic, elastic)
+        return kinetic
+
+    def _take(self, state: State, reaction: Floats, kinetic: float, elastic: float) -> None:
+        strain, rate, force = self._fields
+        self.snapshot = Snapshot(state, strain, rate, force, reaction, kinetic, elastic)
+
+    def _read(self, state: State, strain: Floats, rate: Floats, force: Floats) -> float:
+        """Bring the last stage of Gauss-point fields into the order of results; return the kinetic energy [J]."""
+        self._fields = np.empty((3, len(self._places), 6))
+        kinetic, self.strain = read_end(
+            strain, rate, force, self._places, self.body.mass, state.twist, self._fields
+        )
+        return kinetic
 
     def between(
         self,
@@ -107,11 +113,11 @@ class Records:
             t, h: end and length of the step [s]; new, end_rate: state there, and the rate of its twists ``(n, 6)``.
             powers: of loads and viscosity at the stages ``(2, s)`` [W]; whole_loss: of the step [J].
         """
-        (old, first), stages = self._start, self.stages
-        count = len(parts)
-        change = (stages.twist - old.twist).reshape(self._last + 1, -1)
-        start_rate = np.dot(self.tableau.start_derivative / h, change).reshape(old.twist.shape)
-        r, q, twist = (np.empty((count, *shape.shape)) for shape in (new.r, new.q, new.twist))
+        (old, start, start_reaction), stages, tableau = self._start, self.stages, self.tableau
+        count, (n, _) = len(parts), new.r.shape
+        change = (stages.twist - old.twist).reshape(len(tableau.nodes), -1)
+        start_rate = np.dot(tableau.start_derivative / h, change).reshape(n, 6)
+        r, q, twist = np.empty((count, n, 3)), np.empty((count, n, 4)), np.empty((count, n, 6))
         interpolate(
             parts,
             h,
@@ -124,39 +130,37 @@ class Records:
             new.twist,
             end_rate,
             self.body.split,
-            self._last > 0,
+            len(tableau.nodes) > 1,
             r,
             q,
             twist,
         )
-        weights = self.tableau.polynomials(parts)
+        states = [State(*fields) for fields in zip(r, q, twist, strict=True)]
+        if self.supports.moving and self.body.partly:
+            for state, part in zip(states, parts, strict=True):
+                self.supports.correct(state, t - (1.0 - part) * h)
         points = np.empty((3, count, len(self._places), 6))
-        solved_step.follow(
-            weights,
-            first.strain,
-            first.strain_rate,
-            first.section_force,
+        reaction, energies = np.empty((count, *start_reaction.shape)), np.empty((3, count))
+        read_between(
+            parts,
+            h,
+            tableau.values,
+            tableau.integrals,
+            start,
             stages.strain,
             stages.strain_rate,
             stages.stress,
             self._places,
+            start_reaction,
+            self._reactions,
+            powers,
+            whole_loss,
+            self.body.mass,
+            twist,
             points,
+            reaction,
+            energies,
         )
-        change = (self._reactions - first.reaction).reshape(self._last + 1, -1)
-        reaction = first.reaction + np.dot(weights, change).reshape(count, *first.reaction.shape)
-        work, losses = h * powers @ self.tableau.partial_weights(parts).T
-        found = []
-        loss = 0.0
-        for k, part in enumerate(parts):
-            state = State(r[k], q[k], twist[k])
-            self.supports.correct(state, t - (1.0 - part) * h)
-            kinetic = inertia.kinetic_energy(self.body.mass, twist[k])
-            strain, rate, force = points[0, k], points[1, k], points[2, k]
-            snapshot = Snapshot(state, strain, rate, force, reaction[k], kinetic, 0.0)
-            loss = max(loss, min(float(losses[k]), whole_loss))  # interpolation must not give energy back
-            found.append((snapshot, float(work[k]), loss))
-        return found
-
-    def _gather(self, field: Floats) -> Floats:
-        """Bring a Gauss-point field ``(e, points, 6)`` into the order of results ``(m, 6)``."""
-        return field.reshape(-1, 6)[self._places]
+        kinetic, work, loss = energies.tolist()
+        snapshots = map(Snapshot, states, *points, reaction, kinetic, [0.0] * count)
+        return list(zip(snapshots, work, loss, strict=True))

@@ -1,4 +1,4 @@
-"""A collocation step in one compiled call, and what it tells: powers and energy, error, fields between the stages."""
+"""A collocation step in one compiled call, and what it tells: powers and energy, error."""
 
 from __future__ import annotations
 
@@ -162,41 +162,6 @@ def estimate_error(
     )
     project_free(nodes, fixed, Z, free, out)
     add_damping(C, rate, out)
-
-
-@kernel
-def follow(
-    weights: Floats,
-    strain0: Floats,
-    rate0: Floats,
-    force0: Floats,
-    strain: Floats,
-    rate: Floats,
-    force: Floats,
-    places: Integers,
-    out: Floats,
-) -> None:
-    """Interpolate strains, strain rates and section forces between the stages of a step.
-
-    Args:
-        weights: of the stages at the wanted instants ``(k, s)``; the start has the rest of one.
-        strain0, rate0, force0: at the start of the step ``(m, 6)``, in the order of results; strain, rate, force: at
-            the stages ``(s, e, points, 6)``.
-        places: where the points of the results are in ``(e, points)`` flattened.
-        out: ``(3, k, m, 6)``.
-    """
-    top = strain.shape[2]
-    for k in range(weights.shape[0]):
-        for g in range(places.shape[0]):
-            e, point = places[g] // top, places[g] % top
-            for a in range(6):
-                x, y, z = strain0[g, a], rate0[g, a], force0[g, a]
-                for i in range(weights.shape[1]):
-                    c = weights[k, i]
-                    x += c * (strain[i, e, point, a] - strain0[g, a])
-                    y += c * (rate[i, e, point, a] - rate0[g, a])
-                    z += c * (force[i, e, point, a] - force0[g, a])
-                out[0, k, g, a], out[1, k, g, a], out[2, k, g, a] = x, y, z
 
 
 @kernel
