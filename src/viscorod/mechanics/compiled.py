@@ -17,6 +17,8 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+from viscorod.mechanics.parts import PartCompiler
+
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
 _ASIDE = "VISCOROD_COMPILES_ASIDE"
@@ -78,6 +80,7 @@ def part(function: Kernel) -> Kernel:
         fastmath={"contract", "nsz"},
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
+        pipeline_class=PartCompiler,
         _nrt=_allocates(function),
     )(function)
     return cast(Kernel, compiled)
@@ -120,6 +123,7 @@ def lane_kernel(function: Kernel) -> Kernel:
         _nrt=False,
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
+        pipeline_class=PartCompiler,
     )(function)
     return cast(Kernel, compiled)
 
