@@ -16,7 +16,6 @@ from viscorod.mechanics import inertia, loading
 from viscorod.mechanics import supports as support_kernels
 from viscorod.mechanics.internal_force import Points, energies, internal_forces
 from viscorod.mechanics.interpolation import interpolate
-from viscorod.mechanics.linearised import linearise
 from viscorod.mechanics.motion import extrapolate
 from viscorod.solve import lapack
 from viscorod.solve.history import Snapshot
@@ -393,17 +392,7 @@ class Collocation:
         jacobian.adjoint(state.twist, self._turning)
         matrices.K.fill(0.0)
         matrices.C.fill(0.0)
-        linearise(
-            body.elements,
-            state.r,
-            state.q,
-            state.twist,
-            self._turning,
-            self._stress,
-            matrices.operators,
-            matrices.K,
-            matrices.C,
-        )
+        self.system.linearise(state, self._turning, self._stress, matrices.operators, matrices.K, matrices.C)
         self._add_loads(self.loads.at(self.t), state, self.scratch.vector, matrices.K)
         matrices.mass[:] = body.mass
         jacobian.add_inertia(body.mass, state.twist, self._turning, matrices.K, matrices.C, matrices.adjoint)
