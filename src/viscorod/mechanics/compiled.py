@@ -17,7 +17,8 @@ from typing import Any, TypeVar, cast
 
 import numba
 
-from viscorod.mechanics.parts import PartCompiler
+from viscorod.mechanics.claims import ClaimedCache
+from viscorod.mechanics.pipelines import KernelCompiler, PartCompiler
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
@@ -100,9 +101,13 @@ def kernel(function: Kernel) -> Kernel:
         error_model="numpy",
         fastmath={"contract", "nsz"},
         no_cfunc_wrapper=True,
+        pipeline_class=KernelCompiler,
         _nrt=_allocates(function),
     )(function)
     _config.CACHE_DIR = given
+    if folder is not None:
+        name = f"{function.__module__}.{function.__name__}"
+        compiled._cache = ClaimedCache(compiled._cache, folder / f"{name}.claim")
     KERNELS.append(compiled)
     return cast(Kernel, compiled)
 
@@ -139,7 +144,10 @@ def announce_compilation(largest: Any) -> None:
 
 
 def compile_aside() -> None:
-    """Have the kernels of transients compiled by a second process, while this one is busy with those of statics."""
+    """Have the kernels of transients compiled by a second process, while this one is busy with those of statics.
+
+    Each kernel is compiled by the process that comes to it first; the other waits for it (see ``claims``).
+    """
     if _ASIDE not in os.environ and not _helpers and sys.executable:
         command = [sys.executable, "-m", "viscorod.warmup"]
         quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
@@ -149,6 +157,6 @@ def compile_aside() -> None:
 
 
 def await_compilation() -> None:
-    """Wait for the second process, if there is one: what it compiled is then on disk."""
+    """Wait for the second process, if there is one: all kernels are on disk then."""
     while _helpers:
         _helpers.pop().wait()
