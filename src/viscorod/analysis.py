@@ -13,7 +13,7 @@ import numpy as np
 
 from viscorod.errors import InputError, SolveError
 from viscorod.mechanics import geometric
-from viscorod.mechanics.compiled import announce_compilation, await_compilation
+from viscorod.mechanics.compiled import announce_compilation
 from viscorod.model.description import ModelDescription
 from viscorod.model.settings import SimulateSettings
 from viscorod.results.dataset import dataset
@@ -157,7 +157,6 @@ class Workplace:
         if settings.initial == "equilibrium":
             self.settle(state)
         state.twist[:] = self.problem.initial_twist(state.r, state.q)
-        await_compilation()
         integrator, control, chosen = self._stepping(settings, state)
         transient = Transient(self.problem, integrator, control, self.system.worst_place)
         began = time.perf_counter()

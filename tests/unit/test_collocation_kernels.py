@@ -12,7 +12,7 @@ from parts import from_python
 from viscorod.mechanics import inertia
 from viscorod.mechanics import supports as support_kernels
 from viscorod.mechanics.internal_force import ElementWork, Points, conserve_energy, energies, internal_forces
-from viscorod.mechanics.linearised import Operators, add_frozen_forces, carry_stress, linearise
+from viscorod.mechanics.linearised import Operators, add_frozen_forces, carry_stress
 from viscorod.solve import lapack
 from viscorod.solve.integrators import jacobian
 from viscorod.solve.loads import ExternalLoads
@@ -110,14 +110,14 @@ def test_conserved_energy():
 
 
 def jacobian_of(at):
-    """Bands, operators and section forces of ``linearise`` at the state."""
+    """Bands, operators and section forces of the system's ``linearise`` at the state."""
     state = at.state
     width = at.system.band.width
     K, C = np.zeros((2, 6 * at.n, 2 * width + 1))
     turning = np.array([adjoint(x) for x in state.twist])
     operators = Operators.of(at.elements)
     S = forces(at, state.r, state.q, state.twist)[1].section_force
-    linearise(at.elements, state.r, state.q, state.twist, turning, S, operators, K, C)
+    at.system.linearise(state, turning, S, operators, K, C)
     return K, C, operators, S, turning
 
 

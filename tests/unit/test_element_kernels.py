@@ -90,6 +90,7 @@ class Element:
         band = np.zeros((6 * m, 2 * diagonal + 1))
         strain, rate, S = np.zeros((3, 1, g, 6))
         operator = np.full((-(-g // LANES), m, 6, 6, LANES), np.nan)
+        self.strain_operator = np.full_like(operator, np.nan)
         self.rate_band = np.zeros_like(band)
         if stress is None:
             stress = np.zeros((1, g, 6))
@@ -97,6 +98,7 @@ class Element:
             self.nodes, self.links, self.link_r, self.link_q, self.shapes, self.slopes, self.weights,
             np.array([self.half]), self.section, self.C, self.D, self.coupled, True, self.reference, stress, r, q,
             twist, moving, self.rate_map, True, force, band, self.rate_band, diagonal, strain, rate, S, operator,
+            self.strain_operator,
         )  # fmt: skip
         K = np.array([[band[j, diagonal + i - j] for j in range(6 * m)] for i in range(6 * m)])
         return force.ravel(), K, strain, rate, S, self.section_columns(S, operator)
@@ -151,6 +153,7 @@ def test_tangent_and_stress_operator_match_finite_differences(order, links):
     e = Element(order, links)
     _, _, _, _, S, _ = e.assemble(e.r, e.q, e.twist)
     _, K, _, _, _, operator = e.assemble(e.r, e.q, e.twist, stress=S)
+    strain_columns = e.section_columns(np.zeros_like(S), e.strain_operator)
 
     def moved(x):
         dx = x.reshape(e.m, 6)
@@ -162,6 +165,8 @@ def test_tangent_and_stress_operator_match_finite_differences(order, links):
     assert K == pytest.approx(reference, abs=2e-8 * np.abs(reference).max())
     reference = slope_of(lambda x: moved(x)[4].ravel(), 6 * e.m).reshape(1, order, 6, -1)
     assert operator == pytest.approx(reference, abs=2e-8 * np.abs(reference).max())
+    reference = slope_of(lambda x: moved(x)[2].ravel(), 6 * e.m).reshape(1, order, 6, -1)
+    assert strain_columns == pytest.approx(reference, abs=2e-8 * np.abs(reference).max())
 
 
 @pytest.mark.parametrize("links", [False, True])
@@ -202,6 +207,7 @@ def test_every_element_of_a_batch_is_assembled(count):
         nodes, repeat[0], e.link_r, e.link_q, e.shapes, e.slopes, e.weights, np.full(count, e.half), repeat[1],
         e.C, e.D, True, True, repeat[2], np.zeros((count, 1, 6)), r, q, twist, True, rate_map,
         True, total, band, np.zeros((0, 0)), 11, *points, np.zeros((-(-count // LANES), 2, 6, 6, LANES)),
+        np.zeros((0, 2, 6, 6, LANES)),
     )  # fmt: skip
     assert total.reshape(count, -1) == pytest.approx(np.tile(force, (count, 1)), rel=1e-12)
     assert points[0] == pytest.approx(np.repeat(strain, count, axis=0), rel=1e-12)

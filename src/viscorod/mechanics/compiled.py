@@ -17,6 +17,9 @@ from typing import Any, TypeVar, cast
 
 import numba
 
+from viscorod.mechanics.claims import ClaimedCache
+from viscorod.mechanics.pipelines import kernel_compiler, part_compiler
+
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
 _ASIDE = "VISCOROD_COMPILES_ASIDE"
@@ -78,6 +81,7 @@ def part(function: Kernel) -> Kernel:
         fastmath={"contract", "nsz"},
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
+        pipeline_class=part_compiler(),
         _nrt=_allocates(function),
     )(function)
     return cast(Kernel, compiled)
@@ -97,9 +101,13 @@ def kernel(function: Kernel) -> Kernel:
         error_model="numpy",
         fastmath={"contract", "nsz"},
         no_cfunc_wrapper=True,
+        pipeline_class=kernel_compiler(),
         _nrt=_allocates(function),
     )(function)
     _config.CACHE_DIR = given
+    if folder is not None:
+        name = f"{function.__module__}.{function.__name__}"
+        compiled._cache = ClaimedCache(compiled._cache, folder / f"{name}.claim")
     KERNELS.append(compiled)
     return cast(Kernel, compiled)
 
@@ -120,6 +128,7 @@ def lane_kernel(function: Kernel) -> Kernel:
         _nrt=False,
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
+        pipeline_class=part_compiler(),
     )(function)
     return cast(Kernel, compiled)
 
@@ -135,7 +144,10 @@ def announce_compilation(largest: Any) -> None:
 
 
 def compile_aside() -> None:
-    """Have the kernels of transients compiled by a second process, while this one is busy with those of statics."""
+    """Have the kernels of transients compiled by a second process, while this one is busy with those of statics.
+
+    Each kernel is compiled by the process that comes to it first; the other waits for it (see ``claims``).
+    """
     if _ASIDE not in os.environ and not _helpers and sys.executable:
         command = [sys.executable, "-m", "viscorod.warmup"]
         quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
@@ -145,6 +157,6 @@ def compile_aside() -> None:
 
 
 def await_compilation() -> None:
-    """Wait for the second process, if there is one: what it compiled is then on disk."""
+    """Wait for the second process, if there is one: all kernels are on disk then."""
     while _helpers:
         _helpers.pop().wait()

@@ -117,6 +117,7 @@ def assemble(
     strain_rate: Floats,
     section_force: Floats,
     operator: Floats,
+    strain_operator: Floats,
 ) -> None:
     """Add the internal forces of equal-order elements, and their tangent, in one pass over the Gauss points.
 
@@ -139,6 +140,7 @@ def assemble(
             + D eps_t.
         operator: output ``(batches, m, 6, 6, LANES)``, change of the section force per nodal increment (column, row;
             with the tangent).
+        strain_operator: output, change of the strain, laid out like ``operator``; no batches if it is not wanted.
 
     model.md section 4: ``f = sum_g w_g B^T (C eps + D eps_t)``.
     """
@@ -199,6 +201,11 @@ def assemble(
         conjugate_stress(count, point)
         for j in range(m):
             strain_columns(count, point, node, maps, j, B)
+            if strain_operator.shape[0] > 0:
+                for b in range(6):
+                    for i in range(6):
+                        for lane in range(count):
+                            strain_operator[first // LANES, j, b, i, lane] = B[b, i, lane]
             for apart in range(2 if separate else 1):  # the tangent, then the damping matrix alone
                 section_columns(count, coupled, D if apart else C, B, True, A)
                 if viscous and not apart:

@@ -17,7 +17,7 @@ import numpy as np
 from viscorod.mechanics.attachment import link_map, map_columns, map_rows
 from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.internal_force import Elements
-from viscorod.mechanics.linearised import Operators, add_product
+from viscorod.mechanics.linearised import Operators
 from viscorod.typing import Floats
 
 
@@ -131,10 +131,12 @@ def linearise_intrinsic(
                     map_columns(B, 6 * k, X[k])
                     if linearised:
                         map_columns(B0, 6 * k, X[k])
-            add_product(elements.stiffness[of], B, True, A)
             for i in range(6):
                 for j in range(size):
-                    AB[i, j] = A[i, j]
+                    total = 0.0
+                    for a in range(6):
+                        total += elements.stiffness[of, i, a] * B[a, j]
+                    A[i, j] = AB[i, j] = total
             if elements.damped:
                 acting = B0 if linearised else B
                 for k in range(m):

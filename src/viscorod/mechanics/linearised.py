@@ -1,11 +1,11 @@
-"""Elements linearised at one state: operators of their section forces, and their stiffness and damping matrices.
+"""Operators of the section forces of all elements at one state, which collocation methods keep for several steps.
 
 At fixed ``C, D`` the section forces of a Gauss point vary by
 
     dS = C B d + D (E d + B dx1),     dx1 = (d)' + ad(x1) d
 
 with nodal body increments ``d``, the strain operator ``B`` and the change ``E`` of the strain rate at constant twists
-(see ``strain``), so ``dS = A d + P d'`` with ``A = C B + D (E + B ad)`` and ``P = D B``.
+(see ``tangent_lanes``), so ``dS = A d + P d'`` with ``A = C B + D (E + B ad)`` and ``P = D B``.
 """
 
 from __future__ import annotations
@@ -14,12 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscorod.mechanics.attachment import link_map, map_columns, map_rows
+from viscorod.mechanics.attachment import link_map, map_columns
 from viscorod.mechanics.compiled import kernel, part
-from viscorod.mechanics.geometric_stiffness import add_geometric_stiffness
 from viscorod.mechanics.internal_force import Elements
-from viscorod.mechanics.strain import element_poses, gauss_point, strain_operator, strain_rate_operator
-from viscorod.typing import Floats
+from viscorod.mechanics.lanes import LANES
+from viscorod.typing import Floats, Integers
 
 
 class Operators(NamedTuple):
@@ -38,160 +37,54 @@ class Operators(NamedTuple):
 
 
 @kernel
-def linearise(
-    elements: Elements,
-    r: Floats,
-    q: Floats,
-    twist: Floats,
-    turning: Floats,
-    section_force: Floats,
-    operators: Operators,
-    K: Floats,
-    C: Floats,
+def collect(
+    first: int,
+    nodes: Integers,
+    links: Integers,
+    link_positions: Floats,
+    link_quaternions: Floats,
+    section: Integers,
+    damping: Floats,
+    damped: bool,
+    strain_columns: Floats,
+    force_columns: Floats,
+    B: Floats,
+    A: Floats,
+    P: Floats,
 ) -> None:
-    """Write the operators and add the matrices of all elements to two bands.
+    """Write the operators of equal-order elements, which ``geometric.assemble`` leaves in lanes, from ``first`` on.
 
     Args:
-        r, q, twist: poses and body twists of all nodes; turning: ``ad(x1)`` of every node ``(n, 6, 6)``.
-        section_force: ``(e, points, 6)``, for the geometric stiffness.
-        operators: outputs.
-        K, C: bands of width 2 w + 1, row j holds column j: derivative of the internal forces by increments (which turn
-            with the node) and by their rates.
+        nodes, links, link_positions, link_quaternions, section, damping, damped: as in ``geometric.assemble``.
+        strain_columns, force_columns: its outputs ``strain_operator`` and ``operator``, by increments of the element's
+            own nodes; here they become ones by increments of the shared nodes.
+        B, A, P: outputs, see :class:`Operators`.
     """
-    most = elements.nodes.shape[1]
-    width = (K.shape[1] - 1) // 2
-    re_all, qe_all, te_all = np.empty((most, 3)), np.empty((most, 4)), np.empty((most, 6))
-    p_all, slope_all = np.empty((most, 4)), np.empty(most)
-    frame, V, U = np.empty(4), np.empty(3), np.empty(3)
-    Q_all, L_all = np.empty((most, 3, 3)), np.empty((most, 4, 3))
-    E_all = np.empty((6, 6 * most))
-    X_all = np.empty((most, 6, 6))
-    weighted = np.zeros((6 * (most - 1), 6 * most))
-    material, damping = np.zeros((6 * most, 6 * most)), np.zeros((6 * most, 6 * most))
-    geometric = np.empty((6 * most, 6 * most))
-    rate_work = (
-        np.empty(3),
-        np.empty(4),
-        np.empty(4),
-        np.empty((3, 4)),
-        np.empty((3, 4)),
-        np.empty((3, 4)),
-        np.empty((4, 3)),
-    )
-    stiffness_work = (
-        np.empty((4, 4)),
-        np.empty((4, 4)),
-        np.empty(4),
-        np.empty((4, 3)),
-        np.empty((4, 3)),
-        np.empty((3, 3)),
-        np.empty(3),
-        np.empty(4),
-    )
-    for e in range(elements.order.shape[0]):
-        order = elements.order[e]
-        m = order + 1
-        size = 6 * m
-        nodes, links = elements.nodes[e, :m], elements.links[e, :m]
-        re, qe, te, p, slope = re_all[:m], qe_all[:m], te_all[:m], p_all[:m], slope_all[:m]
-        Q, L, E = Q_all[:m], L_all[:m], E_all[:, :size]
-        element_poses(nodes, links, elements.link_positions, elements.link_quaternions, r, q, re, qe)
-        linked = False
-        for k in range(m):
-            for i in range(6):
-                te[k, i] = twist[nodes[k], i]
-            if links[k] >= 0:
-                linked = True
-                link_map(elements.link_positions[links[k]], elements.link_quaternions[links[k]], X_all[k])
+    points = section.shape[1]
+    X = np.empty((6, 6))
+    for e in range(nodes.shape[0]):
+        to = first + e
+        for g in range(points):
+            batch, lane = divmod(e * points + g, LANES)
+            of = section[e, g]
+            for k in range(nodes.shape[1]):
                 for i in range(6):
-                    te[k, i] = 0.0
                     for j in range(6):
-                        te[k, i] += X_all[k, i, j] * twist[nodes[k], j]
-        half = elements.half_lengths[e]
-        geometric[:, :] = 0.0
-        for g in range(order):
-            shape = elements.shapes[order, g, :m]
-            for k in range(m):
-                slope[k] = elements.slopes[order, g, k] / half
-            B = operators.strain[e, 6 * g : 6 * g + 6, :size]
-            A = operators.force[e, 6 * g : 6 * g + 6, :size]
-            P = operators.viscous[e, 6 * g : 6 * g + 6, :size]
-            z0 = gauss_point(shape, slope, re, qe, V, U, p, frame)
-            strain_operator(shape, slope, V, U, z0, p, Q, L, B)
-            weight = elements.weights[order, g] * half
-            add_geometric_stiffness(
-                weight,
-                shape,
-                slope,
-                V,
-                U,
-                z0,
-                p,
-                Q,
-                L,
-                section_force[e, g],
-                stiffness_work,
-                geometric[:size, :size],
-            )
-            if linked:
-                for k in range(m):
-                    if links[k] >= 0:
-                        map_columns(B, 6 * k, X_all[k])
-            section = elements.section[e, g]
-            add_product(elements.stiffness[section], B, True, A)
-            if elements.damped:
-                D = elements.damping[section]
-                strain_rate_operator(shape, slope, V, U, z0, p, Q, L, te, rate_work, E)
-                for k in range(m):
-                    if links[k] >= 0:
-                        map_columns(E, 6 * k, X_all[k])
-                    T = turning[nodes[k]]
-                    for i in range(6):
-                        for a in range(6):
-                            b = B[i, 6 * k + a]
-                            for j in range(6):
-                                E[i, 6 * k + j] += b * T[a, j]
-                add_product(D, E, False, A)
-                add_product(D, B, True, P)
-            for i in range(6):
-                for j in range(size):
-                    weighted[6 * g + i, j] = weight * B[i, j]
-        for i in range(6 * order, weighted.shape[0]):
-            weighted[i] = 0.0
-        # transposed element matrices: all Gauss points at once
-        np.dot(operators.force[e].T, weighted, material)
-        if elements.damped:
-            np.dot(operators.viscous[e].T, weighted, damping)
-        if linked:
-            for k in range(m):
-                if links[k] >= 0:
-                    map_columns(geometric[:size, :size], 6 * k, X_all[k])
-                    map_rows(geometric[:size, :size], 6 * k, X_all[k])
-        for k in range(m):
-            for j in range(6):
-                column = 6 * k + j
-                row_K, row_C = K[6 * nodes[k] + j], C[6 * nodes[k] + j]
-                for other in range(m):
-                    first = width + 6 * (nodes[other] - nodes[k]) - j
-                    for i in range(6):
-                        row_K[first + i] += material[column, 6 * other + i] + geometric[column, 6 * other + i]
-                    if elements.damped:
-                        for i in range(6):
-                            row_C[first + i] += damping[column, 6 * other + i]
-
-
-@part
-def add_product(C: Floats, B: Floats, first: bool, out: Floats) -> None:
-    """Add ``C B`` to ``out (6, columns)``, or write it if ``first``; zeros of ``C`` cost nothing."""
-    for i in range(6):
-        if first:
-            for j in range(B.shape[1]):
-                out[i, j] = 0.0
-        for a in range(6):
-            c = C[i, a]
-            if c != 0.0:
-                for j in range(B.shape[1]):
-                    out[i, j] += c * B[a, j]
+                        row, column = 6 * g + i, 6 * k + j
+                        B[to, row, column] = strain_columns[batch, k, j, i, lane]
+                        A[to, row, column] = force_columns[batch, k, j, i, lane]
+                        if damped:
+                            total = 0.0
+                            for a in range(6):
+                                total += damping[of, i, a] * strain_columns[batch, k, j, a, lane]
+                            P[to, row, column] = total
+        for k in range(nodes.shape[1]):
+            link = links[e, k]
+            if link >= 0:
+                link_map(link_positions[link], link_quaternions[link], X)
+                map_columns(B[to], 6 * k, X)
+                map_columns(A[to], 6 * k, X)
+                map_columns(P[to], 6 * k, X)
 
 
 @part

@@ -13,8 +13,8 @@ import numpy as np
 from viscorod.mechanics.internal_force import Elements, ElementWork, Points, internal_forces
 from viscorod.mechanics.intrinsic import StrainMotion, forces_at
 from viscorod.mechanics.intrinsic_linearised import linearise_intrinsic
-from viscorod.mechanics.linearised import Operators, linearise
-from viscorod.solve.system import State
+from viscorod.mechanics.linearised import Operators
+from viscorod.solve.system import State, System
 from viscorod.typing import Floats
 
 
@@ -49,8 +49,8 @@ class GeometricForces:
 
     motion = None
 
-    def __init__(self, elements: Elements) -> None:
-        self.elements = elements
+    def __init__(self, system: System, elements: Elements) -> None:
+        self.system, self.elements = system, elements
         self._work = ElementWork.of(elements.nodes.shape[1] - 1)
 
     def evaluate(self, state: State, points: Points, internal: Floats) -> None:
@@ -63,7 +63,7 @@ class GeometricForces:
         self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
     ) -> None:
         """See :class:`ElementForces`."""
-        linearise(self.elements, state.r, state.q, state.twist, turning, stress, operators, K, C)
+        self.system.linearise(state, turning, stress, operators, K, C)
 
     def arrive(self, strain: Floats) -> None:
         """Nothing to keep: poses say it all."""
@@ -76,13 +76,13 @@ class IntrinsicForces:
     """Strains are states.
 
     Args:
-        elements: of the problem.
+        system: whose statics give the first strains; elements: its elements.
         stages: of a step.
         linearised: whether damping is that of AWP (22), else the full one of AWP (13).
     """
 
-    def __init__(self, elements: Elements, stages: int, *, linearised: bool) -> None:
-        self.elements = elements
+    def __init__(self, system: System, elements: Elements, stages: int, *, linearised: bool) -> None:
+        self.system, self.elements = system, elements
         self.motion = StrainMotion.of(elements, stages, linearised=linearised)
         self._now = StrainMotion.of(elements, 1, linearised=linearised)
         self._known = False
@@ -90,7 +90,7 @@ class IntrinsicForces:
     def evaluate(self, state: State, points: Points, internal: Floats) -> None:
         """See :class:`ElementForces`."""
         if not self._known:
-            GeometricForces(self.elements).evaluate(state, points, internal)
+            GeometricForces(self.system, self.elements).evaluate(state, points, internal)
             self.arrive(points.strain[0])
         points.strain[0] = self.motion.start
         forces_at(

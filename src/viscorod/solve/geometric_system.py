@@ -8,6 +8,7 @@ from viscorod.mechanics import geometric, loading
 from viscorod.mechanics.basis import lobatto
 from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.lanes import LANES
+from viscorod.mechanics.linearised import Operators, collect
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.element_forces import ElementForces, GeometricForces
 from viscorod.solve.loads import LoadState
@@ -61,6 +62,7 @@ class GeometricSystem:
         self.parts = [_Part(problem, elements) for elements in problem.sets]
         self._no_map = np.zeros((problem.size, 6, 6))
         self._no_band = np.zeros((0, 0))
+        self._no_operator = np.zeros((0, 1, 6, 6, LANES))
         self._order, self._positions = self._gauss_positions()
 
     def _gauss_positions(self) -> tuple[Integers, GaussPositions]:
@@ -105,37 +107,17 @@ class GeometricSystem:
         if rate_band is not None:
             rate_band.clear()
         for part in self.parts:
-            e = part.elements
-            geometric.assemble(
-                e.nodes,
-                e.links,
-                problem.link_positions,
-                problem.link_quaternions,
-                e.shapes,
-                e.slopes,
-                e.weights,
-                e.half_lengths,
-                e.section,
-                e.stiffness,
-                e.damping,
-                part.coupled,
-                part.damped,
-                part.reference,
+            self._add_elements(
+                part,
                 part.stress,
-                state.r,
-                state.q,
-                state.twist,
+                state,
                 moving,
                 self._no_map if rate_map is None else rate_map,
                 tangent,
-                self.internal,
                 band.data,
                 self._no_band if rate_band is None else rate_band.data,
                 band.diagonal,
-                part.strain,
-                part.strain_rate,
-                part.section_force,
-                part.operator,
+                self._no_operator,
             )
         if len(loads.nodes):
             loading.add_nodal_loads(
@@ -167,6 +149,91 @@ class GeometricSystem:
                 band.data,
                 band.diagonal,
             )
+
+    def _add_elements(
+        self,
+        part: _Part,
+        stress: Floats,
+        state: State,
+        moving: bool,
+        rate_map: Floats,
+        tangent: bool,
+        band: Floats,
+        rate_band: Floats,
+        diagonal: int,
+        strain_operator: Floats,
+    ) -> None:
+        """Add the forces of one element set to ``internal`` and its tangent to the bands."""
+        problem, e = self.problem, part.elements
+        geometric.assemble(
+            e.nodes,
+            e.links,
+            problem.link_positions,
+            problem.link_quaternions,
+            e.shapes,
+            e.slopes,
+            e.weights,
+            e.half_lengths,
+            e.section,
+            e.stiffness,
+            e.damping,
+            part.coupled,
+            part.damped,
+            part.reference,
+            stress,
+            state.r,
+            state.q,
+            state.twist,
+            moving,
+            rate_map,
+            tangent,
+            self.internal,
+            band,
+            rate_band,
+            diagonal,
+            part.strain,
+            part.strain_rate,
+            part.section_force,
+            part.operator,
+            strain_operator,
+        )
+
+    def linearise(
+        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+    ) -> None:
+        """See :class:`~viscorod.solve.system.System`."""
+        self.internal.fill(0.0)
+        first = 0
+        for part in self.parts:
+            e = part.elements
+            count, points = e.section.shape
+            strain_operator = np.empty_like(part.operator)
+            self._add_elements(
+                part,
+                stress[first : first + count, :points].copy(),
+                state,
+                True,
+                turning,
+                True,
+                K,
+                C,
+                (K.shape[1] - 1) // 2,
+                strain_operator,
+            )
+            collect(
+                first,
+                e.nodes,
+                e.links,
+                self.problem.link_positions,
+                self.problem.link_quaternions,
+                e.section,
+                e.damping,
+                part.damped,
+                strain_operator,
+                part.operator,
+                *operators,
+            )
+            first += count
 
     def carry_stress(self, increment: Floats) -> None:
         """See :class:`~viscorod.solve.system.System`."""
@@ -275,7 +342,7 @@ class GeometricSystem:
     def element_forces(self, elements: Elements, stages: int) -> ElementForces:
         """See :class:`~viscorod.solve.system.System`."""
         del stages
-        return GeometricForces(elements)
+        return GeometricForces(self, elements)
 
     def element_number(self, part: int, element: int) -> int:
         """See :class:`~viscorod.solve.system.System`."""

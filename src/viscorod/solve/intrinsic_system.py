@@ -25,4 +25,4 @@ class IntrinsicSystem(GeometricSystem):
 
     def element_forces(self, elements: Elements, stages: int) -> ElementForces:
         """See :class:`~viscorod.solve.system.System`."""
-        return IntrinsicForces(elements, stages, linearised=self.linearised)
+        return IntrinsicForces(self, elements, stages, linearised=self.linearised)

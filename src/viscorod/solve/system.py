@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from viscorod.mechanics.internal_force import Elements
+from viscorod.mechanics.linearised import Operators
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.loads import LoadState
 from viscorod.solve.problem import Problem
@@ -79,6 +80,16 @@ class System(Protocol):
 
         ``rate_map (n, 6, 6)`` is d(twist)/d(increment), None for none; ``moving`` False ignores the twists (statics).
         ``rate_band``, if given, is filled with d(internal)/d(twist), the damping matrix (with ``tangent``).
+        """
+
+    def linearise(
+        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+    ) -> None:
+        """Write the operators of all elements, and add their stiffness and damping matrices to ``K`` and ``C``.
+
+        These are bands of width 2 w + 1, row j holds column j; increments turn with the nodes, ``turning (n, 6, 6)`` is
+        ``ad(twist)``. ``stress`` is that of the geometric stiffness, in the arrays of :meth:`elements`. Needed by
+        collocation methods only.
         """
 
     def carry_stress(self, increment: Floats) -> None:

@@ -1,14 +1,4 @@
-"""Linear dynamics about the state that a motion starts from: constant matrices, one solution per step.
-
-Body velocities, strains and displacements are linear about a rod at rest that may be strained and stressed (AWP V.A,
-model "L. Dyn. - L. Damp."). With nodal displacements ``xi`` along the body axes of that state (``r_t = T v`` with a
-constant T),
-
-    M xi'' + C xi' + K xi = F(t) - F_0      C = int B0^T D B0      K = int (B^T C B + N L2(S_0) B) - load stiffness
-
-where ``F`` are the loads as they act at that state. The energy is ``W_0 + F_0 . xi + xi.K xi/2 + xi'.M xi'/2``: the
-midpoint rule keeps it exactly. A part of ``K`` that is not symmetric (following loads) does work from outside.
-"""
+"""Linear dynamics about the state that a motion starts from: constant matrices, one solution per step."""
 
 from __future__ import annotations
 
@@ -17,16 +7,9 @@ import scipy.sparse.linalg as spla
 from scipy import sparse
 
 from viscorod.errors import InputError
-from viscorod.mechanics.along_rod import rotated
-from viscorod.mechanics.internal_force import Elements, Points, energies
-from viscorod.mechanics.intrinsic_linearised import linearise_intrinsic
-from viscorod.mechanics.rotation import retract
-from viscorod.solve.element_forces import GeometricForces, IntrinsicForces
 from viscorod.solve.history import Snapshot
-from viscorod.solve.integrators.actions import Actions
 from viscorod.solve.integrators.contract import StepReport
-from viscorod.solve.integrators.jacobian import project
-from viscorod.solve.integrators.stage_data import Body, Matrices
+from viscorod.solve.integrators.linear_body import LinearBody
 from viscorod.solve.integrators.tableau import MIDPOINT, RADAU, Tableau
 from viscorod.solve.newton import Outcome
 from viscorod.solve.support_state import SupportState
@@ -57,6 +40,9 @@ class LinearMotion:
     step_factor = 2.0
     """Error that a step may have by its estimate, over the tolerance, as for nonlinear motions."""
 
+    order = 3
+    """Of the error estimate."""
+
     def __init__(
         self, system: System, supports: SupportState, tableau: Tableau, tolerance: float | None = None
     ) -> None:
@@ -67,125 +53,33 @@ class LinearMotion:
             )
         self.system, self.supports, self.tableau = system, supports, tableau
         self.tolerance = tolerance
-        self.body = Body.of(system.problem, system.elements(), supports)
-        self.actions = Actions(system, supports, self.body, 1)
-        self.forces = IntrinsicForces(self.body.elements, 1, linearised=True)
-        self._places = system.gauss_places()
-        n = system.problem.size
+        problem, stages = system.problem, len(tableau.nodes)
         self.t = 0.0
-        self.state = State(
-            system.problem.positions.copy(), system.problem.quaternions.copy(), np.zeros((n, 6))
-        )
+        self.state = State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((problem.size, 6)))
         self.kinetic = self.elastic = self.work = self.loss = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
-        self._unit = np.tile([self.body.length] * 3 + [1.0] * 3, n)
-        self._known = False
+        self._body: LinearBody | None = None
+        self._last = stages - 1
         self._step = self._factor_step = 0.0
-        self._xi = np.zeros((2, 6 * n))  # displacements and velocities at t
-        self._stages = np.zeros((2, len(tableau.nodes), 6 * n))
-        self._powers = np.zeros((2, len(tableau.nodes)))
-
-    order = 3
-    """Of the error estimate."""
+        self._now = np.zeros((2, 6 * problem.size))  # displacements and velocities at t
+        self._stages = np.zeros((2, stages, 6 * problem.size))
+        self._powers = np.zeros((stages, 2))
 
     @property
     def records(self) -> int:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        return RECORDS if len(self.tableau.nodes) > 1 else 1
+        return RECORDS if self._last else 1
 
-    # --- the state it is linear about
+    @property
+    def strain(self) -> float:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
+        return float(np.abs(self._snapshot.strain[:, :3]).max())
 
-    def _linearise(self, t: float, state: State) -> None:
-        """Set up the constant matrices about ``state``."""
-        system, body, n = self.system, self.body, len(state.twist)
-        self.base = State(state.r.copy(), state.q.copy(), np.zeros((n, 6)))
-        points, internal = Points.of(body.elements, 1), np.zeros((n, 6))
-        GeometricForces(body.elements).evaluate(self.base, points, internal)
-        self._base_force = internal.ravel().copy()
-        self._base_strain = points.strain[0].copy()
-        self.forces.arrive(self._base_strain)
-        self._load_stiffness = np.zeros((6 * n, 2 * system.band.width + 1))
-        if internal.any():
-            self.actions.add_load_stiffness(t, self.base, np.zeros((n, 6)), self._load_stiffness, before=True)
-        matrices = self._matrices(points.strain[0], points.section_force[0], body.elements)
-        self._mass = sparse.block_diag(list(body.mass), format="csr")
-        matrices.mass[:] = body.mass
-        supports = self.supports
-        supports.impose(self.base, internal.copy(), system.band, tangent=False)
-        project(
-            body.nodes,
-            body.fixed,
-            body.axes,
-            body.r0,
-            body.q0,
-            supports.target,
-            supports.reaction,
-            self.base.r,
-            self.base.q,
-            matrices.K,
-            matrices.C,
-            matrices.mass,
-            matrices.G,
-            matrices.Z,
-        )
-        self._free = supports.free_basis(self.base)
-        rows, unit = supports.free_rows(), sparse.diags_array(self._unit[supports.free_rows()])
-        self._basis = sparse.csr_array(self._free @ unit)
-        mass = sparse.block_diag(list(matrices.mass), format="csr")
-        self._reduced = [
-            sparse.csc_array(unit @ matrix[rows] @ self._basis)
-            for matrix in (_sparse(matrices.K), _sparse(matrices.C), mass)
-        ]
-        self._separate(points.strain[0], points.section_force[0])
-        elastic, unused = np.zeros((2, 1))
-        energies(body.elements, points.strain, np.zeros_like(points.strain), elastic, unused)
-        self._base_energy = float(elastic[0])
-        self.jacobians += 1
-        self._known = True
-
-    def _matrices(self, strain: Floats, section_force: Floats, elements: Elements) -> Matrices:
-        """Operators, stiffness (that of the loads too) and damping matrix at rest, not projected."""
-        matrices = Matrices.of(self.body, self.system.band.width)
-        matrices.K[:] = self._load_stiffness
-        still = np.zeros_like(section_force)
-        linearise_intrinsic(
-            elements,
-            True,
-            strain,
-            still,
-            still,
-            np.zeros((len(self.body.mass), 6, 6)),
-            section_force,
-            matrices.operators,
-            matrices.K,
-            matrices.C,
-        )
-        return matrices
-
-    def _separate(self, strain: Floats, section_force: Floats) -> None:
-        """Split the stiffness into ``B^T C B`` and what loads and stresses add.
-
-        Sums of stiff terms leave a rest that is no equilibrium; applied factor by factor, ``C`` multiplies strains, and
-        what rounding adds to them does no harm.
-        """
-        elements = self.body.elements
-        weights = [
-            elements.weights[p] * h for p, h in zip(elements.order, elements.half_lengths, strict=True)
-        ]
-        blocks = np.array(weights)[..., None, None] * elements.stiffness[elements.section]
-        self._weighted_stiffness = sparse.block_diag(list(blocks.reshape(-1, 6, 6)), format="csr")
-        blocks = np.array(weights)[..., None, None] * elements.damping[elements.section]
-        self._weighted_damping = sparse.block_diag(list(blocks.reshape(-1, 6, 6)), format="csr")
-        soft = elements._replace(
-            stiffness=np.zeros_like(elements.stiffness), damping=np.zeros_like(elements.damping), damped=False
-        )
-        matrices = self._matrices(strain, section_force, soft)
-        self._B = _operator(matrices.operators.strain, elements, len(self.body.mass))
-        rest = _sparse(matrices.K)
-        self._skew = 0.5 * (rest - rest.T)
-        self._rest = rest - self._skew
-        matrices = self._matrices(np.zeros_like(strain), section_force, soft)
-        self._B0 = _operator(matrices.operators.strain, elements, len(self.body.mass))
+    @property
+    def body(self) -> LinearBody:
+        """The linear model, known from the first start on."""
+        assert self._body is not None
+        return self._body
 
     # --- the contract
 
@@ -193,50 +87,49 @@ class LinearMotion:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         self.supports.update(t, False)
         self.t = t
-        if not self._known:
+        if self._body is None:
             self.supports.project_twists(state)
-            self._linearise(t, state)
-            self._xi[1] = state.twist.ravel()
-            for node in self.supports.set.nodes[self.supports.complete]:
-                self._xi[1, 6 * node : 6 * node + 6] = 0.0
-        self._load = self._loads(t, False)
+            self._body = LinearBody(self.system, self.supports, t, state)
+            self.jacobians += 1
+            self._now[1] = state.twist.ravel()
+            held = self.supports.set.nodes[self.supports.complete]
+            self._now[1].reshape(-1, 6)[held] = 0.0
+        self._load = self.body.loads(t, False)
         self.evaluations += 1
-        self._arrive(self._xi)
-        self._snapshot = self._take(self._xi, np.zeros(len(self._load)), self._load)
+        self._arrive(self._now, np.zeros_like(self._load))
 
     def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        force = (self._load - self._internal(*self._xi)).reshape(-1, 6)
-        return start_step(self.body.mass, force, self.state.twist, self.body.held, self.body.length, duration)
+        body = self.body.body
+        force = (self._load - self.body.internal(*self._now)).reshape(-1, 6)
+        return start_step(body.mass, force, self.state.twist, body.held, body.length, duration)
 
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        h, tableau = end - self.t, self.tableau
+        h, tableau, body = end - self.t, self.tableau, self.body
         if h != self._factor_step and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
-        last = len(tableau.nodes) - 1
-        times = self.t + tableau.nodes * h
-        self._stage_loads = np.array(
-            [self._loads(end if i == last and last else t, before and i == last) for i, t in enumerate(times)]
-        )
+        last = self._last
+        times = [end if i == last and last else self.t + c * h for i, c in enumerate(tableau.nodes)]
+        self._stage_loads = np.array([body.loads(t, before and i == last) for i, t in enumerate(times)])
         self.evaluations += len(times)
-        xi, x = self._xi
+        xi, x = self._now
         D = tableau.derivative / h
         changes = np.zeros_like(self._stages[0])
         size = 0.0
         for _ in range(SWEEPS):  # the first solves, the others mend what rounding of stiff terms spoilt
             rates = D @ changes
-            residual = D @ (rates - x) @ self._mass - self._stage_loads
-            residual += [self._internal(xi + c, r) for c, r in zip(changes, rates, strict=True)]
-            modes = -(tableau.to_modes @ residual @ self._basis)
+            residual = D @ (rates - x) @ body.mass - self._stage_loads
+            residual += [body.internal(xi + c, r) for c, r in zip(changes, rates, strict=True)]
+            modes = -(tableau.to_modes @ residual @ body.basis)
             change = np.empty_like(modes)
             change[0] = self._real.solve(modes[0])
             if last:
                 pair = self._pair.solve(modes[1] + 1j * modes[2])
                 change[1], change[2] = pair.real, pair.imag
-            correction = (tableau.to_stages @ change) @ self._basis.T
+            correction = (tableau.to_stages @ change) @ body.basis.T
             changes += correction
-            size = float(np.abs(correction / self._unit).max())
+            size = float(np.abs(correction / body.unit).max())
             if not size < np.inf:
                 return StepReport(Outcome.NOT_FINITE, 1, 0.0, 0.0, 0)
         self._stages[0], self._stages[1] = xi + changes, D @ changes
@@ -244,35 +137,33 @@ class LinearMotion:
         report = StepReport(Outcome.CONVERGED, SWEEPS, size, 0.0, 0)
         if self.tolerance is None:
             return report
-        return report.erring(*self._error(h, changes))
+        error = self._error(h, changes)
+        node, component = divmod(int(np.argmax(error)), 6)
+        allowed = self.step_factor * self.tolerance
+        return report._replace(error=float(error.max()) / allowed, node=node, component=component)
 
-    def _error(self, h: float, changes: Floats) -> tuple[float, int]:
-        """Estimated error over the tolerated one (see ``solved_step.estimate_error``), and the unknown it is at."""
-        tableau, (_, x) = self.tableau, self._xi
+    def _error(self, h: float, changes: Floats) -> Floats:
+        """Estimated errors ``(6 n,)``: displacements over model length, rotations (see ``solved_step``)."""
+        tableau, body, x = self.tableau, self.body, self._now[1]
         p = x + tableau.error @ changes / h
         v = tableau.error @ (self._stages[1] - x) / h + tableau.real / h * p
-        side = self._load - self._internal(*self._xi) + self._mass @ v + self._damping(p)
-        error = np.abs(self._basis @ self._real.solve(self._basis.T @ side)) / self._unit
-        where = int(np.argmax(error))
-        return float(error[where]) / (self.step_factor * (self.tolerance or 1.0)), where
+        side = self._load - body.internal(*self._now) + body.mass @ v + body.damping(p)
+        return np.asarray(np.abs(body.basis @ self._real.solve(body.basis.T @ side)) / body.unit)
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        h, last = self._end - self.t, len(self.tableau.nodes) - 1
-        D = self.tableau.derivative / h
-        self._before = (self._xi, self._snapshot)
-        rates = D @ (self._stages[1] - self._xi[1])
-        self._rates = self.tableau.start_derivative / h @ (self._stages[1] - self._xi[1]), rates[last]
-        for i, (xi, x) in enumerate(zip(*self._stages, strict=True)):
-            self._powers[0, i] = x @ self._stage_loads[i] - x @ (self._skew @ xi)
-            rate = self._B0 @ x
-            self._powers[1, i] = rate @ (self._weighted_damping @ rate)
-        self.work, self.loss = h * (self._powers @ self.tableau.weights)
-        end = self._stages[:, last].copy() if last else 2.0 * self._stages[:, 0] - self._xi
+        h, last, tableau, body = self._end - self.t, self._last, self.tableau, self.body
+        change = self._stages[1] - self._now[1]
+        rates = tableau.start_derivative / h @ change, (tableau.derivative / h @ change)[last]
+        self._powers = np.array(
+            [body.power(xi, x, load) for xi, x, load in zip(*self._stages, self._stage_loads, strict=True)]
+        )
+        self.work, self.loss = (float(total) for total in h * (tableau.weights @ self._powers))
+        end = self._stages[:, last].copy() if last else 2.0 * self._stages[:, 0] - self._now
+        self._before, self._rates = self._now, rates
         self.t, self._step = self._end, h
-        self._load = self._stage_loads[last] if last else self._loads(self.t, True)
-        self._arrive(end)
-        self._snapshot = self._take(end, self._rates[1], self._load)
+        self._load = self._stage_loads[last] if last else body.loads(self.t, True)
+        self._arrive(end, rates[1])
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
@@ -283,101 +174,36 @@ class LinearMotion:
 
         Displacements are polynomials of degree 5 through both ends, with velocities and accelerations.
         """
-        (old, new), h = (self._before[0], self._xi), self._step
-        work, losses = h * self._powers @ self.tableau.partial_weights(parts).T
-        found = []
-        loss = 0.0
-        for k, part in enumerate(parts):
-            xi, x, a = _quintic(float(part), h, old, new, self._rates)
-            load = self._loads(self.t - (1.0 - float(part)) * h, False)
-            loss = max(loss, min(float(losses[k]), self.loss))
-            found.append((self._take(np.array([xi, x]), a, load), float(work[k]), loss))
+        h, found, loss = self._step, [], 0.0
+        totals = h * self.tableau.partial_weights(parts) @ self._powers
+        for part, (work, lost) in zip(parts, totals, strict=True):
+            xi, x, a = _quintic(float(part), h, self._before, self._now, self._rates)
+            load = self.body.loads(self.t - (1.0 - float(part)) * h, False)
+            loss = max(loss, min(float(lost), self.loss))  # interpolation must not give energy back
+            found.append((self.body.snapshot(xi, x, a, load), float(work), loss))
         return found
 
     # --- parts
 
-    def _loads(self, t: float, before: bool) -> Floats:
-        """Loads ``(6 n,)`` at time ``t`` [s], body axes of the base state."""
-        external = np.zeros((len(self.state.twist), 6))
-        self.actions.add_loads(t, self.base, external, np.zeros((1, 1)), before=before)
-        return external.ravel()
-
-    def _internal(self, xi: Floats, x: Floats) -> Floats:
-        """Return ``F_0 + K xi + C xi'``."""
-        stiff = self._B.T @ (self._weighted_stiffness @ (self._B @ xi))
-        soft = self._rest @ xi + self._skew @ xi
-        return np.asarray(self._base_force + stiff + soft + self._damping(x))
-
-    def _damping(self, x: Floats) -> Floats:
-        return np.asarray(self._B0.T @ (self._weighted_damping @ (self._B0 @ x)))
-
-    def _arrive(self, moved: Floats) -> None:
-        xi, x = moved
-        self._xi = moved
-        self.kinetic = 0.5 * float(x @ (self._mass @ x))
-        self.elastic = self._elastic(xi)
-        self.state = self._pose(moved)
-
-    def _elastic(self, xi: Floats) -> float:
-        strain = self._B @ xi
-        second = strain @ (self._weighted_stiffness @ strain) + xi @ (self._rest @ xi)
-        return self._base_energy + float(self._base_force @ xi + 0.5 * second)
-
-    def _pose(self, moved: Floats) -> State:
-        n = len(self.base.r)
-        state = State(np.empty((n, 3)), np.empty((n, 4)), moved[1].reshape(n, 6).copy())
-        increment = moved[0].reshape(n, 6).copy()
-        increment[:, :3] = 0.0
-        retract(self.base.r, self.base.q, increment, state.r, state.q)
-        state.r[:] = self.base.r + rotated(self.base.q, moved[0].reshape(n, 6)[:, :3])
-        return state
-
-    def _take(self, moved: Floats, acceleration: Floats, load: Floats) -> Snapshot:
-        """Return the snapshot of displacements and velocities ``(2, 6 n)``."""
-        elements, state = self.body.elements, self._pose(moved)
-        points, internal = Points.of(elements, 1), np.zeros_like(state.twist)
-        strain = (self._B @ moved[0]).reshape(self._base_strain.shape)
-        self.forces.arrive(self._base_strain + strain)
-        self.forces.evaluate(state, points, internal)
-        residual = (self._internal(*moved) + self._mass @ acceleration - load).reshape(-1, 6)
-        self.supports.impose(self.base, residual, self.system.band, tangent=False)
-        strain, rate, force = (field[0].reshape(-1, 6)[self._places] for field in points[:3])
-        kinetic = 0.5 * float(moved[1] @ (self._mass @ moved[1]))
-        reactions = self.supports.global_reactions(self.base)
-        return Snapshot(state, strain, rate, force, reactions, kinetic, self._elastic(moved[0]))
+    def _arrive(self, now: Floats, acceleration: Floats) -> None:
+        self._now = now
+        self._snapshot = self.body.snapshot(now[0], now[1], acceleration, self._load)
+        self.state = self._snapshot.state
+        self.kinetic, self.elastic = self._snapshot.kinetic, self._snapshot.elastic
 
     def _factorise(self, h: float) -> bool:
-        K, C, M = self._reduced
+        K, C, M = self.body.reduced
         self._factor_step = h
         self.factorisations += 1
         mu = self.tableau.real / h
         try:
             self._real = spla.splu(sparse.csc_array(K + mu * C + mu**2 * M))
-            if len(self.tableau.nodes) > 1:
+            if self._last:
                 pair = self.tableau.pair / h
                 self._pair = spla.splu(sparse.csc_array(K + pair * C + pair**2 * M))
         except RuntimeError:  # exactly singular
             return False
         return True
-
-
-def _sparse(band: Floats) -> sparse.csr_array:
-    """A band of width 2 w + 1, row j holding column j, as a sparse array."""
-    size, width = band.shape[0], (band.shape[1] - 1) // 2
-    rows = np.arange(size)[:, None] + np.arange(-width, width + 1)
-    stored = (band != 0.0) & (rows >= 0) & (rows < size)
-    columns = np.broadcast_to(np.arange(size)[:, None], band.shape)[stored]
-    return sparse.csr_array((band[stored], (rows[stored], columns)), shape=(size, size))
-
-
-def _operator(blocks: Floats, elements: Elements, nodes: int) -> sparse.csr_array:
-    """Operators of all elements ``(e, 6 points, 6 m)`` as one sparse array, Gauss points times nodes."""
-    count, rows, columns = blocks.shape
-    at = (6 * elements.nodes[:, :, None] + np.arange(6)).reshape(count, 1, columns)
-    row = np.arange(count * rows).reshape(count, rows, 1)
-    at, row = np.broadcast_to(at, blocks.shape), np.broadcast_to(row, blocks.shape)
-    stored = blocks != 0.0
-    return sparse.csr_array((blocks[stored], (row[stored], at[stored])), shape=(count * rows, 6 * nodes))
 
 
 def _quintic(

@@ -1,0 +1,105 @@
+"""How Numba turns kernels into machine code, and functions that only kernels call into code that is linked into these.
+
+Numba optimises every function together with all that it calls, makes machine code of it, and optimises it again within
+each of its callers. For functions that nothing calls from outside that is lost: here they are optimised once, within
+the kernel that machine code is made of. Kernels are optimised at level 2: level 3 adds copies of whole loops for every
+condition that does not change within, which take longer to compile and run no faster.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+
+_Library: Any = JITCodeLibrary
+_Compiler: Any = Compiler
+
+_LEVEL = 2
+
+TESTED = ((0, 68),)
+"""Versions of Numba whose inner classes are known to fit; with others its own compiler does everything."""
+
+
+class _Codegen:
+    """Numba's code generator, but environments of functions without machine code are not registered."""
+
+    def __init__(self, codegen: Any) -> None:
+        self._codegen = codegen
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._codegen, name)
+
+    def set_env(self, env_name: str, env: Any) -> None:
+        """Do nothing: there is no machine code that could look it up."""
+
+
+class _PartLibrary(_Library):  # type: ignore[misc]
+    """Code of one function with all that it calls, ready to be linked into other code but not to be run."""
+
+    @property
+    def codegen(self) -> Any:
+        return _Codegen(self._codegen)
+
+    def _optimize_final_module(self) -> None: ...
+
+    def _finalize_final_module(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Return the null pointer that stands for a function that cannot be called from Python."""
+        del name
+        self._ensure_finalized()
+        return 0
+
+
+class _KernelLibrary(_Library):  # type: ignore[misc]
+    """Code of a kernel with all that it calls."""
+
+    def _optimize_final_module(self) -> None:
+        managers: Any = self._codegen._module_pass_manager
+        # inlines first, so that counts of references cancel
+        for options in (
+            {"loop_vectorize": False, "slp_vectorize": False, "opt": 0, "cost": "cheap"},
+            {"opt": _LEVEL},
+        ):
+            passes, builder = managers(**options)
+            passes.run(self._final_module, builder)
+
+
+class _LibraryCompiler(_Compiler):  # type: ignore[misc]
+    """Numba's compiler, putting code into a library of the class ``library``."""
+
+    library: Any = _Library
+
+    def define_pipelines(self) -> Any:
+        """Say where the code goes before Numba does."""
+        state: Any = self.state
+        state.library = self.library(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library.enable_object_caching()
+        return super().define_pipelines()
+
+
+class _PartCompiler(_LibraryCompiler):
+    library = _PartLibrary
+
+
+class _KernelCompiler(_LibraryCompiler):
+    library = _KernelLibrary
+
+
+def _fits() -> bool:
+    return tuple(numba.version_info.short) in TESTED
+
+
+def part_compiler() -> Any:
+    """Return the compiler for functions that only kernels call."""
+    return _PartCompiler if _fits() else _Compiler
+
+
+def kernel_compiler() -> Any:
+    """Return the compiler for kernels."""
+    return _KernelCompiler if _fits() else _Compiler
