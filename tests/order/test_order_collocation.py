@@ -198,7 +198,7 @@ def error(model, reference, **given):
 @pytest.mark.parametrize(
     ("integrator", "tolerances", "least", "most"),
     [
-        ("radau", (1e-3, 1e-5, 1e-7), 0.01, 10.0),
+        ("radau", (1e-3, 1e-5, 1e-7), 0.003, 10.0),  # jolts are followed more exactly than asked
         ("generalized_alpha", (1e-2, 1e-3, 1e-4), 0.01, 30.0),
     ],
 )
