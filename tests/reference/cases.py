@@ -31,21 +31,22 @@ def slope(sizes, errors):
     return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
 
 
-# what every integrator is asked for: radau follows a tolerance, the others have equal steps
+# what every integrator and formulation is asked for: radau follows a tolerance, the others have equal steps
 def methods(tolerance, time_step, *, midpoint=None, spectral_radius=None, without=None):
-    """All integrators as parameters of a test: keyword arguments of ``simulate``.
+    """All integrators, and both formulations, as parameters of a test: keyword arguments of ``simulate``.
 
     Args:
         tolerance: of radau; time_step: of the integrators of second order, s.
         midpoint: time step of the midpoint rule where it needs another one.
         spectral_radius: of generalised-alpha.
-        without: why an integrator does not apply, by name.
+        without: why an integrator (or "intrinsic") does not apply, by name.
     """
     damping = {} if spectral_radius is None else {"spectral_radius": spectral_radius}
     table = {
         "radau": {"tolerance": tolerance},
         "generalized_alpha": {"time_step": time_step, **damping},
         "midpoint": {"time_step": midpoint or time_step},
+        "intrinsic": {"integrator": "radau", "tolerance": tolerance, "formulation": "intrinsic"},
     }
     marks = {name: pytest.mark.skip(reason=reason) for name, reason in (without or {}).items()}
     return pytest.mark.parametrize(

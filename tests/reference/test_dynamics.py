@@ -92,7 +92,8 @@ FLYING = {
 
 
 # relative drift of the momenta of free flight: round-off, the tolerance, or the second order of the step
-MOMENTUM = {"radau": 1.3e-6, "generalized_alpha": 1e-10, "midpoint": 6e-4}
+# (or the mesh: the intrinsic formulation tests with body frames, see test_intrinsic for its convergence)
+MOMENTUM = {"intrinsic": 4e-6, "radau": 1.3e-6, "generalized_alpha": 1e-10, "midpoint": 6e-4}
 
 
 @methods(1e-7, 0.005, midpoint=0.0025, spectral_radius=1.0)
@@ -111,7 +112,7 @@ def test_flying_rod_trajectory_energy_and_momentum(method):
         assert float(data["kinetic"][k]) == pytest.approx(kinetic, abs=0.06)
         assert float(data["elastic"][k]) == pytest.approx(elastic, abs=0.11)
     free = run.time > 5.0 + 1e-9
-    bound = MOMENTUM[method["integrator"]]
+    bound = MOMENTUM[method.get("formulation", method["integrator"])]
     for name in ("linear_momentum", "angular_momentum"):
         momentum = data[name].values[free]
         assert np.abs(momentum - momentum[0]).max() < bound * np.linalg.norm(momentum[0])
@@ -122,7 +123,13 @@ def test_flying_rod_trajectory_energy_and_momentum(method):
     assert data["linear_momentum"].values[-1] == pytest.approx([50.0, 0, 0], abs=50 * bound)
 
 
-@methods(1e-5, 0.005, midpoint=0.0025, spectral_radius=1.0)
+@methods(
+    1e-5,
+    0.005,
+    midpoint=0.0025,
+    spectral_radius=1.0,
+    without={"intrinsic": "the table's mesh error is that of the geometric element of order 1"},
+)
 def test_flying_rod_energy_at_the_resolution_of_the_table(method):
     """D3: 160 elements of order 1, the resolution of the tabulated 724.41 J."""
     run = flying_rod(160, 1, 5.2, **method)

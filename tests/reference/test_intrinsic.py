@@ -117,6 +117,48 @@ def test_energy_balance_of_the_midpoint_rule(name, damping):
     assert np.all(np.diff(run["viscous"].values) >= -1e-14 * moved)
 
 
+def helix(order, damping):
+    """A free helix of a coupled section."""
+    stiffness = np.diag([80.0, 70.0, 200.0, 1.0, 1.4, 0.8])
+    stiffness[2, 3] = stiffness[3, 2] = 3.0
+    section = vr.StiffnessSection(stiffness, [1, 1, 1, 1e-2, 2e-2, 3e-2], damping * stiffness)
+    model = vr.Model()
+    model.add("rod", vr.Rod.helix(0.3, 0.4, 1.0, section=section, elements=3, order=order))
+    return model
+
+
+def test_momentum_of_free_flight_converges_with_the_mesh():
+    """Conservation law: tested in body frames, linear and angular momentum are kept to the order of the mesh."""
+    drifts = []
+    for order in (3, 5, 7):
+        model = helix(order, 0.01)
+        model.velocity("rod", field=lambda s: ((np.sin(3 * s), 1.0, s), (2.0, s, -1.0)))
+        run = model.simulate(1.0, initial="reference", formulation="intrinsic", tolerance=1e-9)
+        for name in ("linear_momentum", "angular_momentum"):
+            value = run.data[name].values
+            drifts.append(np.abs(value - value[0]).max() / np.linalg.norm(value[0]))
+    drifts = np.array(drifts).reshape(3, 2)
+    assert np.all(drifts[1:] < drifts[:-1] / 15)
+    assert np.all(drifts[-1] < 1e-6)
+
+
+def test_slow_loading_ends_in_the_static_equilibrium():
+    """E6, independent formulation: the intrinsic rod comes to rest where statics of the geometric one ends."""
+    gaps = []
+    for order in (2, 4, 6):
+        model = helix(order, 0.5)
+        model.clamp("rod.start")
+        model.force("rod.end", (0.05, 0.1, 0.2), time=vr.Table([0, 40], [0, 1], "cubic"))
+        given = {"tolerance": 1e-7, "output_interval": 100.0}
+        run = model.simulate(100.0, initial="reference", formulation="intrinsic", **given)
+        model.loads.clear()
+        model.force("rod.end", (0.05, 0.1, 0.2))
+        expected = model.equilibrium().position("rod.end")
+        gaps.append(np.abs(run.history("rod.end").values[-1] - expected).max())
+    assert np.all(np.array(gaps[1:]) < np.array(gaps[:-1]) / 10)
+    assert gaps[-1] < 3e-7
+
+
 LINEAR = [
     pytest.param(({"damping": "linearised", "dynamics": "linear", "tolerance": 1e-7}, 1.0), id="linear"),
     pytest.param(({"damping": "linearised", "tolerance": 1e-10}, 1e-4), id="linearised damping"),

@@ -28,7 +28,7 @@ def free_rod(damping=None, order=3):
     return model
 
 
-@methods(1e-8, 0.005)
+@methods(1e-8, 0.005, without={"intrinsic": "momentum is kept to the order of the mesh: test_intrinsic"})
 def test_free_flight_conserves_momentum(method):
     """E2: damped, tumbling, vibrating, off-centre mass: momenta to round-off, the tolerance, or second order."""
     model = free_rod(damping=0.005)
@@ -100,7 +100,12 @@ def test_work_of_loads_and_supports_closes_the_account(method):
     assert run.energy.numerical_fraction < 2e-3
 
 
-@methods(1e-6, 0.1, spectral_radius=0.5)
+@methods(
+    1e-6,
+    0.1,
+    spectral_radius=0.5,
+    without={"intrinsic": "its equilibrium differs by the error of the mesh: test_intrinsic"},
+)
 def test_slow_loading_ends_in_the_static_equilibrium(method):
     """E6: a load applied over many periods of the damped rod; statics and dynamics share one residual."""
 

@@ -28,7 +28,7 @@ def run_report(run: Run) -> str:
     size += f" that follow the error, tolerance {attrs['tolerance']:g}" if "tolerance" in attrs else ""
     method = f", {str(attrs['integrator']).replace('_', '-')}" if attrs.get("integrator") else ""
     blocks = [
-        _heading(run, f"{time[-1] - time[0]:g} s simulated{steps}{size}{method}"),
+        _heading(run, f"{time[-1] - time[0]:g} s simulated{steps}{size}{method}{_formulation(run)}"),
         _ends(run, *_shown_state(run)),
         _decay(run),
         str(run.energy),
@@ -36,6 +36,14 @@ def run_report(run: Run) -> str:
         _warnings(run),
     ]
     return "\n\n".join(block for block in blocks if block)
+
+
+def _formulation(run: Run) -> str:
+    attrs = run.data.attrs
+    if attrs.get("formulation", "geometric") == "geometric":
+        return ""
+    kind = "linear dynamics, " if attrs["dynamics"] == "linear" else ""
+    return f"; intrinsic formulation, {kind}{attrs['damping']} damping"
 
 
 def equilibrium_report(equilibrium: Equilibrium) -> str:
@@ -154,6 +162,11 @@ def _effort(result: Result) -> str:
         lines.append(
             f"Smallest step: {attrs['smallest_step']:.3g} s at t = {attrs['smallest_step_at']:.6g} s, "
             f"limited by {attrs['smallest_step_why']}"
+        )
+    if "pose_gap" in attrs:
+        lines.append(
+            f"Poses integrated in time and along the rods differ by at most {attrs['pose_gap']:.3g} m "
+            f"and {attrs['rotation_gap']:.3g} rad"
         )
     return "\n".join(lines)
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from viscorod.results.result import Result
 
+_GAP = 1e-2
 _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
 _STRAIN = 0.1  # strain beyond which a linear material law for small strains is doubtful
 
@@ -43,6 +44,12 @@ def warnings_of(result: Result) -> list[str]:
         plural = "s" if rejected > 1 else ""
         texts.append(
             f"{rejected} {what}{plural} did not converge and had to be tried again with a smaller one"
+        )
+    gap = float(data.attrs.get("pose_gap", 0.0)) / float(data.attrs.get("scale_length", 1.0))
+    if gap > _GAP:
+        texts.append(
+            f"poses integrated in time and along the rods differ by {gap:.2g} of the model's size: "
+            "the mesh is too coarse for this motion; use more elements or a higher order"
         )
     return texts + _strain_warnings(data)
 

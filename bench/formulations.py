@@ -1,0 +1,161 @@
+"""The intrinsic formulation beside the geometric one: cost of a Newton iteration, and whole runs at equal tolerance.
+
+    python bench/formulations.py
+
+A full Newton iteration of the midpoint rule is: forces of all elements, Jacobian, factorisation, solution, update of
+poses, stresses and strains. It is compared with LAPACK's band factorisation and solution for a matrix of that band,
+best of many short rounds in one process. Radau's step keeps its Jacobian: its iteration is the forces of three stages
+and the solutions. Errors of whole runs are distances of the tip from a run at a tolerance of 1e-9 on a finer mesh.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+from newton_iteration import best_of
+from scipy.linalg.lapack import dgbtrf, dgbtrs
+
+import viscorod as vr
+from viscorod.solve.discretise import discretise
+from viscorod.solve.formulations import FORMULATIONS
+from viscorod.solve.integrators import Midpoint, Radau
+from viscorod.solve.integrators.collocation import Collocation
+from viscorod.solve.support_state import SupportState
+from viscorod.solve.system import State
+
+NAMES = ("geometric", "intrinsic")
+
+
+def cantilever(elements: int, order: int) -> vr.Model:
+    """The released cantilever of Linn, Lang and Tuganov."""
+    material = vr.Material(1e6, poissons_ratio=0.3, density=1000.0, damping=vr.KelvinVoigt(0.02, 0.02))
+    section = vr.Rectangle(0.01, 0.01)
+    model = vr.Model()
+    rod = vr.Rod.straight(
+        (0, 0, 0), (0.3, 0, 0), section=section, material=material, elements=elements, order=order
+    )
+    model.add("beam", rod)
+    model.clamp("beam.start")
+    model.force("beam.end", (0, 0.035, 0), until=0.0)
+    return model
+
+
+def hinged(elements: int, order: int) -> vr.Model:
+    """AWP V.B, eta = 0.001 s."""
+    stiffness = np.diag([5e3, 5e3, 1e5, 1.0, 2.0, 1.0])
+    section = vr.StiffnessSection(stiffness, np.diag([1, 1, 1, 2e-4, 2e-4, 4e-4]), 1e-3 * stiffness)
+    model = vr.Model()
+    model.add("beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=elements, order=order))
+    model.support("beam.start", ("ux", "uy", "uz"))
+    model.moment("beam.end", (0.5, 0.5, 0), following=True, time=vr.Sine(2.0), until=0.5)
+    return model
+
+
+def moving(method: type[Collocation], formulation: str, elements: int, order: int) -> Collocation:
+    """An integrator that has made a few steps with the cantilever."""
+    problem = discretise(cantilever(elements, order))
+    system = FORMULATIONS[formulation, "full"](problem)
+    given = {"tolerance": 1e-4} if method is Radau else {}
+    integrator = method(system, SupportState(problem), **given)
+    n = problem.size
+    state = State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((n, 6)))
+    state.twist[:, 1] = 0.01 * problem.positions[:, 0]
+    integrator.start(0.0, state)
+    for k in range(1, 4):
+        assert integrator.attempt(1e-3 * k, before=False).converged
+        integrator.accept()
+    return integrator
+
+
+def iteration(integrator: Collocation) -> float:
+    """Seconds of one iteration with a frozen Jacobian: a step with three less a step with one, over two."""
+    h = 1e-3
+    integrator._renew_jacobian()
+    integrator._factorise(h)
+    tolerance, limit = integrator.newton_tolerance, integrator.iterations
+    integrator.newton_tolerance = 0.0
+
+    def steps(count: int) -> float:
+        integrator.iterations = count
+
+        def step() -> None:
+            integrator._have_jacobian = integrator._fresh_jacobian = True
+            integrator.attempt(integrator.t + h, before=False)
+
+        return best_of(step, 15, 5)
+
+    seconds = (steps(3) - steps(1)) / 2
+    integrator.newton_tolerance, integrator.iterations = tolerance, limit
+    return seconds
+
+
+def parts(formulation: str, elements: int, order: int) -> tuple[float, float, float, float]:
+    """Seconds of a midpoint iteration, a Jacobian, a factorisation, and of LAPACK's factorisation and solution."""
+    integrator = moving(Midpoint, formulation, elements, order)
+    each = iteration(integrator)
+    jacobian = best_of(integrator._renew_jacobian, 20, 3)
+    factorise = best_of(lambda: integrator._factorise(1e-3), 20, 3)
+    band = integrator.system.band
+    band.clear()
+    matrix = np.random.default_rng(0).normal(size=band.data.shape)
+    matrix[:, band.diagonal] += 100.0
+    work, right = np.empty_like(matrix), np.ones(band.size)
+
+    def lapack() -> None:
+        np.copyto(work, matrix)
+        _, pivots, _ = dgbtrf(work.T, band.width, band.width, overwrite_ab=1)
+        dgbtrs(work.T, band.width, band.width, right, pivots)
+
+    return each, jacobian, factorise, best_of(lapack, 20, 3) - best_of(lambda: np.copyto(work, matrix), 20, 3)
+
+
+def newton_table() -> None:
+    """Print what iterations cost."""
+    print("Newton iteration: milliseconds, and the full one over LAPACK's factorisation and solution")
+    print("mesh            formulation  iteration  Jacobian  factors    full  / LAPACK   radau's iteration")
+    for elements, order in ((1, 5), (4, 5), (33, 3), (100, 1)):
+        for name in NAMES:
+            each, jacobian, factors, lapack = parts(name, elements, order)
+            radau = iteration(moving(Radau, name, elements, order))
+            full = each + jacobian + factors
+            print(
+                f"{elements:4d} x order {order}  {name:>11}  {1e3 * each:9.3f}  {1e3 * jacobian:8.3f}  "
+                f"{1e3 * factors:7.3f} {1e3 * full:7.3f}  {full / lapack:8.2f}  {1e3 * radau:12.3f}"
+            )
+
+
+def run_table() -> None:
+    """Print accuracy and time of whole runs."""
+    print("\nWhole runs: error of the tip over the length")
+    print("case        mesh         tolerance  formulation   steps  iterations      error  loop [ms]")
+    for case, make, length, duration, given in (
+        ("cantilever", cantilever, 0.3, 10.0, {}),
+        ("hinged", hinged, 1.0, 2.0, {"initial": "reference"}),
+    ):
+        interval = {"output_interval": duration / 200}
+        fine = make(6, 6).simulate(duration, tolerance=1e-9, **given, **interval)
+        reference = fine.data["position"].values[:, -1]
+        for elements, order, tolerance in ((1, 5, 1e-4), (1, 7, 1e-5), (2, 6, 1e-6), (4, 6, 1e-7)):
+            for name in NAMES:
+                best = np.inf
+                for _ in range(3):
+                    model = make(elements, order)
+                    run = model.simulate(duration, tolerance=tolerance, formulation=name, **given, **interval)
+                    best = min(best, run.data.attrs["loop_time_s"])
+                attrs, tip = run.data.attrs, run.data["position"].values[:, -1]
+                error = np.linalg.norm(tip - reference, axis=1).max() / length
+                print(
+                    f"{case:10}  {elements} x order {order}  {tolerance:9g}  {name:>11}  {attrs['steps']:6d}  "
+                    f"{attrs['iterations']:10d}  {error:9.2e}  {1e3 * best:9.1f}"
+                )
+
+
+if __name__ == "__main__":
+    began = time.perf_counter()
+    newton_table()
+    run_table()
+    print(f"\n{time.perf_counter() - began:.0f} s")
