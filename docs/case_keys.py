@@ -16,12 +16,12 @@ from viscorod.model.load import LOADS
 from viscorod.model.material import KelvinVoigt, Material
 from viscorod.model.profile import SECTIONS, Piece, Taper
 from viscorod.model.rod import CENTRELINES, Rod
-from viscorod.model.support import MOTIONS, SUPPORTS, Support
+from viscorod.model.support import MOTIONS, SUPPORTS, VELOCITIES, BodyVelocity, Support
 from viscorod.model.time_table import TIME_FUNCTIONS
 from viscorod.model.velocity import InitialVelocity
 
 PYTHON_ONLY = {"rods.curve", "time.function"}
-PYTHON_ONLY_KEYS = {(InitialVelocity, "field")}
+PYTHON_ONLY_KEYS = {(InitialVelocity, "field"), (BodyVelocity, "motion")}
 
 PARTS = {
     "materials": Material,
@@ -80,6 +80,8 @@ TEXTS = {
     "_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
     "_inertia": "6 numbers (a diagonal) or 6 rows of 6",
     "_fixed": f"list of some of {', '.join(f'`{word!r}`' for word in MOTIONS)}".replace("'", '"'),
+    "_velocity_words": f"list of some of {', '.join(f'`{word!r}`' for word in VELOCITIES)}".replace("'", '"'),
+    "_velocity": "table from velocity words to numbers or functions of time",
     "_motion": "table from motion words to numbers or functions of time",
     "_two_directions": "2 perpendicular directions, 3 numbers each",
     "one_section": SECTION,

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from viscorod.model.section import Section
     from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
     from viscorod.model.stiffness_section import StiffnessSection
-    from viscorod.model.support import Clamp, Guide, Pin, Roller, Support
+    from viscorod.model.support import BodyVelocity, Clamp, Guide, Pin, Roller, Support
     from viscorod.model.time_function import Constant, Ramp, Sine, SpinUp, Until
     from viscorod.model.time_table import Function, Table
     from viscorod.model.velocity import InitialVelocity
@@ -46,7 +46,7 @@ _HOMES = {
     "model.section": ("Section",),
     "model.shapes": ("Annulus", "Circle", "Ellipse", "Rectangle", "SquareTube"),
     "model.stiffness_section": ("StiffnessSection",),
-    "model.support": ("Clamp", "Guide", "Pin", "Roller", "Support"),
+    "model.support": ("BodyVelocity", "Clamp", "Guide", "Pin", "Roller", "Support"),
     "model.time_function": ("Constant", "Ramp", "Sine", "SpinUp", "Until"),
     "model.time_table": ("Function", "Table"),
     "model.velocity": ("InitialVelocity",),
@@ -62,6 +62,7 @@ _MODULES = {name: f"viscorod.{module}" for module, names in _HOMES.items() for n
 __all__ = [
     "Annulus",
     "Arc",
+    "BodyVelocity",
     "Circle",
     "Clamp",
     "Constant",

@@ -208,6 +208,12 @@ class Workplace:
         make = (LINEAR_INTEGRATORS if settings.dynamics == "linear" else INTEGRATORS)[settings.integrator]
         given: dict[str, Any] = {}
         if settings.integrator == "generalized_alpha":
+            turning = np.flatnonzero(self.problem.supports.in_body)
+            if len(turning):
+                raise InputError(
+                    f"integrator = 'generalized_alpha': it cannot hold velocities along moving axes, as "
+                    f"{self.problem.supports.names[turning[0]]} needs (kind body_velocity). Take 'radau' or 'midpoint'"
+                )
             radius = settings.spectral_radius
             given["spectral_radius"] = SPECTRAL_RADIUS if radius is None else radius
         if tolerance is not None:

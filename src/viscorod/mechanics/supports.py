@@ -7,6 +7,9 @@ them by ``G = [A^T R, A^T R0 T^-1]``; the dual directions are ``Z = [R^T A, T R0
 balance
 projected on their dual direction, the others are replaced by ``G dx = target - value``; reactions are what the
 projected balance leaves. This is Newton's method for the saddle-point system with the reactions eliminated.
+
+Axes that are all zero stand for those of the moving section, along which velocities are held: then G = Z = 1, there is
+no position to measure, and the target is what the velocities still lack, integrated over the step.
 """
 
 from __future__ import annotations
@@ -27,6 +30,16 @@ from viscorod.mechanics.rotation import (
     turned,
 )
 from viscorod.typing import Floats, Integers
+
+
+@part
+def in_body(axes: Floats) -> bool:
+    """Whether a support with these axes ``(3, 3)`` holds velocities along those of the moving section."""
+    for i in range(3):
+        for j in range(3):
+            if axes[i, j] != 0.0:
+                return False
+    return True
 
 
 @part
@@ -76,6 +89,14 @@ def support_directions(
     psi: Floats,
 ) -> None:
     """Write the measured components ``value``, their derivative ``G`` (rows) and dual directions ``Z`` (columns)."""
+    if in_body(axes):
+        for i in range(6):
+            value[i] = 0.0
+            for j in range(6):
+                G[i, j] = Z[i, j] = 1.0 if i == j else 0.0
+        for i in range(3):
+            psi[i] = 0.0
+        return
     R = np.empty((3, 3))
     R0 = np.empty((3, 3))
     T = np.empty((3, 3))
@@ -208,7 +229,7 @@ def impose(
     for s in range(nodes.shape[0]):
         k = nodes[s]
         support_directions(axes[s], r0[s], q0[s], fixed[s], target[s], r[k], q[k], value, G[s], Z[s], psi[s])
-        complete = True
+        complete = not in_body(axes[s])
         for i in range(6):
             reaction[s, i] = 0.0
             for j in range(6):
@@ -232,6 +253,7 @@ def impose(
 def impose_tangent(
     nodes: Integers,
     fixed: Floats,
+    axes: Floats,
     G: Floats,
     Z: Floats,
     psi: Floats,
@@ -244,7 +266,7 @@ def impose_tangent(
     """Replace the rows of supported nodes in the band, after :func:`impose`; held rows of both are weighted.
 
     Args:
-        nodes, fixed, G, Z, psi, reaction: as :func:`impose` left them.
+        nodes, fixed, axes, G, Z, psi, reaction: as :func:`impose` left them.
         residual: ``(n, 6)``; band: transposed band; reach: number of neighbouring nodes within it on either side.
     """
     old = np.empty((6, 6))
@@ -258,7 +280,8 @@ def impose_tangent(
             for i in range(3):
                 weight_move = max(weight_move, abs(band[6 * k + j, diagonal + i - j]))
                 weight_turn = max(weight_turn, abs(band[6 * k + 3 + j, diagonal + i - j]))
-        complete = True
+        turning = in_body(axes[s])
+        complete = not turning
         for i in range(6):
             weight[i] = weight_move if i < 3 else weight_turn
             if weight[i] == 0.0:
@@ -267,7 +290,7 @@ def impose_tangent(
                 residual[k, i] *= weight[i]
             else:
                 complete = False
-        if not complete:
+        if not complete and not turning:
             reaction_stiffness(G[s], psi[s], reaction[s], block)
             for j in range(6):
                 for i in range(6):
@@ -323,6 +346,33 @@ def reaction_wrenches(
                     wrench[j] += G[i, j] * fixed[s, i] * reaction[state, s, i]
             rotate(qk, wrench[0:3], out[state, s, 0:3])
             rotate(qk, wrench[3:6], out[state, s, 3:6])
+
+
+@part
+def lacking_motion(
+    nodes: Integers,
+    fixed: Floats,
+    axes: Floats,
+    weights: Floats,
+    h: float,
+    rate: Floats,
+    twist: Floats,
+    target: Floats,
+) -> None:
+    """Write the targets of supports in body axes: what their velocities lack, integrated up to every stage.
+
+    Args:
+        nodes, fixed, axes: as in :func:`impose`; weights: of the stages in the integrals ``(s, s)``; h: step [s].
+        rate: prescribed velocities ``(s, m, 6)``; twist: of all nodes ``(s, n, 6)``; target: output ``(s, m, 6)``.
+    """
+    for m in range(nodes.shape[0]):
+        if in_body(axes[m]):
+            for i in range(twist.shape[0]):
+                for a in range(6):
+                    target[i, m, a] = 0.0
+                    if fixed[m, a] != 0.0:
+                        for j in range(twist.shape[0]):
+                            target[i, m, a] += h * weights[i, j] * (rate[j, m, a] - twist[j, nodes[m], a])
 
 
 @kernel

@@ -20,7 +20,16 @@ from viscorod.model.load import (
 )
 from viscorod.model.place import Place, find_place
 from viscorod.model.rod import Rod
-from viscorod.model.support import AnySupport, Clamp, Guide, Pin, ResolvedSupport, Roller, Support
+from viscorod.model.support import (
+    AnySupport,
+    BodyVelocity,
+    Clamp,
+    Guide,
+    Pin,
+    ResolvedSupport,
+    Roller,
+    Support,
+)
 from viscorod.model.time_function import TimeFunction
 from viscorod.model.values import name_of_part
 from viscorod.model.velocity import InitialVelocity
@@ -105,6 +114,11 @@ class ModelDescription:
         """Hold the displacement along one direction; see `Roller`."""
         given: dict[str, Any] = {"normal": normal}
         self.supports.append(Roller(at, **given, **_moving(motion)))
+
+    def body_velocity(self, at: str, fixed: Sequence[str] = (), velocity: Motion | None = None) -> None:
+        """Hold velocities along the axes of the moving section; see `BodyVelocity`."""
+        given: dict[str, Any] = {"fixed": fixed, "velocity": velocity or {}}
+        self.supports.append(BodyVelocity(at, **given))
 
     def attach(self, a: str, b: str) -> None:
         """Join two coinciding places into one rigid node; the angle between the rods stays as it is."""

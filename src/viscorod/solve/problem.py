@@ -48,7 +48,10 @@ class ElementSet:
 
 @dataclass(frozen=True)
 class SupportSet:
-    """Supported nodes: axes ``(m, 3, 3)``, fixed components ``(m, 6)`` as 0/1, prescribed motions, names."""
+    """Supported nodes: axes ``(m, 3, 3)``, fixed components ``(m, 6)`` as 0/1, prescribed motions, names.
+
+    Axes that are zero are those of the moving section: velocities along them are held.
+    """
 
     nodes: Integers
     axes: Floats
@@ -59,12 +62,17 @@ class SupportSet:
     @property
     def complete(self) -> Integers:
         """Indices of supports that prescribe the whole pose."""
-        return np.flatnonzero(self.fixed.all(axis=1)).astype(np.int64)
+        return np.flatnonzero(self.fixed.all(axis=1) & ~self.in_body).astype(np.int64)
 
     @property
     def partial(self) -> Integers:
         """Indices of supports that leave some motion free."""
-        return np.flatnonzero(~self.fixed.all(axis=1)).astype(np.int64)
+        return np.flatnonzero(~self.fixed.all(axis=1) | self.in_body).astype(np.int64)
+
+    @property
+    def in_body(self) -> np.ndarray:
+        """Whether each support holds velocities along the axes of the moving section ``(m,)``."""
+        return np.asarray(~self.axes.any(axis=(1, 2)))
 
 
 @dataclass(frozen=True)

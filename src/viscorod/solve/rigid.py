@@ -48,7 +48,7 @@ def free_motions(problem: Problem) -> list[FreeMotion]:
         for k, node in enumerate(problem.supports.nodes):
             if labels[node] != label:
                 continue
-            A = problem.supports.axes[k]
+            A = R[node] if problem.supports.in_body[k] else problem.supports.axes[k]
             arm = problem.positions[node] - centre
             moves = np.zeros((6, 6))
             moves[:3, :3] = A.T

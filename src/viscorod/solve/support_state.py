@@ -107,6 +107,7 @@ class SupportState:
             supports.impose_tangent(
                 self.set.nodes,
                 self.set.fixed,
+                self.set.axes,
                 *self._directions_now,
                 self.reaction,
                 residual,

@@ -76,5 +76,6 @@ def hold_ends(
     supports.impose(nodes, fixed, axes, r0, q0, target[0], r[0], q[0], gap, reaction, G, Z, psi)
     for m in range(nodes.shape[0]):
         for a in range(6):
-            if fixed[m, a] != 0.0:
+            # velocities along moving axes are held in the middle
+            if fixed[m, a] != 0.0 and not supports.in_body(axes[m]):
                 residual[0, nodes[m], a] = 0.5 * gap[nodes[m], a]

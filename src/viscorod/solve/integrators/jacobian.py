@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics.compiled import kernel
-from viscorod.mechanics.supports import reaction_stiffness, support_directions
+from viscorod.mechanics.supports import in_body, reaction_stiffness, support_directions
 from viscorod.typing import Floats, Integers
 
 
@@ -114,7 +114,7 @@ def project(
             for i in range(6):
                 for j in range(6):
                     G[s, i, j] = 1.0 if i == j else 0.0
-        else:
+        elif not in_body(axes[s]):
             reaction_stiffness(G[s], psi, reaction[s], turned)
             for i in range(6):
                 for j in range(6):

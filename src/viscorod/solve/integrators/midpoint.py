@@ -39,9 +39,11 @@ class Midpoint(Collocation):
         if not supports.moving:
             return
         supports.update(self.t, False)
-        start = supports.target.copy()
+        start, start_rate = supports.target.copy(), supports.rate.copy()
         supports.update(end, before)
         given.target[0], given.rate[0] = supports.target, (supports.target - start) / h
+        turning = supports.set.in_body
+        given.rate[0, turning] = 0.5 * (start_rate + supports.rate)[turning]
         c = supports.complete
         if len(c) == 0:
             return

@@ -10,6 +10,7 @@ from viscorod.mechanics.internal_force import Points, conserve_energy, energies,
 from viscorod.mechanics.intrinsic import StrainMotion, stage_forces
 from viscorod.mechanics.linearised import add_frozen_forces, carry_stress
 from viscorod.mechanics.motion import move_stages, place_stages
+from viscorod.mechanics.supports import lacking_motion
 from viscorod.solve import lapack
 from viscorod.solve.integrators import stages as over
 from viscorod.solve.integrators.energy_step import hold_ends, reach_end
@@ -235,7 +236,14 @@ def try_step(
     X, r, q, twist, acceleration, internal, external, force, residual, reaction = stages[:10]
     strain, strain_rate, S, sigma, held_power = stages[10:]
     ends_active, r1, q1, twist1, strain1, strain_rate1, S1, strain0, force1 = ends
-    D, T, T_inverse, eigenvalue, weights = tableau[3], tableau[4], tableau[5], tableau[6], tableau[8]
+    A_tableau, D, T, T_inverse, eigenvalue, weights = (
+        tableau[2],
+        tableau[3],
+        tableau[4],
+        tableau[5],
+        tableau[6],
+        tableau[8],
+    )
     real_lu, real_integers, real_rows, pair_lu, pair_integers, pair_rows, columns, letter = factors
     C, adjoint, free_directions = matrices[1], matrices[3], matrices[5]
     B, A, P = matrices[6]
@@ -250,6 +258,7 @@ def try_step(
     while True:
         final = code == CONVERGED
         place_stages(r0, q0, twist0, X, D, h, split, held, r, q, twist, acceleration)
+        lacking_motion(nodes, fixed, axes, A_tableau, h, rate_target, twist, target)
         over.hold(nodes, complete, given_r, given_q, given_twist, given_rate, r, q, twist, acceleration)
         if ends_active:
             reach_end(
