@@ -12,6 +12,7 @@ from sphinx.util.docutils import SphinxDirective
 
 from viscorod.cases import schema
 from viscorod.model.attachment import Attachment
+from viscorod.model.initial_strain import InitialStrain
 from viscorod.model.load import LOADS
 from viscorod.model.material import KelvinVoigt, Material
 from viscorod.model.profile import SECTIONS, Piece, Taper
@@ -35,6 +36,7 @@ PARTS = {
     **{f"loads.{word}": kind for word, kind in LOADS.items()},
     **{f"time.{word}": kind for word, kind in TIME_FUNCTIONS.items()},
     "velocities": InitialVelocity,
+    "strains": InitialStrain,
     **schema.ANALYSES,
 }
 PARTS = {name: kind for name, kind in PARTS.items() if name not in PYTHON_ONLY}
@@ -50,6 +52,7 @@ FILE = {
     "loads": ("tables `[[loads]]`", "\N{EN DASH}", "see Loads"),
     "attachments": ("tables `[[attachments]]`", "\N{EN DASH}", "see Attachments"),
     "velocities": ("tables `[[velocities]]`", "at rest", "see Initial velocities"),
+    "strains": ("tables `[[strains]]`", "unstrained", "see Initial strains"),
     "simulate": ("table `[simulate]`", "this or `equilibrium`", "see Analyses"),
     "equilibrium": ("table `[equilibrium]`", "this or `simulate`", "see Analyses"),
 }
@@ -77,6 +80,7 @@ TEXTS = {
     "_points": "list of 2 points or more, 3 numbers each",
     "_density": "3 numbers",
     "_twist": "number",
+    "_strain": "6 numbers",
     "_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
     "_inertia": "6 numbers (a diagonal) or 6 rows of 6",
     "_fixed": f"list of some of {', '.join(f'`{word!r}`' for word in MOTIONS)}".replace("'", '"'),
@@ -95,6 +99,7 @@ FILE_WORDS = {
     "; by name only": "",
     ", three numbers or a function of s": "",
     ", or a function of the arc length (in Python only)": "",
+    ", six numbers": "",
     " (see `Centreline.frames`)": "",
     "None lets the program choose": "left out, the program chooses",
     "None stores every step": "left out, every step",

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from viscorod.cases.case import load_case
     from viscorod.front import Model
     from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
+    from viscorod.model.initial_strain import InitialStrain
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
     from viscorod.model.material import KelvinVoigt, Material
     from viscorod.model.profile import Piecewise, Taper
@@ -50,6 +51,7 @@ _HOMES = {
     "model.time_function": ("Constant", "Ramp", "Sine", "SpinUp", "Until"),
     "model.time_table": ("Function", "Table"),
     "model.velocity": ("InitialVelocity",),
+    "model.initial_strain": ("InitialStrain",),
     "results.decrement": ("Decrement",),
     "results.energy": ("Energy",),
     "results.run": ("Equilibrium", "Run"),
@@ -78,6 +80,7 @@ __all__ = [
     "Gravity",
     "Guide",
     "Helix",
+    "InitialStrain",
     "InitialVelocity",
     "InputError",
     "KelvinVoigt",

@@ -22,6 +22,7 @@ from viscorod.solve import modes as small_motion
 from viscorod.solve.discretise import discretise
 from viscorod.solve.formulations import FORMULATIONS
 from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.initial_shape import strain_rods
 from viscorod.solve.integrators import INTEGRATORS, LINEAR_INTEGRATORS, Integrator
 from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.loads import LoadState
@@ -154,7 +155,14 @@ class Workplace:
     def simulate(self, settings: SimulateSettings, progress: Progress | None, attrs: dict[str, Any]) -> Run:
         """Compute the motion; see ``Model.simulate``."""
         state = self.reference()
-        if settings.initial == "equilibrium":
+        if self.problem.initial_strain:
+            if settings.initial == "equilibrium":
+                raise InputError(
+                    "initial = 'equilibrium': the model has initial strains. Give initial = 'reference' to start "
+                    "from the shape that they make, or remove them"
+                )
+            self.system.given_strain = strain_rods(self.system, state)
+        elif settings.initial == "equilibrium":
             self.settle(state)
         state.twist[:] = self.problem.initial_twist(state.r, state.q)
         integrator, control, chosen = self._stepping(settings, state)

@@ -175,4 +175,5 @@ def as_model(description: ModelDescription) -> Model:
         description.loads,
         description.attachments,
         description.velocities,
+        description.strains,
     )

@@ -14,6 +14,7 @@ from viscorod.errors import InputError, Problem, join_path
 from viscorod.model.attachment import Attachment
 from viscorod.model.described import Marked, nearest, path_text, problems_of, show
 from viscorod.model.description import ModelDescription
+from viscorod.model.initial_strain import InitialStrain
 from viscorod.model.load import load
 from viscorod.model.material import Material
 from viscorod.model.profile import Piecewise, Taper, one_section
@@ -34,7 +35,7 @@ ANALYSES: dict[str, type[SimulateSettings] | type[EquilibriumSettings]] = {
 """The analyses by their table in a case file; exactly one of them stands in a file."""
 
 TABLES = ("materials", "sections", "rods")
-LISTS = ("supports", "loads", "attachments", "velocities")
+LISTS = ("supports", "loads", "attachments", "velocities", "strains")
 KEYS = ("title", *TABLES, *LISTS, *ANALYSES)
 
 SECTION_KEYS = ("section", "sections", "taper")
@@ -76,6 +77,7 @@ class CaseReader:
         self.model.loads = self._list("loads", load)
         self.model.attachments = self._list("attachments", Attachment.model_validate)
         self.model.velocities = self._list("velocities", InitialVelocity.model_validate)
+        self.model.strains = self._list("strains", InitialStrain.model_validate)
         self._analysis()
         if not self.problems:
             try:

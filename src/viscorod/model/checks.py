@@ -36,7 +36,11 @@ def problems(model: ModelDescription) -> Iterator[Problem]:
     yield from found
     if not found:
         yield from _clashes(model)
-    yield from _velocities(model)
+    yield from _once_per_rod(model, "velocities", "velocity")
+    strains = list(_once_per_rod(model, "strains", "strain"))
+    yield from strains
+    if not found and not strains:
+        yield from _unfit_strains(model)
 
 
 def _unknown_places(model: ModelDescription) -> Iterator[Problem]:
@@ -104,23 +108,41 @@ def _wrong_attachments(model: ModelDescription) -> Iterator[Problem]:
         seen.add(frozenset((a, b)))
 
 
-def _velocities(model: ModelDescription) -> Iterator[Problem]:
+def _once_per_rod(model: ModelDescription, key: str, noun: str) -> Iterator[Problem]:
+    """Initial velocities or strains of rods that do not exist, or of one rod twice."""
     first: dict[str, int] = {}
-    for index, velocity in enumerate(model.velocities):
-        where = f"velocities[{index}].rod"
+    for index, given in enumerate(getattr(model, key)):
+        where = f"{key}[{index}].rod"
         try:
-            find_rod(velocity.rod, model.rods)
+            find_rod(given.rod, model.rods)
         except RefusedError as error:
             yield Problem(where, error.found or "", error.why, error.instead)
             continue
-        if velocity.rod in first:
+        if given.rod in first:
             yield Problem(
                 where,
-                show(velocity.rod),
-                f"the rod has its initial velocity already from velocities[{first[velocity.rod]}]",
+                show(given.rod),
+                f"the rod has its initial {noun} already from {key}[{first[given.rod]}]",
                 "give each rod one at most",
             )
-        first.setdefault(velocity.rod, index)
+        first.setdefault(given.rod, index)
+
+
+def _unfit_strains(model: ModelDescription) -> Iterator[Problem]:
+    """Strains of rods whose shape is given elsewhere than at their starts."""
+    for index, strain in enumerate(model.strains):
+        places = [(f"attachments[{k}]", text) for k, a in enumerate(model.attachments) for text in (a.a, a.b)]
+        places += [(f"supports[{k}]", support.at) for k, support in enumerate(model.supports)]
+        for path, text in places:
+            place = find_place(text, model.rods)
+            if place.rod == strain.rod and (path.startswith("attachments") or place.s > 0.0):
+                yield Problem(
+                    f"strains[{index}].rod",
+                    show(strain.rod),
+                    f"initial strains move all of the rod but its start, and {path} holds {text}",
+                    "leave the strain out and start from an equilibrium, or hold the rod at its start only",
+                )
+                break
 
 
 def position_of(model: ModelDescription, place: Place) -> tuple[Floats, Floats]:

@@ -9,6 +9,7 @@ from viscorod.errors import InputError, Problem
 from viscorod.model import checks
 from viscorod.model.attachment import Attachment
 from viscorod.model.described import RefusedError, plain_value, show
+from viscorod.model.initial_strain import InitialStrain
 from viscorod.model.load import (
     AnyLoad,
     DistributedForce,
@@ -53,7 +54,7 @@ class ModelDescription:
         supports: in order.
         loads: in order.
         attachments: pairs of places that are one rigid node.
-        velocities: at t = 0.
+        velocities, strains: at t = 0.
     """
 
     def __init__(self) -> None:
@@ -62,6 +63,7 @@ class ModelDescription:
         self.loads: list[AnyLoad] = []
         self.attachments: list[Attachment] = []
         self.velocities: list[InitialVelocity] = []
+        self.strains: list[InitialStrain] = []
 
     def add(self, name: str, rod: Rod) -> None:
         """Add a rod under a new name (letters, digits, _ and -).
@@ -207,6 +209,11 @@ class ModelDescription:
             given |= {"linear": linear, "angular": angular, "about": about}
         self.velocities.append(InitialVelocity(**given))
 
+    def strain(self, rod: str, value: Sequence[float] | Callable[[float], Sequence[float]]) -> None:
+        """Give a rod an initial strain; see `InitialStrain`."""
+        given: dict[str, Any] = {"value": value}
+        self.strains.append(InitialStrain(rod, **given))
+
     def validate(self) -> None:
         """Check that the parts fit together.
 
@@ -240,7 +247,7 @@ class ModelDescription:
     def to_dict(self) -> dict[str, Any]:
         """The model as a table of the case file; Python functions appear as a note."""
         plain: dict[str, Any] = {"rods": {name: rod.to_dict() for name, rod in self.rods.items()}}
-        for key in ("supports", "loads", "attachments", "velocities"):
+        for key in ("supports", "loads", "attachments", "velocities", "strains"):
             if getattr(self, key):
                 plain[key] = plain_value(getattr(self, key))
         return plain
@@ -253,6 +260,7 @@ class ModelDescription:
         loads: Iterable[AnyLoad] = (),
         attachments: Iterable[Attachment] = (),
         velocities: Iterable[InitialVelocity] = (),
+        strains: Iterable[InitialStrain] = (),
     ) -> Self:
         """A model from its parts."""
         model = cls()
@@ -262,6 +270,7 @@ class ModelDescription:
         model.loads.extend(loads)
         model.attachments.extend(attachments)
         model.velocities.extend(velocities)
+        model.strains.extend(strains)
         return model
 
 

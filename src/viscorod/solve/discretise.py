@@ -64,6 +64,7 @@ def discretise(model: ModelDescription) -> Problem:
         nodal_loads=tuple(nodal),
         station_loads=tuple(moving),
         stations=stations_of(mesh),
+        initial_strain={mesh.rod_index(strain.rod): strain.at for strain in model.strains},
         initial_twist=_initial_twist(model, mesh),
         length=max(m.rod.length for m in mesh.rods),
         breakpoints=breakpoints,

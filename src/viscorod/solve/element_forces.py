@@ -91,7 +91,10 @@ class IntrinsicForces:
         """See :class:`ElementForces`."""
         if not self._known:
             GeometricForces(self.system, self.elements).evaluate(state, points, internal)
-            self.arrive(points.strain[0])
+            strain = points.strain[0]
+            if self.system.given_strain is not None:
+                strain.reshape(-1, 6)[self.system.gauss_places()] = self.system.given_strain
+            self.arrive(strain)
         points.strain[0] = self.motion.start
         forces_at(
             self.elements,

@@ -60,6 +60,7 @@ class GeometricSystem:
         self.external: Floats = np.zeros((problem.size, 6))
         self.band = BandMatrix(problem.size, problem.reach, problem.length)
         self.parts = [_Part(problem, elements) for elements in problem.sets]
+        self.given_strain: Floats | None = None
         self._no_map = np.zeros((problem.size, 6, 6))
         self._no_band = np.zeros((0, 0))
         self._no_operator = np.zeros((0, 1, 6, 6, LANES))

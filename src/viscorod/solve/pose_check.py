@@ -31,7 +31,7 @@ def pose_gap(system: System, history: History) -> tuple[float, float]:
     distance = angle = 0.0
     for rod, order in enumerate(problem.rod_orders):
         at, points = problem.stations.rod == rod, gauss.rod == rod
-        half_length = _half_lengths(system, rod)
+        half_length = half_lengths(system, rod)
         inside = strain[:, points].reshape(len(snapshots), len(half_length), order, 6)
         there, turned = position[:, at], rotation[:, at]
         found, turn = along_rod(int(order), half_length, inside, there[:, 0], turned[:, 0])
@@ -41,7 +41,7 @@ def pose_gap(system: System, history: History) -> tuple[float, float]:
     return distance, angle
 
 
-def _half_lengths(system: System, rod: int) -> Floats:
+def half_lengths(system: System, rod: int) -> Floats:
     """Half lengths of a rod's elements in order of arc length [m]."""
     sets = system.problem.sets
     start = np.concatenate([e.start[e.rod == rod] for e in sets])

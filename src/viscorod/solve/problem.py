@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -115,6 +115,7 @@ class Problem:
         positions, quaternions: reference poses of the nodes ``(n, 3)`` [m], ``(n, 4)``.
         mass: nodal inertia in body axes ``(n, 6, 6)`` [kg, kg m, kg m^2].
         link_positions, link_quaternions: constant poses of rigidly attached rod ends in the frame of the shared node.
+        initial_strain: strains ``(6,)`` at t = 0 by arc length [m], of the rods (by index) that have any.
         initial_twist: body twists at t = 0 for given poses, ``(r, q) -> (n, 6)``.
         length: size of the model [m], the measure of "small" for displacements.
         breakpoints, jumps: times [s] at which loads or motions are not smooth / an integrator must start anew.
@@ -135,6 +136,7 @@ class Problem:
     nodal_loads: tuple[NodalLoad, ...]
     station_loads: tuple[StationLoad, ...]
     stations: Stations
+    initial_strain: Mapping[int, Callable[[float], Floats]]
     initial_twist: Callable[[Floats, Floats], Floats]
     length: float
     breakpoints: tuple[float, ...]

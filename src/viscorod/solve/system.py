@@ -65,6 +65,8 @@ class System(Protocol):
     internal: Floats
     external: Floats
     band: BandMatrix
+    given_strain: Floats | None
+    """Strains at the Gauss points ``(m, 6)``, in order of results, that a motion starts with; None: those of poses."""
 
     def assemble(
         self,
