@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from viscorod.results.decrement import Decrement
     from viscorod.results.energy import Energy
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.steady import Steady
     from viscorod.results.storage import load
     from viscorod.results.sweep import Member, Sweep
     from viscorod.sweeps import sweep
@@ -53,6 +54,7 @@ _HOMES = {
     "results.decrement": ("Decrement",),
     "results.energy": ("Energy",),
     "results.run": ("Equilibrium", "Run"),
+    "results.steady": ("Steady",),
     "results.storage": ("load",),
     "results.sweep": ("Member", "Sweep"),
     "sweeps": ("sweep",),
@@ -98,6 +100,7 @@ __all__ = [
     "SolveError",
     "SpinUp",
     "SquareTube",
+    "Steady",
     "StiffnessSection",
     "Straight",
     "Support",
