@@ -50,8 +50,9 @@ FILE = {
     "loads": ("tables `[[loads]]`", "\N{EN DASH}", "see Loads"),
     "attachments": ("tables `[[attachments]]`", "\N{EN DASH}", "see Attachments"),
     "velocities": ("tables `[[velocities]]`", "at rest", "see Initial velocities"),
-    "simulate": ("table `[simulate]`", "this or `equilibrium`", "see Analyses"),
-    "equilibrium": ("table `[equilibrium]`", "this or `simulate`", "see Analyses"),
+    "simulate": ("table `[simulate]`", "one of these three", "see Analyses"),
+    "equilibrium": ("table `[equilibrium]`", "one of these three", "see Analyses"),
+    "steady": ("table `[steady]`", "one of these three", "see Analyses"),
 }
 ROD = {
     "section": (SECTION, "one of these three", "the section of the whole rod"),
@@ -77,6 +78,7 @@ TEXTS = {
     "_points": "list of 2 points or more, 3 numbers each",
     "_density": "3 numbers",
     "_twist": "number",
+    "_spin": "number > 0, or 3 numbers",
     "_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
     "_inertia": "6 numbers (a diagonal) or 6 rows of 6",
     "_fixed": f"list of some of {', '.join(f'`{word!r}`' for word in MOTIONS)}".replace("'", '"'),

@@ -196,7 +196,7 @@ class Case(Protocol):
         """The described model."""
 
     @property
-    def settings(self) -> SimulateSettings | EquilibriumSettings:
+    def settings(self) -> SimulateSettings | EquilibriumSettings | SteadySettings:
         """The settings of the analysis that the file asks for."""
 
     @property
@@ -204,12 +204,14 @@ class Case(Protocol):
         """The title, or empty."""
 
 
-def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibrium:
+def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibrium | Steady:
     """Do what a case file asks for."""
     model = as_model(case.description)
     given = {name: getattr(case.settings, name) for name in case.settings.model_fields_set}
     if isinstance(case.settings, EquilibriumSettings):
         return model.equilibrium(**given, progress=progress, title=case.title)
+    if isinstance(case.settings, SteadySettings):
+        return model.steady(**given, title=case.title)
     return model.simulate(**given, progress=progress, title=case.title)
 
 

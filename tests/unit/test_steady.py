@@ -7,6 +7,8 @@ import pytest
 
 import viscorod as vr
 from frames import Moved, frame
+from viscorod.cases.case import case_from_dict, parse_case
+from viscorod.front import run_case
 from viscorod.mechanics.intrinsic import StrainMotion, forces_at
 from viscorod.model.settings import SteadySettings
 from viscorod.solve.discretise import discretise
@@ -248,8 +250,51 @@ def test_a_result_is_saved_drawn_and_told(tmp_path):
         assert words in text
     assert found.plot(tmp_path / "steady.png").is_file()
     assert (found.formulation, found.damping, len(found.frequencies)) == ("geometric", "full", 4)
-    assert found.damping_ratios == pytest.approx(-found.eigenvalues.real / np.abs(found.eigenvalues))
+    size = np.abs(found.eigenvalues)
+    assert found.damping_ratios * size == pytest.approx(-found.eigenvalues.real)
+    assert found.damping_ratios[0] == size[0] == 0.0  # spinning a bit faster
     assert np.linalg.norm(found.joint_spin) == pytest.approx(5.0)
     # and it is a first guess itself
     faster = rod().steady(spin=5.5, start=found)
     assert np.linalg.norm(faster.spin) == pytest.approx(5.5)
+
+
+CASE = """
+[sections.flat]
+shape = "stiffness"
+stiffness = [50.0, 50.0, 90.0, 1.0, 2.0, 1.0]
+inertia = [1.0, 1.0, 1.0, 0.01, 0.01, 0.02]
+[rods.blade]
+shape = "straight"
+start = [0.2, 0.0, 0.0]
+end = [1.2, 0.0, 0.0]
+section = "flat"
+elements = 1
+order = 4
+[[supports]]
+kind = "clamp"
+at = "blade.start"
+[steady]
+spin = [0.0, 0.0, 2.0]
+modes = 3
+"""
+
+
+def test_a_case_file_asks_for_it():
+    """Contract: the table [steady] does what ``Model.steady`` does, and round-trips."""
+    case = parse_case(CASE)
+    assert case.kind == "steady"
+    found = run_case(case)
+    assert isinstance(found, vr.Steady)
+    model = case.model(vr.Model)
+    assert found.eigenvalues == pytest.approx(model.steady(spin=(0, 0, 2.0), modes=3).eigenvalues, abs=0.0)
+    assert case_from_dict(case.to_dict()).settings == case.settings
+
+
+def test_members_of_a_sweep(tmp_path):
+    """Contract: a sweep over the angular velocity keeps one steady rotation per member, in its file too."""
+    table = {"steady.spin": [[0, 0, 1.0], [0, 0, 2.0]]}
+    sweep = vr.sweep(parse_case(CASE), table, workers=1)
+    again = vr.load(sweep.save(tmp_path / "sweep.nc"))
+    rates = [float(np.linalg.norm(member.result.spin)) for member in again.members]
+    assert rates == [1.0, 2.0]
