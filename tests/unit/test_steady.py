@@ -78,9 +78,19 @@ REFUSED = {
         "of which the intrinsic formulation knows nothing",
     ),
     "roller of the intrinsic formulation": (
-        lambda: changed(rod(), lambda m: m.roller("beam.end", (0, 1, 0))),
+        lambda: changed(rod(None), lambda m: m.roller("beam.end", (0, 1, 0))),
         {"spin": (1.0, 0, 0), "formulation": "intrinsic"},
         "roller at beam.end: the intrinsic formulation knows clamps and ball joints",
+    ),
+    "two supports of the intrinsic formulation": (
+        lambda: changed(rod("clamp"), lambda m: m.pin("beam.end")),
+        {"spin": (1.0, 0, 0), "formulation": "intrinsic"},
+        "pin at beam.end: without positions nothing keeps a second support",
+    ),
+    "rods apart": (
+        lambda: changed(rod(), lambda m: m.add("other", rod().rods["beam"])),
+        {"spin": 1.0},
+        "the rods are not connected",
     ),
     "eccentric joint of the intrinsic formulation": (
         rod,

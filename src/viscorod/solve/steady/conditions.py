@@ -91,7 +91,8 @@ def _size(problem: Problem, settings: SteadySettings) -> Iterator[Fault]:
             f"steady rotations are computed by dense linear algebra, for up to {LARGEST} unknowns",
             "give fewer elements, of higher order",
         )
-    if not problem.supports.names and len(free_motions(problem)) > 6:
+    most = {Holding.FREE: 6, Holding.JOINT: 3}.get(holding(problem))
+    if most is not None and len(free_motions(problem)) > most:
         yield Fault("rods", "", "the rods are not connected", "attach them, or compute them one by one")
 
 
@@ -150,6 +151,16 @@ def _intrinsic_supports(
     model: ModelDescription, problem: Problem, settings: SteadySettings
 ) -> Iterator[Fault]:
     supports = problem.supports
+    chains = 1 + sum(e.order * len(e.nodes) for e in problem.sets)
+    if len(supports.names) > 1 or problem.size != chains:
+        # strains and velocities do not say by how much the ends of a chain turned about the axis, or moved along it
+        yield Fault(
+            "supports" if len(supports.names) > 1 else "rods",
+            ", ".join(_label(model, name) for name in supports.names[1:]),
+            "without positions nothing keeps a second support, or a closed ring of rods, together",
+            "leave out formulation, for the geometric one",
+        )
+        return
     for k, name in enumerate(supports.names):
         fixed = supports.fixed[k]
         if fixed.all():

@@ -20,7 +20,9 @@ round-off of positions is multiplied by the stiffness against stretching."""
 GROWTH = 2.0
 """Growth of the elastic energy from one state of a bent branch to the next."""
 BRANCH = 40
-"""States tried along a bent branch."""
+"""States tried up a bent branch."""
+DOWN = 16
+"""States tried down a bent branch, to 1/65000 of the elastic energy."""
 
 
 @dataclass
@@ -88,38 +90,56 @@ def follow(
     return True
 
 
-def climb(
+def along_branch(
     equations: SteadyEquations, kind: Measure, target: float, elastic: float, effort: Effort
 ) -> tuple[bool, tuple[float, float]]:
-    """Find the steady rotation with a measure on the bent branch that begins near where the unknowns are.
+    """Find the steady rotation with a measure on the branch of bent shapes near where the unknowns are.
 
-    The elastic energy, ``elastic`` [J] at first, parametrises the branch, up which the search goes until the measure
-    has passed the target.
+    The elastic energy, ``elastic`` [J] at first, parametrises the branch. The search goes down if the measure is too
+    large there (a curved rod bends however slowly it turns; a straight one begins to at a critical speed), and up.
 
     Returns:
         whether it was found, and the range of the measure on the branch as far as it was followed.
     """
-    values: list[float] = []
-    low = high = np.nan
-    growth = GROWTH
     if not newton(equations, "elastic", elastic, effort):
-        return False, (low, high)
-    values.append(equations.measure(kind)[0])
-    for _ in range(BRANCH):
+        return False, (np.nan, np.nan)
+    first, values = equations.keep(), [equations.measure(kind)[0]]
+    downwards = ((1.0 / GROWTH, DOWN),) if values[0] > target else ()
+    for growth, count in (*downwards, (GROWTH, BRANCH)):
+        equations.restore(first)
+        if _walk(equations, kind, target, elastic, growth, count, values, effort):
+            return True, (min(values), max(values))
+    return False, (min(values), max(values))
+
+
+def _walk(
+    equations: SteadyEquations,
+    kind: Measure,
+    target: float,
+    elastic: float,
+    growth: float,
+    count: int,
+    values: list[float],
+    effort: Effort,
+) -> bool:
+    """Multiply the elastic energy by ``growth`` until the measure passes the target; adds its ``values``."""
+    last = equations.measure(kind)[0]
+    for _ in range(count):
         kept = equations.keep()
         if not newton(equations, "elastic", elastic * growth, effort):
             growth = np.sqrt(growth)
-            if growth < 1.01:
+            if abs(growth - 1.0) < 0.01:
                 break
             continue
         elastic *= growth
-        values.append(equations.measure(kind)[0])
-        if (values[-1] - target) * (values[-2] - target) <= 0.0:
-            nearer = abs(values[-1] - target) < abs(values[-2] - target)
-            ends = (equations.keep(), kept) if nearer else (kept, equations.keep())
-            for end in ends:
+        value = equations.measure(kind)[0]
+        values.append(value)
+        if (value - target) * (last - target) <= 0.0:
+            ends = [equations.keep(), kept]
+            for end in ends if abs(value - target) < abs(last - target) else ends[::-1]:
                 equations.restore(end)
                 if follow(equations, kind, target, effort):
-                    return True, (min(values), max(values))
+                    return True
             break
-    return False, (min(values), max(values))
+        last = value
+    return False

@@ -72,7 +72,7 @@ class Search:
             found = path.follow(equations, kind, target, self.effort, 0.0)
         else:
             equations, elastic = self._from_mode()
-            found, (low, high) = path.climb(equations, kind, target, elastic, self.effort)
+            found, (low, high) = path.along_branch(equations, kind, target, elastic, self.effort)
             if not found:
                 raise SolveError(self._no_bent(kind, target, low, high))
         if not found:
