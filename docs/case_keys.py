@@ -53,8 +53,9 @@ FILE = {
     "attachments": ("tables `[[attachments]]`", "\N{EN DASH}", "see Attachments"),
     "velocities": ("tables `[[velocities]]`", "at rest", "see Initial velocities"),
     "strains": ("tables `[[strains]]`", "unstrained", "see Initial strains"),
-    "simulate": ("table `[simulate]`", "this or `equilibrium`", "see Analyses"),
-    "equilibrium": ("table `[equilibrium]`", "this or `simulate`", "see Analyses"),
+    "simulate": ("table `[simulate]`", "one of these three", "see Analyses"),
+    "equilibrium": ("table `[equilibrium]`", "one of these three", "see Analyses"),
+    "steady": ("table `[steady]`", "one of these three", "see Analyses"),
 }
 ROD = {
     "section": (SECTION, "one of these three", "the section of the whole rod"),
@@ -81,6 +82,7 @@ TEXTS = {
     "_density": "3 numbers",
     "_twist": "number",
     "_strain": "6 numbers",
+    "_spin": "number > 0, or 3 numbers",
     "_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
     "_inertia": "6 numbers (a diagonal) or 6 rows of 6",
     "_fixed": f"list of some of {', '.join(f'`{word!r}`' for word in MOTIONS)}".replace("'", '"'),

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from viscorod.results.decrement import Decrement
     from viscorod.results.energy import Energy
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.steady import Steady
     from viscorod.results.storage import load
     from viscorod.results.sweep import Member, Sweep
     from viscorod.sweeps import sweep
@@ -55,6 +56,7 @@ _HOMES = {
     "results.decrement": ("Decrement",),
     "results.energy": ("Energy",),
     "results.run": ("Equilibrium", "Run"),
+    "results.steady": ("Steady",),
     "results.storage": ("load",),
     "results.sweep": ("Member", "Sweep"),
     "sweeps": ("sweep",),
@@ -102,6 +104,7 @@ __all__ = [
     "SolveError",
     "SpinUp",
     "SquareTube",
+    "Steady",
     "StiffnessSection",
     "Straight",
     "Support",

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from viscorod.cases.case import Case
     from viscorod.check import CheckReport
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.steady import Steady
 
 app = typer.Typer(
     name="viscorod",
@@ -263,14 +264,15 @@ def _writable(folder: Path) -> None:
 def _doubts(case: Case) -> list[str]:
     """What the user should know before the case is computed."""
     from viscorod.check import doubts
-    from viscorod.model.settings import SimulateSettings
+    from viscorod.model.settings import SimulateSettings, SteadySettings
 
     settings = case.settings
     flies = isinstance(settings, SimulateSettings) and settings.initial == "reference"
+    flies = flies or isinstance(settings, SteadySettings)
     return doubts(case.description, settled=not flies)
 
 
-def _write(result: Run | Equilibrium, folder: Path, doubts: Sequence[str]) -> list[Path]:
+def _write(result: Run | Equilibrium | Steady, folder: Path, doubts: Sequence[str]) -> list[Path]:
     """Write data, with the doubts among its warnings, and pictures; returns the files."""
     from viscorod.results.run import Run
 

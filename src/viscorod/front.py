@@ -6,19 +6,20 @@ The solvers are imported when something is first computed, so that a model is bu
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.model.description import ModelDescription
-from viscorod.model.settings import EquilibriumSettings, SimulateSettings
+from viscorod.model.settings import EquilibriumSettings, SimulateSettings, SteadySettings
 from viscorod.model.values import number
 
 if TYPE_CHECKING:
     from viscorod.analysis import Workplace
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.steady import Steady
     from viscorod.solve.modes import Modes
 
 __all__ = ["Case", "Model", "as_model", "run_case"]
@@ -131,6 +132,51 @@ class Model(ModelDescription):
             raise InputError(f"count = {count!r}: give a whole number of at least 1")
         return self._discretised().modes(int(count), about)
 
+    def steady(
+        self,
+        *,
+        spin: float | Sequence[float] | None = None,
+        energy: float | None = None,
+        momentum: float | None = None,
+        axis: Sequence[float] | None = None,
+        about: Sequence[float] | None = None,
+        start: Run | Steady | Equilibrium | None = None,
+        formulation: str = "geometric",
+        damping: str = "full",
+        modes: int = 6,
+        title: str = "",
+    ) -> Steady:
+        """Find a steady rotation, in which every rod turns like a rigid body, and its small motions.
+
+        Exactly one of ``spin``, ``energy`` and ``momentum`` is given. Prescribed motions are refused: supports turn
+        with the rotation as they are.
+
+        Args:
+            spin: [rad/s]; three numbers: the angular velocity, global axes; one number: how fast a rod on a ball joint
+                (one pin) or without supports turns, about an axis that is found.
+            energy: kinetic and elastic energy of such a rod [J].
+            momentum: its angular momentum about the joint or the mass centre [N m s].
+            axis: start from the reference shape turning about this axis; without it a bent shape is sought.
+            about: a point on the axis of a given angular velocity [m]; the origin, for a rod that turns freely its
+                joint or mass centre.
+            start: a result whose last state is the first guess.
+            formulation: "geometric" or "intrinsic".
+            damping: "full" or "linearised" (intrinsic formulation), which lets straight rods turn about their own axis
+                only.
+            modes: number of small motions to report.
+            title: kept with the result.
+
+        Raises:
+            InputError: supports, loads or damping allow no such rotation. SolveError: none was found.
+        """
+        from viscorod.steady import steady_rotation
+
+        given: dict[str, Any] = {"formulation": formulation, "damping": damping, "modes": modes}
+        optional = {"spin": spin, "energy": energy, "momentum": momentum, "axis": axis, "about": about}
+        given |= {name: value for name, value in optional.items() if value is not None}
+        settings = SteadySettings(**given)
+        return steady_rotation(self._discretised(), self, settings, start, self._attrs(title))
+
     def _discretised(self, formulation: str = "geometric", damping: str = "full") -> Workplace:
         from viscorod.analysis import Workplace
 
@@ -150,7 +196,7 @@ class Case(Protocol):
         """The described model."""
 
     @property
-    def settings(self) -> SimulateSettings | EquilibriumSettings:
+    def settings(self) -> SimulateSettings | EquilibriumSettings | SteadySettings:
         """The settings of the analysis that the file asks for."""
 
     @property
@@ -158,12 +204,14 @@ class Case(Protocol):
         """The title, or empty."""
 
 
-def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibrium:
+def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibrium | Steady:
     """Do what a case file asks for."""
     model = as_model(case.description)
     given = {name: getattr(case.settings, name) for name in case.settings.model_fields_set}
     if isinstance(case.settings, EquilibriumSettings):
         return model.equilibrium(**given, progress=progress, title=case.title)
+    if isinstance(case.settings, SteadySettings):
+        return model.steady(**given, title=case.title)
     return model.simulate(**given, progress=progress, title=case.title)
 
 

@@ -9,6 +9,7 @@ import pytest
 
 import viscorod as vr
 from viscorod.cases.case import load_case
+from viscorod.cases.schema import ANALYSES
 from viscorod.cases.shipped import shipped_cases
 from viscorod.front import run_case
 
@@ -70,9 +71,10 @@ def test_cases_in_documents_load(page, tmp_path):
         load_case(case)
 
 
-@pytest.mark.parametrize("other", ["simulate", "equilibrium"])
-def test_examples_of_the_case_file_are_one_case(other, tmp_path):
-    parts = [text for text in blocks(CASE_FILE, "toml") if not text.startswith(f"[{other}]")]
+@pytest.mark.parametrize("analysis", ANALYSES)
+def test_examples_of_the_case_file_are_one_case(analysis, tmp_path):
+    others = tuple(f"[{other}]" for other in ANALYSES if other != analysis)
+    parts = [text for text in blocks(CASE_FILE, "toml") if not text.startswith(others)]
     case = tmp_path / "case.toml"
     case.write_text("\n".join(parts))
     load_case(case)

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from viscorod.cases.schema import CaseReader
+from viscorod.cases.schema import ANALYSES, CaseReader
 from viscorod.errors import InputError, Problem
 from viscorod.model.described import nearest
 from viscorod.model.description import ModelDescription
-from viscorod.model.settings import EquilibriumSettings, SimulateSettings
+from viscorod.model.settings import EquilibriumSettings, SimulateSettings, SteadySettings
 
 __all__ = ["Case", "case_from_dict", "load_case", "parse_case"]
 
@@ -34,19 +34,21 @@ class Case:
 
     title: str
     description: ModelDescription
-    settings: SimulateSettings | EquilibriumSettings
+    settings: SimulateSettings | EquilibriumSettings | SteadySettings
     source: Path | None = None
     content: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def kind(self) -> str:
-        """The analysis: "simulate" or "equilibrium"."""
-        return "simulate" if isinstance(self.settings, SimulateSettings) else "equilibrium"
+        """The analysis: "simulate", "equilibrium" or "steady"."""
+        return next(word for word, settings in ANALYSES.items() if isinstance(self.settings, settings))
 
     def model(self, kind: type[M]) -> M:
         """The model as an object of a class derived from `ModelDescription`."""
         parts = self.description
-        return kind.of(parts.rods, parts.supports, parts.loads, parts.attachments, parts.velocities)
+        return kind.of(
+            parts.rods, parts.supports, parts.loads, parts.attachments, parts.velocities, parts.strains
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """The content of a case file that describes the same."""

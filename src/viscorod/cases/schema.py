@@ -19,7 +19,7 @@ from viscorod.model.load import load
 from viscorod.model.material import Material
 from viscorod.model.profile import Piecewise, Taper, one_section
 from viscorod.model.rod import CENTRELINES, Rod
-from viscorod.model.settings import EquilibriumSettings, SimulateSettings
+from viscorod.model.settings import EquilibriumSettings, SimulateSettings, SteadySettings
 from viscorod.model.support import support
 from viscorod.model.values import choose, name_of_part
 from viscorod.model.velocity import InitialVelocity
@@ -28,9 +28,10 @@ __all__ = ["ANALYSES", "CaseReader"]
 
 T = TypeVar("T")
 
-ANALYSES: dict[str, type[SimulateSettings] | type[EquilibriumSettings]] = {
+ANALYSES: dict[str, type[SimulateSettings] | type[EquilibriumSettings] | type[SteadySettings]] = {
     "simulate": SimulateSettings,
     "equilibrium": EquilibriumSettings,
+    "steady": SteadySettings,
 }
 """The analyses by their table in a case file; exactly one of them stands in a file."""
 
@@ -53,7 +54,7 @@ class CaseReader:
         self.problems: list[Problem] = []
         self.title: str | None = None
         self.model = ModelDescription()
-        self.settings: SimulateSettings | EquilibriumSettings | None = None
+        self.settings: SimulateSettings | EquilibriumSettings | SteadySettings | None = None
         self._materials: dict[str, Any] = {}
         self._sections: dict[str, Any] = {}
 
@@ -141,11 +142,11 @@ class CaseReader:
                 given[0] if given else "simulate",
                 f"the tables {' and '.join(given)}" if given else "",
                 "a case asks for exactly one analysis",
-                "give one table, [simulate] with a duration or [equilibrium]",
+                "give one table: [simulate] with a duration, [equilibrium], or [steady] with a spin",
             )
         for key in given:
             parsed = self._parsed(key, ANALYSES[key].model_validate, self.data[key])
-            if isinstance(parsed, SimulateSettings | EquilibriumSettings):
+            if isinstance(parsed, SimulateSettings | EquilibriumSettings | SteadySettings):
                 self.settings = parsed
 
     def _lookup(self, value: Any, named: Mapping[str, Any], noun: str) -> Any:

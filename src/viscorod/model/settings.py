@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.model.described import Described, RefusedError, show
 from viscorod.model.values import (
+    OptionalDirection,
     OptionalPositive,
     OptionalUnitInterval,
     Positive,
+    Triple,
     one_of,
     optional,
+    positive,
+    vector,
     whole_number,
 )
 
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-10, 0.1
 
-__all__ = ["EquilibriumSettings", "SimulateSettings"]
+__all__ = ["EquilibriumSettings", "SimulateSettings", "SteadySettings"]
 
 
 class SimulateSettings(Described):
@@ -134,3 +139,87 @@ class EquilibriumSettings(Described):
     """
 
     load_steps: Annotated[int | None, PlainValidator(optional(whole_number(1, 10_000)))] = None
+
+
+def _spin(value: Any) -> float | Triple:
+    """An angular speed, or an angular velocity."""
+    if isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim):
+        given = vector(value)
+        if not any(given):
+            raise RefusedError("nothing turns", "give an angular velocity such as [0, 0, 4.0]")
+        return given
+    return positive(value)
+
+
+class SteadySettings(Described):
+    """Which steady rotation is sought.
+
+    Exactly one of `spin`, `energy` and `momentum` is given.
+
+    Args:
+        spin: rad/s. Three numbers: the angular velocity, global axes, with which the supports turn, or about which a
+            rod on a ball joint or without supports does. One number: how fast such a rod turns, about an axis that
+            is found.
+        energy: kinetic and elastic energy of a rod that turns freely, J.
+        momentum: its angular momentum about the ball joint or the mass centre, N m s.
+        axis: of a rod that turns freely: the reference shape about this axis, global axes, is the first guess; without
+            it a bent shape is sought.
+        about: a point on the axis of a given angular velocity, m. Unless given it is the origin, for a rod that turns
+            freely the ball joint or the mass centre.
+        formulation: "geometric" (positions and rotations) or "intrinsic" (body velocities and strains).
+        damping: "full" Kelvin-Voigt damping or "linearised" (Artola, Wynn and Palacios), which lets rods turn about
+            their own axis only; the latter with the intrinsic formulation.
+        modes: number of small motions about the rotation to report, 1 to 1000.
+    """
+
+    spin: Annotated[float | Triple | None, PlainValidator(optional(_spin))] = None
+    energy: OptionalPositive = None
+    momentum: OptionalPositive = None
+    axis: OptionalDirection = None
+    about: Annotated[Triple | None, PlainValidator(optional(vector))] = None
+    formulation: Annotated[Literal["geometric", "intrinsic"], one_of("geometric", "intrinsic")] = "geometric"
+    damping: Annotated[Literal["full", "linearised"], one_of("full", "linearised")] = "full"
+    modes: Annotated[int, PlainValidator(whole_number(1, 1000))] = 6
+
+    @property
+    def measure(self) -> Literal["spin", "energy", "momentum"]:
+        """The one that is given."""
+        return "spin" if self.spin is not None else "energy" if self.energy is not None else "momentum"
+
+    @property
+    def driven(self) -> bool:
+        """Whether the angular velocity is given as a vector."""
+        return isinstance(self.spin, tuple)
+
+    @model_validator(mode="after")
+    def _one_measure(self) -> Self:
+        given = [name for name in ("spin", "energy", "momentum") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise RefusedError(
+                "a steady rotation is picked by exactly one of spin, energy and momentum",
+                "give one of them, such as spin = [0, 0, 4.0]",
+                found=" and ".join(given),
+                at=(given[1],) if given else ("spin",),
+            )
+        if self.driven and self.axis is not None:
+            raise RefusedError(
+                "the angular velocity tells the axis already",
+                "leave axis out, or give spin as one number",
+                found=show(self.axis),
+                at=("axis",),
+            )
+        if self.about is not None and not self.driven:
+            raise RefusedError(
+                "a rod that turns freely turns about its ball joint or its mass centre",
+                "leave about out, or give spin as an angular velocity, three numbers",
+                found=show(self.about),
+                at=("about",),
+            )
+        if self.formulation == "geometric" and self.damping == "linearised":
+            raise RefusedError(
+                "the geometric formulation has full damping only",
+                "add formulation = 'intrinsic', or leave out damping",
+                found=show(self.damping),
+                at=("damping",),
+            )
+        return self

@@ -24,10 +24,10 @@ REACTIONS = ("fx", "fy", "fz", "mx", "my", "mz")
 def dataset(
     kind: str, problem: Problem, gauss: GaussPositions, history: History, attrs: dict[str, Any]
 ) -> xr.Dataset:
-    """Arrange a history as the data set of a run ("simulate") or an equilibrium.
+    """Arrange a history as the data set of a run ("simulate"), an equilibrium or a steady rotation.
 
     Args:
-        kind: "simulate" or "equilibrium".
+        kind: "simulate", "equilibrium" or "steady".
         problem: what was solved; gauss: where its Gauss points are.
         history: what was recorded.
         attrs: attributes of the whole data set (see ``schema``).
@@ -60,14 +60,17 @@ def dataset(
     }
     energy = np.array(history.energy)
     variables["elastic"] = (along, energy[:, 1])
+    if kind != "equilibrium":
+        variables |= {
+            "velocity": ((*states, "axis"), velocity),
+            "angular_velocity": ((*states, "axis"), spin),
+            "kinetic": (along, energy[:, 0]),
+        }
     if kind == "simulate":
         rate = np.array([snapshot.strain_rate for snapshot in snapshots])
         momentum = _momenta(problem, r, q, twist)
         variables |= {
-            "velocity": ((*states, "axis"), velocity),
-            "angular_velocity": ((*states, "axis"), spin),
             "dissipation": (points, np.einsum("kgi,gij,kgj->kg", rate, gauss.damping, rate)),
-            "kinetic": (along, energy[:, 0]),
             "viscous": (along, energy[:, 2]),
             "external": (along, energy[:, 3]),
             "numerical": (along, energy[:, 4]),

@@ -1,4 +1,4 @@
-"""The picture of a static equilibrium."""
+"""The picture of a static equilibrium, or of the shape that turns steadily."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from viscorod.results.run import Equilibrium
+    from viscorod.results.steady import Steady
 
 
-def draw_shape(equilibrium: Equilibrium) -> Figure:
+def draw_shape(equilibrium: Equilibrium | Steady) -> Figure:
     """Return the figure of the reference shape, the load steps on the way and the equilibrium."""
     positions = equilibrium.field("position")
     reference = np.asarray(equilibrium.data["reference_position"].values, dtype=float)
@@ -24,16 +25,20 @@ def draw_shape(equilibrium: Equilibrium) -> Figure:
     if equilibrium.title:
         picture.suptitle(equilibrium.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
     axes = picture.add_subplot()
-    view.prepare(axes, f"Static equilibrium {view.name}")
+    turning = equilibrium.kind == "steady"
+    view.prepare(axes, f"{'Steady rotation' if turning else 'Static equilibrium'} {view.name}")
     curves = Curves(equilibrium)
     draw_reference(axes, view, curves, equilibrium)
     label = "on the way"
-    for factor, position in zip(equilibrium.load_factor[:-1], positions[:-1], strict=True):
+    level = equilibrium.data[equilibrium.dimension].values
+    for factor, position in zip(level[:-1], positions[:-1], strict=True):
         if factor > 0.0:
             curves.draw(axes, view, position, color=SKY, linewidth=1.0, label=label)
             label = "_"
-    reached = equilibrium.load_factor[-1]
+    reached = level[-1]
     name = "equilibrium" if reached == 1.0 else f"at {100.0 * reached:.3g} % of the loads"
+    if turning:
+        name = f"at {reached:.3g} rad/s"
     curves.draw(axes, view, positions[-1], color=BLUE, linewidth=2.4, label=name)
     mark_supports(axes, view, equilibrium, positions[-1])
     view.finish(axes)

@@ -14,6 +14,7 @@ from viscorod.typing import Floats
 if TYPE_CHECKING:
     from viscorod.results.result import Result
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.steady import Steady
 
 _WORKING = 0.01  # more work of the loads than this part of what moved, meanwhile, makes it no free decay
 _ROUND_OFF = 1e-10  # a number below this part of its table's largest reads 0
@@ -60,6 +61,56 @@ def equilibrium_report(equilibrium: Equilibrium) -> str:
         _warnings(equilibrium),
     ]
     return "\n\n".join(block for block in blocks if block)
+
+
+def steady_report(steady: Steady) -> str:
+    """Return the report of a steady rotation."""
+    rate = float(np.linalg.norm(steady.spin))
+    damping = "" if steady.damping == "full" else f", {steady.damping} damping"
+    blocks = [
+        _heading(steady, f"steady rotation at {rate:.6g} rad/s ({steady.formulation} formulation{damping})"),
+        _turning(steady, rate),
+        _ends(steady, "Rod ends", -1),
+        _reactions(steady),
+        _small_motions(steady),
+        _effort(steady),
+        _warnings(steady),
+    ]
+    return "\n\n".join(block for block in blocks if block)
+
+
+def _turning(steady: Steady, rate: float) -> str:
+    axis, centre = (_vector(values, 1.0) for values in (steady.spin / rate, steady.centre))
+    momentum = float(np.linalg.norm(steady.angular_momentum))
+    return "\n".join(
+        [
+            f"Axis ({', '.join(axis)}) through ({', '.join(centre)}) m",
+            f"Kinetic energy {steady.kinetic_energy:.6g} J, elastic energy {steady.elastic_energy:.6g} J, "
+            f"angular momentum {momentum:.6g} N m s",
+            f"Balanced to {steady.residual:.2g} of the largest force",
+        ]
+    )
+
+
+def _small_motions(steady: Steady) -> str:
+    rows = [
+        (str(number), f"{s.real:.6g}", f"{s.imag:.6g}", f"{frequency:.6g}", f"{ratio:.6g}")
+        for number, (s, frequency, ratio) in enumerate(
+            zip(steady.eigenvalues, steady.frequencies, steady.damping_ratios, strict=True), 1
+        )
+    ]
+    header = ("motion", "Re s [1/s]", "Im s [1/s]", "frequency [Hz]", "damping ratio")
+    verdict = (
+        "Stable: no small motion grows"
+        if steady.stable
+        else f"Unstable: a small motion grows by e in {1.0 / steady.growth_rate:.4g} s"
+    )
+    neutral = steady.neutral
+    if neutral:
+        verdict += (
+            f"; {neutral} neither grow{'s' if neutral == 1 else ''} nor fade{'s' if neutral == 1 else ''}"
+        )
+    return table("Slowest small motions about it, exp(s t)", header, rows) + f"\n{verdict}"
 
 
 def _heading(result: Result, summary: str) -> str:
@@ -121,11 +172,11 @@ def _rotations(equilibrium: Equilibrium) -> str:
     )
 
 
-def _reactions(equilibrium: Equilibrium) -> str:
+def _reactions(equilibrium: Equilibrium | Steady) -> str:
     if "reaction" not in equilibrium.data or equilibrium.data.sizes.get("support", 0) == 0:
         return ""
     names = equilibrium.data["support"].values
-    values = equilibrium.reactions.values
+    values = equilibrium.data["reaction"].isel({equilibrium.dimension: -1}).values
     size = float(np.max(np.abs(equilibrium.field("position")[-1])))
     force, moment = (float(np.max(np.abs(part))) for part in (values[:, :3], values[:, 3:]))
     force = max(force, moment / size) if size > 0.0 else force  # round-off of either spoils both

@@ -1,8 +1,8 @@
 """The data set that results are built from: names, units and what must be there.
 
 Everything a result says is derived from one ``xarray.Dataset`` with these variables, so a file read back does
-all that a fresh run does. States are stored along ``time`` (kind "simulate") or ``load_factor`` (kind
-"equilibrium").
+all that a fresh run does. States are stored along ``time`` (kind "simulate"), ``load_factor`` (kind "equilibrium") or
+``spin`` (kind "steady", one state).
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ if TYPE_CHECKING:
 AXES = ("x", "y", "z")
 """Global axes, in the order of every ``axis`` dimension."""
 
-DIMENSION = {"simulate": "time", "equilibrium": "load_factor"}
+DIMENSION = {"simulate": "time", "equilibrium": "load_factor", "steady": "spin"}
 """Kind of result -> the dimension along which its states are stored."""
 
 VARIABLES: dict[str, tuple[str, str]] = {
     "time": ("s", "time"),
     "load_factor": ("1", "part of the loads applied"),
+    "spin": ("rad/s", "angular speed"),
     "station_rod": ("", "rod of the station"),
     "station_s": ("m", "arc length of the station in the reference shape"),
     "station_order": ("1", "order of the elements of the station's rod"),
@@ -48,6 +49,11 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "step_size": ("s", "step that ended here"),
     "linear_momentum": ("N s", "linear momentum of all rods, global axes"),
     "angular_momentum": ("N m s", "angular momentum of all rods about the origin, global axes"),
+    "spin_vector": ("rad/s", "angular velocity, global axes"),
+    "joint_spin": ("rad/s", "angular velocity in the axes of the node at the joint, or of the first one"),
+    "centre": ("m", "point on the axis of rotation"),
+    "momentum": ("N m s", "angular momentum about the centre, global axes"),
+    "eigenvalue": ("1/s", "real and imaginary part of s, small motions exp(s t) about the rotation"),
     "iterations": ("1", "Newton iterations of the step that ended here"),
 }
 """Name -> (unit, long name), written into the attributes of every data set."""
@@ -75,6 +81,7 @@ _ALWAYS = (
 _REQUIRED = {
     "simulate": (*_ALWAYS, "velocity", "kinetic", "viscous", "external", "numerical"),
     "equilibrium": _ALWAYS,
+    "steady": (*_ALWAYS, "velocity", "kinetic", "spin_vector", "eigenvalue"),
 }
 
 
@@ -83,7 +90,7 @@ def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
 
     Args:
         data: the data set; it is not changed.
-        kind: "simulate" or "equilibrium".
+        kind: "simulate", "equilibrium" or "steady".
 
     Raises:
         InputError: the data set is of another kind, or variables are missing.
@@ -91,7 +98,7 @@ def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
     found = data.attrs.get("kind")
     if found != kind:
         raise InputError(
-            f"this data set has kind = {found!r} where {kind!r} is needed; viscorod.load opens either kind"
+            f"this data set has kind = {found!r} where {kind!r} is needed; viscorod.load opens any kind"
         )
     missing = [name for name in (DIMENSION[kind], *_REQUIRED[kind]) if name not in data.variables]
     if missing:

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.steady import Steady
     from viscorod.results.sweep import Sweep
 
 
@@ -54,8 +55,8 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
         ) from None
 
 
-def load(path: str | Path) -> Run | Equilibrium | Sweep:
-    """Open a saved run, equilibrium or sweep; it answers everything that a fresh one does.
+def load(path: str | Path) -> Run | Equilibrium | Steady | Sweep:
+    """Open a saved run, equilibrium, steady rotation or sweep; it answers everything that a fresh one does.
 
     Args:
         path: a file written by ``save``, by ``viscorod run`` or by ``viscorod sweep``.
@@ -64,9 +65,12 @@ def load(path: str | Path) -> Run | Equilibrium | Sweep:
         InputError: no such file, or not a result of viscorod.
     """
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.steady import Steady
 
     data = read(path)
-    kinds: dict[str, type[Run | Equilibrium]] = {kind.kind: kind for kind in (Run, Equilibrium)}
+    kinds: dict[str, type[Run | Equilibrium | Steady]] = {
+        kind.kind: kind for kind in (Run, Equilibrium, Steady)
+    }
     found = str(data.attrs.get("kind", ""))
     if found == "sweep":
         from viscorod.results.sweep import Sweep

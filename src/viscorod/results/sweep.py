@@ -14,6 +14,7 @@ import numpy as np
 from viscorod.results.energy import Energy
 from viscorod.results.run import Equilibrium, Run
 from viscorod.results.schema import DIMENSION
+from viscorod.results.steady import Steady
 from viscorod.results.storage import read, write
 from viscorod.results.text import table
 
@@ -32,6 +33,9 @@ TABLE = {
 }
 """Variables of every member that are no fields -> (unit, long name)."""
 
+KINDS: dict[str, type[Run | Equilibrium | Steady]] = {kind.kind: kind for kind in (Run, Equilibrium, Steady)}
+"""The results that members may have, by their word."""
+
 
 @dataclass(frozen=True)
 class Member:
@@ -40,14 +44,14 @@ class Member:
     Attributes:
         number: place in the table of values, from 0.
         values: parameter -> value, as given.
-        result: the run or equilibrium; where it failed, what there is up to there, or None.
+        result: the run, equilibrium or steady rotation; where it failed, what there is up to there, or None.
         message: why it failed, empty if it did not.
         outcome: "completed", or what stopped it.
     """
 
     number: int
     values: Mapping[str, Any]
-    result: Run | Equilibrium | None
+    result: Run | Equilibrium | Steady | None
     message: str = ""
     outcome: str = COMPLETED
 
@@ -192,9 +196,8 @@ class Sweep:
                 number = row["number"]
                 stacked = number in data["member"].values and DIMENSION[row["attrs"]["kind"]] in data
                 whole = _unstacked(data, number) if stacked else read(path, group=f"member_{number}")
-                kind = Run if row["attrs"]["kind"] == Run.kind else Equilibrium
                 whole.attrs = row["attrs"]
-                result = kind(whole)
+                result = KINDS[row["attrs"]["kind"]](whole)
             members.append(Member(row["number"], row["values"], result, row["message"], row["outcome"]))
         return cls(members, str(data.attrs["title"]), record["notes"])
 
@@ -211,7 +214,7 @@ def _difference(one: xr.Dataset, other: xr.Dataset) -> str:
         a, b = one[name].values, other[name].values
         fixed = name in one.dims or a.dtype.kind not in "fi"
         if a.shape != b.shape or (fixed and not np.array_equal(a, b)):
-            differ = {"time": "stored times", "load_factor": "load steps"}
+            differ = {"time": "stored times", "load_factor": "load steps", "spin": "angular speeds"}
             return f"their {differ.get(along if along in one[name].dims else '', str(name))} differ"
     return ""
 

@@ -1,0 +1,196 @@
+"""What the supports and loads of a model allow: who turns, about which point, and what is refused."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from enum import Enum
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.errors import Problem as Fault
+from viscorod.model.description import ModelDescription
+from viscorod.model.load import AnyLoad, MovingForce
+from viscorod.model.settings import SteadySettings
+from viscorod.model.time_function import Constant
+from viscorod.solve.loads import LoadState
+from viscorod.solve.problem import Problem
+from viscorod.solve.rigid import free_motions
+from viscorod.typing import Floats
+
+LARGEST = 3000
+"""Unknowns up to which the dense linear algebra here takes seconds."""
+
+PARALLEL = 1e-9
+"""Part of a load that may stand across the axis: round-off."""
+
+
+class Holding(Enum):
+    """How a model is held."""
+
+    FREE = "no supports"
+    JOINT = "ball joint"
+    HELD = "supports that turn with the rotation"
+
+
+def holding(problem: Problem) -> Holding:
+    """Return how a model is held; pins at one node make a ball joint."""
+    supports = problem.supports
+    if len(supports.nodes) == 0:
+        return Holding.FREE
+    pinned = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
+    if len(supports.nodes) == 1 and np.array_equal(supports.fixed[0], pinned):
+        return Holding.JOINT
+    return Holding.HELD
+
+
+def require(model: ModelDescription, problem: Problem, settings: SteadySettings) -> None:
+    """Check that there can be such a rotation.
+
+    Raises:
+        InputError: with everything that is in its way, by name.
+    """
+    faults = list(_size(problem, settings))
+    held = holding(problem)
+    if held is Holding.HELD and not settings.driven:
+        name = _label(model, problem.supports.names[0])
+        faults.append(
+            Fault(
+                settings.measure,
+                "",
+                f"this model does not turn freely: there is a {name}",
+                "give spin as the angular velocity of the supports, such as [0, 0, 4.0], "
+                "or hold the rod by one pin only",
+            )
+        )
+    for index, component, _ in problem.supports.motions[:1]:
+        word = ("ux", "uy", "uz", "rx", "ry", "rz")[component]
+        faults.append(
+            Fault(
+                "supports",
+                _label(model, problem.supports.names[index]),
+                f"its prescribed motion {word} is a function of time, not a steady rotation",
+                "leave the motion out: supports turn with the given spin as they are",
+            )
+        )
+    for index, load in enumerate(model.loads):
+        faults += _load(index, load, model, problem, settings)
+    if settings.formulation == "intrinsic":
+        faults += _intrinsic_supports(model, problem, settings)
+    if faults:
+        raise InputError(faults)
+
+
+def _size(problem: Problem, settings: SteadySettings) -> Iterator[Fault]:
+    points = sum(e.section.size for e in problem.sets)
+    unknowns = 6 * problem.size + (6 * points if settings.formulation == "intrinsic" else 0)
+    if unknowns > LARGEST:
+        yield Fault(
+            "rods",
+            f"{unknowns} unknowns",
+            f"steady rotations are computed by dense linear algebra, for up to {LARGEST} unknowns",
+            "give fewer elements, of higher order",
+        )
+    most = {Holding.FREE: 6, Holding.JOINT: 3}.get(holding(problem))
+    if most is not None and len(free_motions(problem)) > most:
+        yield Fault("rods", "", "the rods are not connected", "attach them, or compute them one by one")
+
+
+def _load(
+    index: int, load: AnyLoad, model: ModelDescription, problem: Problem, settings: SteadySettings
+) -> Iterator[Fault]:
+    """Loads must stay as they are while everything turns."""
+    kind = str(type(load).model_fields["kind"].default)
+    where = f"loads[{index}]"
+    if load.until is not None and load.until <= 0.0:
+        return  # gone
+    if not settings.driven:
+        yield Fault(
+            where,
+            kind,
+            "a rod that turns freely is free of load",
+            "leave it out, or give spin as three numbers",
+        )
+        return
+    if isinstance(load, MovingForce):
+        yield Fault(where, kind, "it travels along the rod", "leave it out")
+        return
+    if load.until is not None or not (load.time is None or isinstance(load.time, Constant)):
+        yield Fault(where, kind, "it changes with time", "leave out time and until")
+        return
+    if getattr(load, "following", False):
+        return
+    if settings.formulation == "intrinsic":
+        yield Fault(
+            where,
+            kind,
+            "it keeps its direction in space, of which the intrinsic formulation knows nothing",
+            "leave out formulation, or let it follow (following = true)",
+        )
+        return
+    earlier = sum(not isinstance(other, MovingForce) for other in model.loads[:index])
+    placed = problem.nodal_loads[earlier]
+    spin = np.asarray(settings.spin, dtype=float)
+    if _across(np.vstack([placed.dead[:, :3], placed.dead[:, 3:], placed.gravity]), spin):
+        yield Fault(
+            where,
+            kind,
+            "it is not parallel to the axis, so it does not stay as it is while everything turns",
+            "give a load along the axis, or one that follows",
+        )
+
+
+def _across(vectors: Floats, spin: Floats) -> bool:
+    """Whether any of ``vectors (m, 3)`` has a part across ``spin``."""
+    axis = spin / np.linalg.norm(spin)
+    across = vectors - np.outer(vectors @ axis, axis)
+    return bool(np.abs(across).max(initial=0.0) > PARALLEL * np.abs(vectors).max(initial=0.0))
+
+
+def _intrinsic_supports(
+    model: ModelDescription, problem: Problem, settings: SteadySettings
+) -> Iterator[Fault]:
+    supports = problem.supports
+    chains = 1 + sum(e.order * len(e.nodes) for e in problem.sets)
+    if len(supports.names) > 1 or problem.size != chains:
+        # strains and velocities do not say by how much the ends of a chain turned about the axis, or moved along it
+        yield Fault(
+            "supports" if len(supports.names) > 1 else "rods",
+            ", ".join(_label(model, name) for name in supports.names[1:]),
+            "without positions nothing keeps a second support, or a closed ring of rods, together",
+            "leave out formulation, for the geometric one",
+        )
+        return
+    for k, name in enumerate(supports.names):
+        fixed = supports.fixed[k]
+        if fixed.all():
+            continue
+        advice = "leave out formulation, for the geometric one"
+        if not (fixed[:3].all() and not fixed[3:].any()):
+            yield Fault(
+                "supports",
+                _label(model, name),
+                "the intrinsic formulation knows clamps and ball joints: other supports hold directions in space",
+                advice,
+            )
+            continue
+        if settings.driven and settings.about is not None:
+            arm = problem.positions[supports.nodes[k]] - np.asarray(settings.about)
+            spin = np.asarray(settings.spin)
+            if np.linalg.norm(np.cross(arm, spin)) > PARALLEL * problem.length * np.linalg.norm(spin):
+                yield Fault(
+                    "supports",
+                    _label(model, name),
+                    "off the axis it moves in a direction in space, which the intrinsic formulation does not know",
+                    advice,
+                )
+
+
+def _label(model: ModelDescription, place: str) -> str:
+    """Kind and place of a support."""
+    return next((support.label for support in model.supports if str(support.at) == place), place)
+
+
+def no_loads(loads: LoadState) -> bool:
+    """Whether nothing acts (loads may be there with the factor 0)."""
+    return loads.none or not (loads.dead.any() or loads.following.any() or loads.gravity.any())

@@ -1,0 +1,94 @@
+"""What the two formulations offer to find steady rotations: unknowns, residual and derivative, scalar measures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Protocol, TypeAlias
+
+import numpy as np
+import scipy.linalg
+
+from viscorod.solve.system import State
+from viscorod.typing import Floats
+
+Measure: TypeAlias = Literal["spin", "energy", "momentum", "elastic"]
+"""The number that picks one of a family: angular velocity [rad/s], kinetic and elastic energy [J], angular momentum
+[N m s], elastic energy [J]."""
+
+RANK = 1e-12
+"""Singular values below this part of the largest belong to symmetries, along which nothing is moved."""
+
+
+@dataclass
+class Balance:
+    """A linearisation: ``matrix (m, k) @ change = -residual (m,)``.
+
+    Attributes:
+        gap: largest component of the residual over what the forces that balance amount to, per component.
+    """
+
+    residual: Floats
+    matrix: Floats
+    gap: float
+
+
+class SteadyEquations(Protocol):
+    """Unknowns of a steady rotation and the equations that they obey."""
+
+    def balance(self) -> Balance:
+        """Residual and derivative at the present unknowns."""
+
+    def measure(self, kind: Measure) -> tuple[float, Floats]:
+        """Value of a scalar measure and its derivative ``(k,)`` by the unknowns."""
+
+    def set_spin(self, value: float) -> None:
+        """Let everything turn with an angular speed [rad/s], as it is."""
+
+    def sizes(self) -> Floats:
+        """What a large change of every unknown is ``(k,)``."""
+
+    def move(self, change: Floats) -> None:
+        """Change the unknowns."""
+
+    def residual(self) -> tuple[Floats, float]:
+        """Balance of the nodes ``(n, 6)``, which supports complete, and what is left as a part of the forces."""
+
+    def keep(self) -> object:
+        """Return a copy of the unknowns for :meth:`restore`."""
+
+    def restore(self, kept: object) -> None:
+        """Return to kept unknowns."""
+
+    def state(self) -> State:
+        """Poses and twists of all nodes."""
+
+    def fields(self) -> tuple[Floats, Floats]:
+        """Strains and elastic section forces at the Gauss points ``(e, points, 6)``."""
+
+
+def imbalance(left: Floats, forces: tuple[Floats, ...], inertial: float, length: float) -> float:
+    """Return the largest component of what is ``left (n, 6)`` of a balance as a part of the forces in it.
+
+    Args:
+        forces: those that balance, each ``(n, 6)``; inertial: mass times length times squared angular speed over the
+            number of nodes [N], for rotations without any forces; length: by which moments are measured [m].
+    """
+    size = sum((np.abs(force) for force in forces), np.zeros_like(left))
+    force = max(float(size[:, :3].max()), float(size[:, 3:].max()) / length, inertial)
+    return float(max(np.abs(left[:, :3]).max() / force, np.abs(left[:, 3:]).max() / (force * length)))
+
+
+def least_squares(matrix: Floats, right: Floats, sizes: Floats) -> Floats:
+    """Return the smallest change that fulfils the equations best, all of them scaled to the same size.
+
+    Symmetries (turning about the axis, round sections about themselves) leave the matrix short of rank.
+    """
+    scaled = matrix * sizes
+    rows = np.abs(scaled).max(axis=1)
+    rows[rows == 0.0] = 1.0
+    scaled /= rows[:, None]
+    change, *_ = scipy.linalg.lstsq(
+        scaled, right / rows, cond=RANK, lapack_driver="gelsy", overwrite_a=True, check_finite=False
+    )
+    result: Floats = change * sizes
+    return result

@@ -1,0 +1,64 @@
+"""First guesses of steady rotations: the reference shape about an axis, or bent in its slowest elastic mode."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+
+from viscorod.mechanics.internal_force import Elements
+from viscorod.solve import modes
+from viscorod.solve.problem import Problem
+from viscorod.solve.rigid import free_motions
+from viscorod.solve.static import StaticSolver
+from viscorod.solve.steady.poses import lay_out
+from viscorod.solve.steady.strain_rates import StrainRates
+from viscorod.solve.steady.turning import inertia_about
+from viscorod.solve.system import State
+from viscorod.typing import Floats
+
+DEFLECTION = 0.02
+"""Largest displacement of the bent guess, in lengths of the model."""
+
+
+def reference(problem: Problem) -> State:
+    """Return the reference shape at rest."""
+    return State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((problem.size, 6)))
+
+
+def own_axis(problem: Problem, state: State, centre: Floats) -> Floats:
+    """Return the principal axis of the least inertia about ``centre``, global axes ``(3,)``."""
+    _, vectors = np.linalg.eigh(inertia_about(problem.mass, state.r, state.q, centre))
+    axis: Floats = vectors[:, 0]
+    # towards the positive of its largest component
+    return axis * float(np.sign(axis[np.argmax(np.abs(axis))]))
+
+
+def bent(
+    solver: StaticSolver, problem: Problem, elements: Elements, root: int
+) -> tuple[State, Floats, float, float]:
+    """Return a rod bent in its slowest elastic bending mode.
+
+    The strains of the mode are laid out from the node ``root`` on: displaced nodes would stretch the rod, which is
+    stiff against that.
+
+    Returns:
+        poses, strains ``(e, points, 6)``, frequency [rad/s] and elastic energy [J] of the mode.
+    """
+    state = reference(problem)
+    linear = modes.linearise(solver, state, scale=0.0)
+    K, M = linear.stiffness.toarray(), linear.mass.toarray()
+    values, vectors = scipy.linalg.eigh(0.5 * (K + K.T), M)
+    rigid = len(free_motions(problem))
+    basis = linear.basis.toarray()
+    for k in range(rigid, len(values)):
+        shape = (basis @ vectors[:, k]).reshape(-1, 6)
+        moved = np.abs(shape[:, :3]).max()
+        if moved > 0.05 * problem.length * np.abs(shape[:, 3:]).max():  # not one of pure twisting
+            break
+    amplitude = DEFLECTION * problem.length / moved
+    rates = StrainRates(elements, problem.size)
+    strain = np.zeros_like(elements.reference)
+    strain[rates.used] = amplitude * (rates.unstrained @ shape.ravel())
+    r, q = lay_out(problem, elements, strain, root, state.r[root], state.q[root])
+    bent = State(r, q, np.zeros((problem.size, 6)))
+    return bent, strain, float(np.sqrt(values[k])), float(0.5 * values[k] * amplitude**2)

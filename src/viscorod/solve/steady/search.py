@@ -1,0 +1,210 @@
+"""Finds a steady rotation: the first guess, the way from it, and what is to be said of the result."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.errors import InputError, SolveError
+from viscorod.model.settings import SteadySettings
+from viscorod.solve.loads import LoadState
+from viscorod.solve.newton import Outcome
+from viscorod.solve.problem import Problem
+from viscorod.solve.static import StaticSolver
+from viscorod.solve.steady import guess, path
+from viscorod.solve.steady.conditions import Holding, holding, no_loads
+from viscorod.solve.steady.equations import Measure
+from viscorod.solve.steady.geometric import GeometricSteady
+from viscorod.solve.steady.intrinsic import IntrinsicSteady
+from viscorod.solve.steady.rotation import SteadyRotation, described
+from viscorod.solve.steady.turning import (
+    Turning,
+    coriolis,
+    inertia_about,
+    mass_centre,
+    mean_spin,
+    rigid_twists,
+    spatial_momenta,
+)
+from viscorod.solve.system import State
+from viscorod.typing import Floats
+
+STILL = 1e-9
+"""Inertial forces of an unstrained rod that spins about its own axis, as a part of those about any axis."""
+
+
+class Search:
+    """Looks for the steady rotation that ``settings`` pick.
+
+    Args:
+        solver: of the model's statics, with its system and supports.
+        start: the motion to start from, poses and twists of all nodes.
+    """
+
+    def __init__(self, solver: StaticSolver, settings: SteadySettings, start: State | None) -> None:
+        self.solver, self.settings, self.start = solver, settings, start
+        self.problem: Problem = solver.system.problem
+        self.elements = solver.system.elements()
+        self.held = holding(self.problem)
+        self.loads: LoadState = solver.loads.at(0.0)
+        self.joint = int(self.problem.supports.nodes[0]) if self.held is not Holding.FREE else 0
+        self.effort = path.Effort()
+        solver.supports.update(0.0)
+
+    def run(self) -> SteadyRotation:
+        """Find it.
+
+        Raises:
+            InputError: there is none of this kind; SolveError: none was found.
+        """
+        settings = self.settings
+        linearised = settings.damping == "linearised"
+        target = (
+            float(np.linalg.norm(settings.spin))
+            if settings.spin is not None
+            else float(settings.energy or settings.momentum or 0.0)
+        )
+        kind = settings.measure
+        if self.start is not None:
+            equations = self._from_start()
+            found = path.follow(equations, kind, target, self.effort, equations.measure(kind)[0])
+        elif settings.driven or settings.axis is not None or linearised:
+            equations = self._from_reference(target)
+            found = path.follow(equations, kind, target, self.effort, 0.0)
+        else:
+            equations, elastic = self._from_mode()
+            found, (low, high) = path.along_branch(equations, kind, target, elastic, self.effort)
+            if not found:
+                raise SolveError(self._no_bent(kind, target, low, high))
+        if not found:
+            raise SolveError(
+                f"No steady rotation was found with {kind} = {target:g} {_UNIT[kind]}, after {self.effort.iterations} "
+                "iterations. What to try: another axis or start; begin from a slower or faster rotation "
+                "(start = its result)"
+            )
+        return described(self.solver, equations, self.loads, self.held, self.effort.iterations)
+
+    # --- first guesses
+
+    def _from_start(self) -> GeometricSteady | IntrinsicSteady:
+        """Where a motion is, turning with its mean angular velocity."""
+        assert self.start is not None
+        state, mass = self.start.copy(), self.problem.mass
+        centre = self._centre(state)
+        if self.settings.driven:
+            spin = np.asarray(self.settings.spin, dtype=float)
+            turned = float(mean_spin(mass, state, centre) @ spin) / float(np.linalg.norm(spin)) ** 2
+            spin = spin * turned if turned > 0.0 else spin
+        else:
+            if self.held is Holding.FREE:  # what travels is left out
+                linear, _ = spatial_momenta(mass, state.r, state.q, state.twist, centre)
+                unit = rigid_twists(state.r, state.q, [1.0, 0.0, 0.0], [0.0] * 3, centre)
+                total = float(spatial_momenta(mass, state.r, state.q, unit, centre)[0][0])
+                state.twist -= rigid_twists(state.r, state.q, linear / total, [0.0] * 3, centre)
+            spin = mean_spin(mass, state, centre)
+        rate = float(np.linalg.norm(spin))
+        if not rate > 0.0:
+            raise InputError("start: its last state does not turn; give one that does, or axis instead")
+        return self._equations(state, None, Turning(spin / rate, centre), rate)
+
+    def _from_reference(self, target: float) -> GeometricSteady | IntrinsicSteady:
+        """The reference shape, or the equilibrium under the loads, about a given axis."""
+        settings, problem = self.settings, self.problem
+        state = guess.reference(problem)
+        if settings.driven and not no_loads(self.loads) and settings.formulation == "geometric":
+            settled = state.copy()
+            with np.errstate(all="ignore"):
+                path_ = self.solver.solve(settled, before=False)
+            if path_.outcome is Outcome.COMPLETED:
+                state = settled
+        centre = self._centre(state)
+        if settings.driven:
+            axis = np.asarray(settings.spin, dtype=float) / target
+        elif settings.axis is not None:
+            axis = np.array(settings.axis)
+        else:
+            axis = guess.own_axis(problem, state, centre)
+        J = float(axis @ inertia_about(problem.mass, state.r, state.q, centre) @ axis)
+        rate = {"spin": target, "energy": np.sqrt(2.0 * target / J), "momentum": target / J}[settings.measure]
+        turning = Turning(axis, centre)
+        if settings.damping == "linearised" and not settings.driven:
+            self._require_own_axis(state, turning)
+        return self._equations(state, None, turning, float(rate))
+
+    def _from_mode(self) -> tuple[GeometricSteady | IntrinsicSteady, float]:
+        """Bent in the slowest elastic mode, turning about the axis of the least inertia; and the elastic energy."""
+        state, strain, frequency, elastic = guess.bent(self.solver, self.problem, self.elements, self.joint)
+        centre = self._centre(state)
+        turning = Turning(guess.own_axis(self.problem, state, centre), centre)
+        return self._equations(state, strain, turning, frequency), elastic
+
+    def _centre(self, state: State) -> Floats:
+        if self.settings.about is not None:
+            return np.array(self.settings.about)
+        if self.held is Holding.JOINT:
+            return np.array(self.problem.positions[self.joint])
+        if self.held is Holding.FREE:
+            return mass_centre(self.problem.mass, state.r, state.q)
+        return np.zeros(3)
+
+    def _equations(
+        self, state: State, strain: Floats | None, turning: Turning, rate: float
+    ) -> GeometricSteady | IntrinsicSteady:
+        problem, supports = self.problem, self.problem.supports
+        geometric = GeometricSteady(
+            self.solver.system, self.solver.supports, self.loads, turning, state, rate
+        )
+        if self.settings.formulation == "geometric":
+            return geometric
+        turned = geometric.state()
+        free = np.ones((problem.size, 6), dtype=bool)
+        for node, fixed in zip(supports.nodes, supports.fixed, strict=True):
+            free[node] &= fixed == 0.0
+        if self.held is Holding.JOINT:
+            turned.twist[self.joint, :3] = 0.0
+        return IntrinsicSteady(
+            problem,
+            self.elements,
+            linearised=self.settings.damping == "linearised",
+            free=free,
+            following=self.loads.following,
+            joint=self.joint,
+            still=self.held is Holding.FREE,
+            turning=turning,
+            state=turned,
+            strain=geometric.fields()[0] if strain is None else strain,
+        )
+
+    # --- refusals
+
+    def _require_own_axis(self, state: State, turning: Turning) -> None:
+        """With linearised damping only what causes no gyroscopic forces stays (AWP 33)."""
+        mass, (axis, centre) = self.problem.mass, (turning.axis, turning.centre)
+        own = np.abs(coriolis(mass, rigid_twists(state.r, state.q, [0.0] * 3, axis, centre))).max()
+        any_axis = max(
+            np.abs(coriolis(mass, rigid_twists(state.r, state.q, [0.0] * 3, unit, centre))).max()
+            for unit in np.eye(3)
+        )
+        if own <= STILL * any_axis:
+            return
+        curved = bool(np.abs(self.elements.reference[..., 3:5]).max() * self.problem.length > 1e-9)
+        shape = "a curved rod has no such axis" if curved else "the mass is not on this axis"
+        raise InputError(
+            "damping = 'linearised': there is no such steady rotation. This damping fades everything but x1' = E^T x1 "
+            "without strain: turning about the axis of a straight rod, on which its mass must be centred; "
+            f"{shape}. Leave damping out for the full one, with which rods turn steadily about other axes as well"
+        )
+
+    def _no_bent(self, kind: Measure, target: float, low: float, high: float) -> str:
+        unit = _UNIT[kind]
+        known = (
+            f"bent shapes were followed from {kind} = {low:g} to {high:g} {unit}"
+            if np.isfinite(low)
+            else "no bent shape was found near the slowest bending mode"
+        )
+        return (
+            f"No bent steady rotation was found with {kind} = {target:g} {unit}: {known}. What to try: a value in "
+            "between; axis = a direction about which the rod turns straight; start = a motion that has settled"
+        )
+
+
+_UNIT = {"spin": "rad/s", "energy": "J", "momentum": "N m s", "elastic": "J"}
