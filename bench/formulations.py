@@ -12,11 +12,12 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable
+from functools import partial
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
-from newton_iteration import best_of
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
 import viscorod as vr
@@ -71,46 +72,46 @@ def moving(method: type[Collocation], formulation: str, elements: int, order: in
     return integrator
 
 
-def iteration(integrator: Collocation) -> float:
-    """Seconds of one iteration with a frozen Jacobian: a step with three less a step with one, over two."""
+def best_in_turn(functions: list[Callable[[], object]], rounds: int = 300) -> list[float]:
+    """Best seconds of each function, all called in turn, so that slow moments of the machine meet all of them."""
+    best = [np.inf] * len(functions)
+    for _ in range(rounds):
+        for k, function in enumerate(functions):
+            start = time.perf_counter()
+            function()
+            best[k] = min(best[k], time.perf_counter() - start)
+    return best
+
+
+def step_of(integrator: Collocation, limit: int) -> Callable[[], int]:
+    """A step of 1 ms that iterates ``limit`` times at most with a frozen Jacobian; it returns how often."""
     h = 1e-3
     integrator._renew_jacobian()
     integrator._factorise(h)
-    tolerance, limit = integrator.newton_tolerance, integrator.iterations
-    integrator.newton_tolerance = 0.0
+    integrator.newton_tolerance = 0.0  # goes on as long as it may and gets nearer
 
-    def steps(count: int) -> float:
-        integrator.iterations = count
+    def step() -> int:
+        integrator.iterations = limit
+        integrator._have_jacobian = integrator._fresh_jacobian = True
+        integrator._factor_step = h
+        return integrator.attempt(integrator.t + h, before=False).iterations
 
-        def step() -> None:
-            integrator._have_jacobian = integrator._fresh_jacobian = True
-            integrator.attempt(integrator.t + h, before=False)
-
-        return best_of(step, 15, 5)
-
-    seconds = (steps(3) - steps(1)) / 2
-    integrator.newton_tolerance, integrator.iterations = tolerance, limit
-    return seconds
+    return step
 
 
-def parts(formulation: str, elements: int, order: int) -> tuple[float, float, float, float]:
-    """Seconds of a midpoint iteration, a Jacobian, a factorisation, and of LAPACK's factorisation and solution."""
-    integrator = moving(Midpoint, formulation, elements, order)
-    each = iteration(integrator)
-    jacobian = best_of(integrator._renew_jacobian, 20, 3)
-    factorise = best_of(lambda: integrator._factorise(1e-3), 20, 3)
+def lapack_of(integrator: Collocation) -> list[Callable[[], object]]:
+    """Copying a matrix of the integrator's band, and copying, factorising and solving with it."""
     band = integrator.system.band
-    band.clear()
     matrix = np.random.default_rng(0).normal(size=band.data.shape)
     matrix[:, band.diagonal] += 100.0
     work, right = np.empty_like(matrix), np.ones(band.size)
 
-    def lapack() -> None:
+    def solve() -> None:
         np.copyto(work, matrix)
         _, pivots, _ = dgbtrf(work.T, band.width, band.width, overwrite_ab=1)
         dgbtrs(work.T, band.width, band.width, right, pivots)
 
-    return each, jacobian, factorise, best_of(lapack, 20, 3) - best_of(lambda: np.copyto(work, matrix), 20, 3)
+    return [lambda: np.copyto(work, matrix), solve]
 
 
 def newton_table() -> None:
@@ -118,13 +119,22 @@ def newton_table() -> None:
     print("Newton iteration: milliseconds, and the full one over LAPACK's factorisation and solution")
     print("mesh            formulation  iteration  Jacobian  factors    full  / LAPACK   radau's iteration")
     for elements, order in ((1, 5), (4, 5), (33, 3), (100, 1)):
+        functions: list[Callable[[], object]] = []
+        counts = []
         for name in NAMES:
-            each, jacobian, factors, lapack = parts(name, elements, order)
-            radau = iteration(moving(Radau, name, elements, order))
-            full = each + jacobian + factors
+            middle, radau = (moving(method, name, elements, order) for method in (Midpoint, Radau))
+            steps = [step_of(integrator, limit) for integrator in (middle, radau) for limit in (1, 2)]
+            counts.append([step() for step in steps])
+            functions += [*steps, middle._renew_jacobian, partial(middle._factorise, 1e-3)]
+        copy, solve = best_in_turn(lapack_of(middle))
+        seconds = np.array(best_in_turn(functions)).reshape(2, -1)
+        for name, count, best in zip(NAMES, counts, seconds, strict=True):
+            each = (best[1] - best[0]) / (count[1] - count[0])
+            radau_each = (best[3] - best[2]) / (count[3] - count[2])
+            full = each + best[4] + best[5]
             print(
-                f"{elements:4d} x order {order}  {name:>11}  {1e3 * each:9.3f}  {1e3 * jacobian:8.3f}  "
-                f"{1e3 * factors:7.3f} {1e3 * full:7.3f}  {full / lapack:8.2f}  {1e3 * radau:12.3f}"
+                f"{elements:4d} x order {order}  {name:>11}  {1e3 * each:9.3f}  {1e3 * best[4]:8.3f}  "
+                f"{1e3 * best[5]:7.3f} {1e3 * full:7.3f}  {full / (solve - copy):8.2f}  {1e3 * radau_each:12.3f}"
             )
 
 
@@ -142,7 +152,7 @@ def run_table() -> None:
         for elements, order, tolerance in ((1, 5, 1e-4), (1, 7, 1e-5), (2, 6, 1e-6), (4, 6, 1e-7)):
             for name in NAMES:
                 best = np.inf
-                for _ in range(3):
+                for _ in range(5):
                     model = make(elements, order)
                     run = model.simulate(duration, tolerance=tolerance, formulation=name, **given, **interval)
                     best = min(best, run.data.attrs["loop_time_s"])

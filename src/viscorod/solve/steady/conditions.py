@@ -63,6 +63,15 @@ def require(model: ModelDescription, problem: Problem, settings: SteadySettings)
                 "or hold the rod by one pin only",
             )
         )
+    for index in np.flatnonzero(problem.supports.in_body)[:1]:
+        faults.append(
+            Fault(
+                "supports",
+                _label(model, problem.supports.names[index]),
+                "it holds velocities along moving axes, which says nothing of a steady rotation",
+                "hold positions: a pin, a clamp or another support",
+            )
+        )
     for index, component, _ in problem.supports.motions[:1]:
         word = ("ux", "uy", "uz", "rx", "ry", "rz")[component]
         faults.append(
