@@ -156,11 +156,6 @@ class Workplace:
         """Compute the motion; see ``Model.simulate``."""
         state = self.reference()
         if self.problem.initial_strain:
-            if settings.initial == "equilibrium":
-                raise InputError(
-                    "initial = 'equilibrium': the model has initial strains. Give initial = 'reference' to start "
-                    "from the shape that they make, or remove them"
-                )
             self.system.given_strain = strain_rods(self.system, state)
         elif settings.initial == "equilibrium":
             self.settle(state)
@@ -216,12 +211,6 @@ class Workplace:
         make = (LINEAR_INTEGRATORS if settings.dynamics == "linear" else INTEGRATORS)[settings.integrator]
         given: dict[str, Any] = {}
         if settings.integrator == "generalized_alpha":
-            turning = np.flatnonzero(self.problem.supports.in_body)
-            if len(turning):
-                raise InputError(
-                    f"integrator = 'generalized_alpha': it cannot hold velocities along moving axes, as "
-                    f"{self.problem.supports.names[turning[0]]} needs (kind body_velocity). Take 'radau' or 'midpoint'"
-                )
             radius = settings.spectral_radius
             given["spectral_radius"] = SPECTRAL_RADIUS if radius is None else radius
         if tolerance is not None:

@@ -9,14 +9,17 @@ import numpy as np
 from viscorod.mechanics import geometric
 from viscorod.mechanics.compiled import announce_compilation
 from viscorod.model.description import ModelDescription
+from viscorod.model.fit import require_fit
 from viscorod.model.rod import Rod
 from viscorod.model.section import MaterialSection
+from viscorod.model.settings import EquilibriumSettings, SimulateSettings, SteadySettings
 from viscorod.solve.discretise import discretise
 from viscorod.solve.geometric_system import GeometricSystem
 from viscorod.solve.modes import complex_modes, linearise, natural_frequencies
 from viscorod.solve.problem import Problem
 from viscorod.solve.rigid import free_motions
 from viscorod.solve.static import StaticSolver
+from viscorod.solve.steady.conditions import require as require_steady
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State
 from viscorod.typing import Floats
@@ -52,13 +55,19 @@ class CheckReport:
     unknowns: int
 
 
-def check(model: ModelDescription) -> CheckReport:
-    """Validate a model and describe it.
+def check(
+    model: ModelDescription, settings: SimulateSettings | EquilibriumSettings | SteadySettings | None = None
+) -> CheckReport:
+    """Validate a model, and the settings of an analysis of it, and describe it.
 
     Raises:
-        InputError: the model is inconsistent.
+        InputError: the model is inconsistent, or the analysis cannot be made of it.
     """
+    if isinstance(settings, SimulateSettings):
+        require_fit(model, settings)
     problem, solver, state = _prepared(model)
+    if isinstance(settings, SteadySettings):
+        require_steady(model, problem, settings)
     n = problem.size
     linear = linearise(solver, state, scale=0.0)
     undamped = natural_frequencies(linear, 4 * MODES)

@@ -101,7 +101,7 @@ def check(case: CaseFile) -> None:
         from viscorod.check import check as check_model
 
         loaded = load_case(_existing(case))
-        typer.echo(_check_text(check_model(loaded.description)))
+        typer.echo(_check_text(check_model(loaded.description, loaded.settings)))
 
 
 @app.command()

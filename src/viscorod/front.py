@@ -13,6 +13,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.model.description import ModelDescription
+from viscorod.model.fit import require_fit
 from viscorod.model.settings import EquilibriumSettings, SimulateSettings, SteadySettings
 from viscorod.model.values import number
 
@@ -113,6 +114,7 @@ class Model(ModelDescription):
         }
         given |= {name: value for name, value in optional.items() if value is not None}
         settings = SimulateSettings(**given)
+        require_fit(self, settings)
         work = self._discretised(settings.formulation, settings.damping)
         return work.simulate(settings, progress, self._attrs(title))
 

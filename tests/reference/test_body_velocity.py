@@ -88,5 +88,5 @@ def test_a_skate_moves_along_its_own_axis_only(method):
 def test_generalised_alpha_refuses():
     """The message names the support and what to take instead."""
     model = hinged(lambda model: model.body_velocity("beam.start", ["v1", "v2", "v3"]))
-    with pytest.raises(vr.InputError, match=r"beam\.start.*'radau' or 'midpoint'"):
+    with pytest.raises(vr.InputError, match=r"body_velocity at beam\.start.*'radau' or 'midpoint'"):
         model.simulate(0.1, initial="reference", integrator="generalized_alpha")

@@ -284,7 +284,7 @@ def test_initial_strains_are_refused_where_they_cannot_be():
     """Messages name the place that holds the rod, and the setting to change."""
     model = cantilever(stiff(1e3, 1e3, 1.0, 1.0), elements=2, order=3)
     model.strain("beam", [0, 0, 0, 1, 0, 0])
-    with pytest.raises(vr.InputError, match="initial = 'reference'"):
+    with pytest.raises(vr.InputError, match="initial = 'reference' to start"):
         model.simulate(1.0)
     model.pin("beam.end")
     with pytest.raises(vr.InputError, match=r"supports\[1\] holds beam.end"):

@@ -6,7 +6,6 @@ import numpy as np
 import scipy.sparse.linalg as spla
 from scipy import sparse
 
-from viscorod.errors import InputError
 from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.integrators.linear_body import LinearBody
@@ -28,13 +27,11 @@ class LinearMotion:
     """Radau IIA or the midpoint rule, see :class:`~viscorod.solve.integrators.contract.Integrator`.
 
     Args:
-        system, supports: what is integrated; the first state that it starts from is the one it is linear about.
+        system, supports: what is integrated; the supports stay where they are, and the first
+            state that it starts from is the one it is linear about.
         tableau: the method.
         tolerance: wanted accuracy of the motion where the method has an error estimate: displacement over model
             length, rotation in rad.
-
-    Raises:
-        InputError: a support moves.
     """
 
     step_factor = 2.0
@@ -46,11 +43,6 @@ class LinearMotion:
     def __init__(
         self, system: System, supports: SupportState, tableau: Tableau, tolerance: float | None = None
     ) -> None:
-        if supports.moving:
-            raise InputError(
-                "dynamics = 'linear': the supports must stay where they are, but one has a prescribed motion. "
-                "Take dynamics = 'nonlinear'"
-            )
         self.system, self.supports, self.tableau = system, supports, tableau
         self.tolerance = tolerance
         problem, stages = system.problem, len(tableau.nodes)

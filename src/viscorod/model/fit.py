@@ -1,0 +1,53 @@
+"""Whether a model can be computed as the settings ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from viscorod.errors import InputError, Problem
+from viscorod.model.settings import SimulateSettings
+from viscorod.model.support import BodyVelocity
+
+if TYPE_CHECKING:
+    from viscorod.model.description import ModelDescription
+
+__all__ = ["require_fit"]
+
+
+def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
+    """Refuse settings that do not go with the model.
+
+    Raises:
+        InputError: with everything that does not fit, by name, and what to take instead.
+    """
+    problems = list(_unfit(model, settings))
+    if problems:
+        raise InputError(problems)
+
+
+def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Problem]:
+    for index, support in enumerate(model.supports):
+        if isinstance(support, BodyVelocity) and settings.integrator == "generalized_alpha":
+            yield Problem(
+                f"supports[{index}].kind",
+                support.label,
+                "generalised-alpha cannot hold velocities along moving axes",
+                "give integrator = 'radau' or 'midpoint', or hold positions by another support",
+            )
+        if settings.dynamics == "linear" and (
+            support.motion or (isinstance(support, BodyVelocity) and support.velocity)
+        ):
+            yield Problem(
+                f"supports[{index}].{'motion' if support.motion else 'velocity'}",
+                support.label,
+                "linear dynamics need supports that stay where they are",
+                "leave it out, or take dynamics = 'nonlinear'",
+            )
+    if model.strains and settings.initial == "equilibrium":
+        yield Problem(
+            "initial",
+            "'equilibrium'",
+            "the model has initial strains, which are no equilibrium",
+            "give initial = 'reference' to start from the shape that they make, or remove the strains",
+        )
