@@ -100,14 +100,17 @@ def print_end(name: str, run: vr.Run) -> None:
     spin = x1[-1, 0, 3:]
     speed = np.linalg.norm(spin)
     rate = np.abs(strain_rates(run, x1, strain)["full"]).max()
+    lost = np.ptp(energy.viscous[last]) / np.ptp(run.time[last])
     momentum = np.linalg.norm(run.data["angular_momentum"].values, axis=1)
     steps = run.data.attrs["steps"]
     print(f"{name}: {steps} steps, mean step {run.time[-1] / steps:.4f} s")
-    print(f"  E {energy.total[-1]:.8f} J = kinetic {energy.kinetic[-1]:.8f} + stored {energy.elastic[-1]:.3e}")
+    print(
+        f"  E {energy.total[-1]:.8f} J = kinetic {energy.kinetic[-1]:.8f} + stored {energy.elastic[-1]:.3e}"
+    )
     print(f"  spin of the base about its axis {spin[2]:.6f}, about all axes {speed:.6f} rad/s")
     print(
         f"  i1 L w^2/2 = {0.5 * INERTIA[5] * spin[2] ** 2:.8f} J; largest strain {np.abs(strain[-1]).max():.2e},",
-        f"largest strain rate of the last second / spin {rate / speed:.2e}",
+        f"in the last second: largest strain rate / spin {rate / speed:.2e}, power lost {lost:.2e} W",
     )
     print(
         f"  angular momentum about the joint at 0.5 s {momentum[run.time >= PUSHED][0]:.6f},",
@@ -169,7 +172,7 @@ def in_base_frame(run: vr.Run, steps: slice) -> np.ndarray:
 
 def draw_snapshots(runs: dict[tuple[float, str], vr.Run]) -> Figure:
     figure = Figure(figsize=(10.0, 8.2))
-    figure.subplots_adjust(left=0.0, right=0.96, bottom=0.03, top=0.97, wspace=0.04, hspace=0.05)
+    figure.subplots_adjust(left=0.0, right=0.96, bottom=0.03, top=0.94, wspace=0.04, hspace=0.12)
     floor, shown = -0.3, 50
     for row, damping in enumerate(DAMPINGS):
         run = runs[0.001, damping]
@@ -186,9 +189,10 @@ def draw_snapshots(runs: dict[tuple[float, str], vr.Run]) -> Figure:
             axes.set(xticks=(-0.3, 0, 0.3), yticks=(-0.3, 0, 0.3), zticks=(0, 0.5, 1))
             axes.set(xlabel="d1 [m]", ylabel="d2 [m]", zlabel="d3 [m]")
             axes.tick_params(labelsize=8, pad=0)
-            axes.set_box_aspect((0.8, 0.8, 1.3), zoom=1.0)
+            axes.set_box_aspect((0.8, 0.8, 1.3), zoom=0.98)
             axes.view_init(elev=22, azim=-50)
-            axes.set_title(f"{damping} damping, {5 * column} to {5 * column + 5} s", fontsize=11, y=1.03)
+            title = f"{damping} damping, {5 * column} to {5 * column + 5} s"
+            axes.text2D(0.5, 1.04, title, transform=axes.transAxes, ha="center", fontsize=11)
     return figure
 
 

@@ -23,7 +23,7 @@ TIMES = (0.25, 0.5, 0.75, 1.0, 1.25, 1.5)
 
 
 def bridge(eta, ratio, elements=4):
-    """Euler-Bernoulli beam by stiff shear and little rotary inertia, one end pinned, the other sliding under 0.1 Qcr."""
+    """Euler-Bernoulli by stiff shear and little rotary inertia; one end pinned, the other sliding under 0.1 Qcr."""
     stiffness = np.array([1e5 * EA, 1e5 * EA, EA, EI, EI, EI])
     rotary = 1e-5 * MASS * SECOND_MOMENT / AREA
     damping = stiffness * [0, 0, eta, eta, eta, 0]
