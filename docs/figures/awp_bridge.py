@@ -71,6 +71,13 @@ def deflection(run: vr.Run) -> np.ndarray:
     return -run.history(f"beam@{LENGTH / 2!r}", "displacement").values[:, 2]
 
 
+def last_zero(run: vr.Run) -> float:
+    """Time at which mid-span last passes its rest [s]."""
+    curve = deflection(run)
+    k = np.flatnonzero(curve[1:] * curve[:-1] < 0)[-1]
+    return float(np.interp(0.0, sorted(curve[k : k + 2]), run.time[k : k + 2][np.argsort(curve[k : k + 2])]))
+
+
 def independent() -> tuple[np.ndarray, dict[tuple[str, float, float], np.ndarray]]:
     """Times and deflections of the independent solutions."""
     lines = TABLE.read_text(encoding="utf-8").splitlines()
@@ -87,8 +94,8 @@ def main() -> None:
     panels = figure.subplots(len(ETAS), 1, sharex=True, sharey=True)
     for panel, eta in zip(panels, ETAS, strict=True):
         for ratio, colour in COLOURS.items():
-            for name in MODELS:
-                run = motion(name, eta, ratio)
+            runs = {name: motion(name, eta, ratio) for name in MODELS}
+            for name, run in runs.items():
                 curve, marks = deflection(run), known[name, eta, ratio]
                 panel.plot(run.time, curve, color=colour, **LINES[name])
                 filled = {"mfc": "white"} if MARKERS[name] != "x" else {}
@@ -99,6 +106,11 @@ def main() -> None:
                     f"lost {run.energy.viscous[-1] / 1e6:8.4f} MJ, {run.data.attrs['steps']} steps,",
                     f"remainder {run.energy.numerical_fraction:.0e}",
                 )
+            marked = [deflection(runs[name])[np.searchsorted(run.time, times - 1e-6)] for name in MODELS]
+            print(
+                f"eta {eta:g} ratio {ratio:4g}: NL-L from NL-NL at the marks {np.ptp(marked[1:], axis=0).max():.3f} m,",
+                f"last zero of L-L {1e3 * (last_zero(runs['NL-NL']) - last_zero(runs['L-L'])):.1f} ms earlier",
+            )
         clean(panel, "time [s]" if panel is panels[-1] else "", "mid-span deflection [m]")
         heading(panel, f"η = {eta:g} s")
         panel.set(xlim=(0, 1.52))
