@@ -73,9 +73,9 @@ def deflection(run: vr.Run) -> np.ndarray:
 
 def last_zero(run: vr.Run) -> float:
     """Time at which mid-span last passes its rest [s]."""
-    curve = deflection(run)
+    time, curve = run.time, deflection(run)
     k = np.flatnonzero(curve[1:] * curve[:-1] < 0)[-1]
-    return float(np.interp(0.0, sorted(curve[k : k + 2]), run.time[k : k + 2][np.argsort(curve[k : k + 2])]))
+    return float(time[k] - curve[k] * (time[k + 1] - time[k]) / (curve[k + 1] - curve[k]))
 
 
 def independent() -> tuple[np.ndarray, dict[tuple[str, float, float], np.ndarray]]:
