@@ -7,7 +7,7 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-com
 WORKERS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test search check docs bench peers clean
+.PHONY: help demo test search check docs figures bench peers clean
 
 help:
 	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
@@ -15,6 +15,7 @@ help:
 	@echo "make search property tests with new random examples"
 	@echo "make check  ruff, mypy, import contracts, documentation with warnings as errors"
 	@echo "make docs   documentation in docs/_build/html"
+	@echo "make figures  draw the pictures of the documentation again and print its tables"
 	@echo "make bench  timings, as ratios"
 	@echo "make peers  the same motions computed by other programs: time against error"
 	@echo "make clean  remove everything that was made here, the environment too"
@@ -51,6 +52,9 @@ search: $(VENV)/.stamp-test
 docs: $(VENV)/.stamp-test
 	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
 	@echo "docs/_build/html/index.html"
+
+figures: $(VENV)/.stamp-run
+	set -e; for script in docs/figures/*.py; do echo "$$script"; $(BIN)/python $$script; done
 
 bench: $(VENV)/.stamp-test
 	$(BIN)/python bench/newton_iteration.py

@@ -78,12 +78,14 @@ def test_shipped_cases_load_name_their_source_and_come_back(name):
     assert again.settings == case.settings
 
 
-def test_the_six_shipped_cases():
+def test_the_shipped_cases():
     assert set(shipped_cases()) >= {
         "bend_45",
         "cantilever_swing",
         "flying_rod",
         "helix_spring",
+        "hinged_beam",
+        "prestressed_bridge",
         "right_angle_frame",
         "spinning_up_arm",
     }
