@@ -173,7 +173,7 @@ def seen_from_the_joint(data, k):
 def test_the_bent_beam_is_the_steady_rotation_that_steady_finds():
     """Independent solution: ``model.steady`` at the same stored energy has the same shape and spin.
 
-    The beam bends about its soft axis to either side. Its axis of spin still turns slowly about the angular momentum: that
+    The beam bends to either side about its soft axis. The axis of spin still turns slowly about the angular momentum: that
     is worth 0.3 % of the spin and lets the shape tremble by 0.001 m. Means over 4 s are compared.
     """
     run = hinged(0.001, elements=2, order=6).simulate(
