@@ -173,8 +173,8 @@ def seen_from_the_joint(data, k):
 def test_the_bent_beam_is_the_steady_rotation_that_steady_finds():
     """Independent solution: ``model.steady`` at the same stored energy has the same shape and spin.
 
-    The beam bends to either side about its soft axis. The axis of spin still turns slowly about the angular momentum: that
-    is worth 0.3 % of the spin and lets the shape tremble by 0.001 m. Means over 4 s are compared.
+    The beam bends to either side about its soft axis. The axis of spin still turns slowly about the angular momentum.
+    That is worth 0.3 % of the spin and lets the shape tremble by 0.001 m: means over 4 s are compared.
     """
     run = hinged(0.001, elements=2, order=6).simulate(
         14.0, initial="reference", tolerance=1e-5, output_interval=0.02, **INTRINSIC
