@@ -135,6 +135,7 @@ def test_text_has_a_line_for_every_cycle():
         ([0.0, 1.0, 2.0], [1.0, 1.0, 1.001], True),
         ([0.0, 1.0, 2.4], [1.0, 0.5, 0.4], False),
         ([0.0, 1.0, 2.0], [1.0, 0.5, 0.6], False),
+        ([0.0, 1.0], [1.0, 0.5], False),
     ],
 )
 def test_only_steady_shrinking_cycles_are_a_decay(time, value, regular):

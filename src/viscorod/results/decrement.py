@@ -68,7 +68,9 @@ class Decrement:
 
     @property
     def regular(self) -> bool:
-        """Whether this is a decay at all: periods that agree within 30 % and no amplitude that grows."""
+        """Whether this is a decay at all: two periods or more that agree within 30 %, and no amplitude that grows."""
+        if len(self.period) < 2:
+            return False
         steady = float(np.max(self.period)) < _AGREEING * float(np.min(self.period))
         return steady and bool(np.all(self.log_decrement > -_GROWING))
 
