@@ -52,7 +52,7 @@ def solving(monkeypatch):
 
         case = SimpleNamespace(description=None, settings=settings)
         monkeypatch.setattr(viscorod.cases.case, "load_case", lambda path: case)
-        monkeypatch.setattr(viscorod.check, "check", lambda model: REPORT)
+        monkeypatch.setattr(viscorod.check, "check", lambda model, settings: REPORT)
         monkeypatch.setattr(viscorod.check, "doubts", lambda model, settled: ["the rod is thick"])
         monkeypatch.setattr(viscorod.front, "run_case", run_case)
 

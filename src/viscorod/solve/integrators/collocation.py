@@ -73,7 +73,7 @@ class Collocation:
         self.recorded = Records(
             body, self.actions.given, self.stages, tableau, supports, system.gauss_places()
         )
-        self.ends = Ends.of(body, active=False)
+        self.ends: Ends | None = None
         self.matrices = Matrices.of(body, system.band.width)
         self.factors = Factors.of(system.band, with_complex=stages > 1)
         self.scratch = Work.of(body, stages)

@@ -29,7 +29,7 @@ class Midpoint(Collocation):
 
     def __init__(self, system: System, supports: SupportState, *, newton_tolerance: float = 1e-13) -> None:
         super().__init__(system, supports, MIDPOINT, newton_tolerance)
-        self.ends = Ends.of(self.body, active=True)
+        self.ends: Ends = Ends.of(self.body)
         self._end_twist = np.zeros((len(supports.complete), 6))
 
     def _prepare_step(self, end: float, before: bool) -> None:

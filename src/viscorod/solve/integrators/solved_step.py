@@ -189,7 +189,7 @@ def try_step(
     factors: Factors,
     matrices: Matrices,
     stages: Stages,
-    ends: Ends,
+    ends: Ends | None,
     work: Work,
     motion: StrainMotion | None,
     tolerance: float,
@@ -204,6 +204,7 @@ def try_step(
     If that succeeds, estimate the error and take account of the energy.
 
     Args:
+        ends: for the midpoint rule; None for the others, whose code then lacks what it needs.
         motion: strains as states of their own (intrinsic formulation); None: they follow from the poses.
         r0, q0, twist0: start of the step; force0: what accelerates the nodes there ``(n, 6)``; h: step [s].
         tolerance: displacement over length, or rotation [rad]; limit: allowed iterations.
@@ -235,7 +236,6 @@ def try_step(
     acting, dead, following, gravity, at_element, shape, point_dead, point_following, end_r, end_q = given[6:]
     X, r, q, twist, acceleration, internal, external, force, residual, reaction = stages[:10]
     strain, strain_rate, S, sigma, held_power = stages[10:]
-    ends_active, r1, q1, twist1, strain1, strain_rate1, S1, strain0, force1 = ends
     A_tableau, D, T, T_inverse, eigenvalue, weights = (
         tableau[2],
         tableau[3],
@@ -249,7 +249,7 @@ def try_step(
     B, A, P = matrices[6]
     scratch, right, pair_right, rates, rate, vector, change, end_reaction, G, Z, psi, band = work
     order, element_nodes, element_links, link_positions, link_quaternions = elements[:5]
-    points, points1 = Points(strain, strain_rate, S, sigma), Points(strain1, strain_rate1, S1, S1)
+    points = Points(strain, strain_rate, S, sigma)
     several = X.shape[0] > 1
     last = size = 0.0
     convergence = known_rate**0.8  # trusted less with every step that does not confirm it
@@ -260,13 +260,15 @@ def try_step(
         place_stages(r0, q0, twist0, X, D, h, split, held, r, q, twist, acceleration)
         lacking_motion(nodes, fixed, axes, A_tableau, h, rate_target, twist, target)
         over.hold(nodes, complete, given_r, given_q, given_twist, given_rate, r, q, twist, acceleration)
-        if ends_active:
+        if ends is not None:
+            r1, q1, twist1, strain1, strain_rate1, S1, strain0, force1 = ends
             reach_end(
                 r0, q0, X, split, held, nodes, complete, end_r, end_q, change[0], rate[0], r1, q1, twist1
             )
         if motion is None:
             internal_forces(elements, r, q, twist, points, scratch, internal)
-            if ends_active:
+            if ends is not None:
+                points1 = Points(strain1, strain_rate1, S1, S1)
                 internal_forces(elements, r1, q1, twist1, points1, scratch, force1)
                 conserve_energy(elements, strain, strain_rate, strain0, strain1, h, S)
         else:
@@ -326,7 +328,7 @@ def try_step(
                     project_free(nodes, fixed, free_directions, vector, internal[i])
             over.add(internal, residual)
         over.clear_held(held, residual)
-        if ends_active:
+        if ends is not None:
             hold_ends(
                 nodes,
                 fixed,

@@ -167,13 +167,12 @@ class Stages(NamedTuple):
 
 
 class Ends(NamedTuple):
-    """Ends of a step for the method that conserves energy between them; unused (``active`` False) by the others.
+    """Ends of a step for the method that conserves energy between them.
 
     Poses and twists at the end of the step ``(1, n, ...)``, its Gauss points, the strains at the start, and forces that
     nobody needs.
     """
 
-    active: bool
     r: Floats
     q: Floats
     twist: Floats
@@ -184,11 +183,10 @@ class Ends(NamedTuple):
     force: Floats
 
     @classmethod
-    def of(cls, body: Body, *, active: bool) -> Ends:
+    def of(cls, body: Body) -> Ends:
         """Allocate."""
         n, points = len(body.mass), (1, *body.elements.reference.shape)
         return cls(
-            active,
             r=np.zeros((1, n, 3)),
             q=np.zeros((1, n, 4)),
             twist=np.zeros((1, n, 6)),
