@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numba
 from numba.core import event
 
 from viscorod.analysis import Workplace
@@ -23,7 +24,8 @@ from viscorod.model.shapes import Rectangle
 from viscorod.model.time_function import Ramp
 from viscorod.solve.formulations import FORMULATIONS
 from viscorod.solve.geometric_system import GeometricSystem
-from viscorod.solve.integrators import INTEGRATORS
+from viscorod.solve.integrators import INTEGRATORS, Radau
+from viscorod.solve.integrators.solved_step import try_step
 
 SIZE = 0.01
 """Length of the rods [m]: small enough to need the scaling of the linear algebra."""
@@ -135,8 +137,18 @@ def soft_model() -> Model:
     return model
 
 
+def compile_step() -> None:
+    """Compile the step of radau, the largest kernel of transients, without all that a run needs before it."""
+    work = Workplace.of(soft_model())
+    radau = Radau(work.system, work.supports, tolerance=1e-4)
+    step: Any = try_step
+    typeof: Any = numba.typeof
+    step.compile(tuple(typeof(argument) for argument in radau.step_arguments(SPAN)))
+
+
 def compile_transients() -> None:
     """Compile the kernels of transients, those first that a first run needs and that statics does without."""
+    compile_step()
     FORMULATIONS["unassembled", "full"] = _Unassembled
     _simulate(soft_model(), "radau", [("unassembled", "full")])
     for integrator in ("radau", "midpoint"):

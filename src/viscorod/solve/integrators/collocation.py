@@ -10,6 +10,8 @@ times strains, are linearised about old poses. The Jacobian and the factors stay
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from viscorod.mechanics import inertia
@@ -118,29 +120,7 @@ class Collocation:
         if h != self._factor_step and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         self.predictor.predict(self.state, self._stress, h)
-        state, stages = self.state, self.stages
-        code, count, size, rate, unknown, error, worst = try_step(
-            self.body,
-            self.actions.given,
-            state.r,
-            state.q,
-            state.twist,
-            self._force,
-            h,
-            self.tableau,
-            self.factors,
-            self.matrices,
-            stages,
-            self.ends,
-            self.scratch,
-            self.forces.motion,
-            self.newton_tolerance,
-            self.iterations,
-            self._rate,
-            self._powers,
-            self._elastic,
-            self._error,
-        )
+        code, count, size, rate, unknown, error, worst = try_step(*self.step_arguments(h))
         self.evaluations += (count + (code == iteration.CONVERGED)) * len(self.tableau.nodes)
         self._end = end
         if code == iteration.CONVERGED:
@@ -153,8 +133,34 @@ class Collocation:
         if not self._fresh_jacobian:
             self._have_jacobian = False
             return self.attempt(end, before=before).after(count)
-        imbalance = float(np.abs(stages.residual).max())
+        imbalance = float(np.abs(self.stages.residual).max())
         return StepReport(_OUTCOME[code], count, size, imbalance, node, 0.0, rate, component)
+
+    def step_arguments(self, h: float) -> tuple[Any, ...]:
+        """Return what the compiled step takes, for a step of ``h`` [s] from the present state."""
+        state = self.state
+        return (
+            self.body,
+            self.actions.given,
+            state.r,
+            state.q,
+            state.twist,
+            self._force,
+            h,
+            self.tableau,
+            self.factors,
+            self.matrices,
+            self.stages,
+            self.ends,
+            self.scratch,
+            self.forces.motion,
+            self.newton_tolerance,
+            self.iterations,
+            self._rate,
+            self._powers,
+            self._elastic,
+            self._error,
+        )
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
