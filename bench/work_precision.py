@@ -64,7 +64,7 @@ LADDERS: dict[str, tuple[tuple[int, int, float], ...]] = {
 }
 """Elements per leg, order and tolerance of viscorod's runs, from coarse to fine."""
 
-REPEATS = 7
+REPEATS, PASSES = 7, 2
 TARGETS = (1e-3, 1e-4)
 
 
@@ -120,6 +120,11 @@ def theirs(case: Case) -> list[Point]:
     return points
 
 
+def faster(first: list[Point], second: list[Point]) -> list[Point]:
+    """The same runs with the shorter of two times each."""
+    return [a if a.seconds <= b.seconds else b for a, b in zip(first, second, strict=True)]
+
+
 def seconds_at(points: list[Point], error: float) -> float:
     """Least time [s] for an error: of a run that is at least as exact, or between two runs of one family (log-log)."""
     best = min((p.seconds for p in points if p.error <= error), default=np.inf)
@@ -138,8 +143,9 @@ def report(case: Case) -> tuple[list[Point], list[Point]]:
     print(
         f"\n{case.name}: the reference moves by {mesh:.1e} on another mesh, {integrator:.1e} with another integrator"
     )
-    mine = ours(case)
-    others = theirs(case)
+    mine, others = ours(case), theirs(case)
+    for _ in range(PASSES - 1):  # all of them again: slow moments of the machine last for seconds
+        mine, others = faster(mine, ours(case)), faster(others, theirs(case))
     print("| program | time loop | error / L |\n|---|---|---|")
     for point in (*mine, *others):
         name = point.label if point.family != "viscorod" else f"viscorod: {point.label}"
