@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError, SolveError
-from viscorod.mechanics import geometric
-from viscorod.mechanics.compiled import announce_compilation
+from viscorod.mechanics import geometric, intrinsic
+from viscorod.mechanics.compiled import announce_compilation, announce_formulation
 from viscorod.model.description import ModelDescription
 from viscorod.model.settings import SimulateSettings
 from viscorod.results.dataset import dataset
@@ -160,6 +160,8 @@ class Workplace:
         elif settings.initial == "equilibrium":
             self.settle(state)
         state.twist[:] = self.problem.initial_twist(state.r, state.q)
+        if settings.formulation == "intrinsic":
+            announce_formulation(intrinsic.forces_at)
         integrator, control, chosen = self._stepping(settings, state)
         transient = Transient(self.problem, integrator, control, self.system.worst_place)
         began = time.perf_counter()

@@ -133,6 +133,14 @@ def lane_kernel(function: Kernel) -> Kernel:
     return cast(Kernel, compiled)
 
 
+def announce_formulation(first: Any) -> None:
+    """Say so if the kernel ``first`` of a formulation that few runs need is neither in memory nor on disk yet."""
+    if not first.signatures and not on_disk(first):
+        logging.getLogger("viscorod").warning(
+            "viscorod: compiling the kernels of this formulation, once, for about a quarter of a minute"
+        )
+
+
 def announce_compilation(largest: Any) -> None:
     """Say so if the machine code of the kernel ``largest`` is neither in memory nor on disk yet, and get help."""
     if not largest.signatures and not on_disk(largest):
