@@ -62,8 +62,7 @@ def moving(method: type[Collocation], formulation: str, elements: int, order: in
     system = FORMULATIONS[formulation, "full"](problem)
     given = {"tolerance": 1e-4} if method is Radau else {}
     integrator = method(system, SupportState(problem), **given)
-    n = problem.size
-    state = State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((n, 6)))
+    state = State.reference(problem)
     state.twist[:, 1] = 0.01 * problem.positions[:, 0]
     integrator.start(0.0, state)
     for k in range(1, 4):

@@ -66,7 +66,7 @@ def measure(rods: int, elements: int) -> tuple[float, float, float]:
     best, iterations, memory = np.inf, 0.0, 0
     for _ in range(3):
         system, supports = GeometricSystem(problem), SupportState(problem)
-        state = State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((problem.size, 6)))
+        state = State.reference(problem)
         integrator = Radau(system, supports, tolerance=1e-4)
         run = Transient(problem, integrator, FixedSteps(2e-3), system.worst_place)
         begin = time.perf_counter()

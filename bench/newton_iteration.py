@@ -44,8 +44,7 @@ def integrator_of(elements: int, order: int, rods: int = 1) -> GeneralizedAlpha:
     problem = discretise(model)
     system = GeometricSystem(problem)
     integrator = GeneralizedAlpha(system, SupportState(problem))
-    n = problem.size
-    integrator.start(0.0, State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((n, 6))))
+    integrator.start(0.0, State.reference(problem))
     for k in range(1, 4):
         assert integrator.attempt(1e-3 * k, before=False).converged
         integrator.accept()

@@ -9,8 +9,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from viscorod.errors import InputError, SolveError
 from viscorod.mechanics import geometric, intrinsic
 from viscorod.mechanics.compiled import announce_compilation, announce_formulation
@@ -77,17 +75,12 @@ class Workplace:
         supports = SupportState(problem)
         return cls(problem, system, supports, StaticSolver(system, supports))
 
-    def reference(self) -> State:
-        """Return the reference shape at rest."""
-        n = self.problem.size
-        return State(self.problem.positions.copy(), self.problem.quaternions.copy(), np.zeros((n, 6)))
-
     def equilibrium(
         self, factor: float, load_steps: int, progress: Progress | None, attrs: dict[str, Any]
     ) -> Equilibrium:
         """Find the equilibrium at ``factor`` times the loads; see ``Model.equilibrium``."""
         self._require_held(self.static.loads.at(0.0, True, factor))
-        state = self.reference()
+        state = State.reference(self.problem)
         last = 0.0
 
         def on_step(reached: float, state: State, iterations: int) -> None:
@@ -121,7 +114,7 @@ class Workplace:
 
     def modes(self, count: int, about: str) -> Modes:
         """Find the ``count`` slowest small motions; see ``Model.modes``."""
-        state = self.reference()
+        state = State.reference(self.problem)
         if about == "equilibrium":
             self.settle(state)
         linear = small_motion.linearise(self.static, state, scale=1.0 if about == "equilibrium" else 0.0)
@@ -143,7 +136,7 @@ class Workplace:
         motions = free_motions(self.problem)
         if not motions:
             return
-        self.system.assemble(self.reference(), loads, None, tangent=True, moving=False)
+        self.system.assemble(State.reference(self.problem), loads, None, tangent=True, moving=False)
         loose = undetermined(self.problem, self.system.external, self.system.band.sparse(), motions)
         if loose:
             raise InputError(
@@ -154,7 +147,7 @@ class Workplace:
 
     def simulate(self, settings: SimulateSettings, progress: Progress | None, attrs: dict[str, Any]) -> Run:
         """Compute the motion; see ``Model.simulate``."""
-        state = self.reference()
+        state = State.reference(self.problem)
         if self.problem.initial_strain:
             self.system.given_strain = strain_rods(self.system, state)
         elif settings.initial == "equilibrium":

@@ -109,11 +109,7 @@ def _prepared(model: ModelDescription) -> tuple[Problem, StaticSolver, State]:
     problem = discretise(model)
     announce_compilation(geometric.assemble)
     solver = StaticSolver(GeometricSystem(problem), SupportState(problem))
-    return (
-        problem,
-        solver,
-        State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((problem.size, 6))),
-    )
+    return problem, solver, State.reference(problem)
 
 
 def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, settled: bool) -> list[str]:

@@ -219,11 +219,4 @@ def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibri
 
 def as_model(description: ModelDescription) -> Model:
     """Give a description its analyses."""
-    return Model.of(
-        description.rods,
-        description.supports,
-        description.loads,
-        description.attachments,
-        description.velocities,
-        description.strains,
-    )
+    return Model.of(**description.parts())

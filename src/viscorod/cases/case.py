@@ -45,10 +45,7 @@ class Case:
 
     def model(self, kind: type[M]) -> M:
         """The model as an object of a class derived from `ModelDescription`."""
-        parts = self.description
-        return kind.of(
-            parts.rods, parts.supports, parts.loads, parts.attachments, parts.velocities, parts.strains
-        )
+        return kind.of(**self.description.parts())
 
     def to_dict(self) -> dict[str, Any]:
         """The content of a case file that describes the same."""

@@ -36,7 +36,7 @@ class _Codegen:
         """Do nothing: there is no machine code that could look it up."""
 
 
-class _PartLibrary(_Library):  # type: ignore[misc]
+class _PartLibrary(_Library):
     """Code of one function with all that it calls, ready to be linked into other code but not to be run."""
 
     @property
@@ -56,7 +56,7 @@ class _PartLibrary(_Library):  # type: ignore[misc]
         return 0
 
 
-class _KernelLibrary(_Library):  # type: ignore[misc]
+class _KernelLibrary(_Library):
     """Code of a kernel with all that it calls."""
 
     def _optimize_final_module(self) -> None:
@@ -70,7 +70,7 @@ class _KernelLibrary(_Library):  # type: ignore[misc]
             passes.run(self._final_module, builder)
 
 
-class _LibraryCompiler(_Compiler):  # type: ignore[misc]
+class _LibraryCompiler(_Compiler):
     """Numba's compiler, putting code into a library of the class ``library``."""
 
     library: Any = _Library

@@ -252,6 +252,17 @@ class ModelDescription:
                 plain[key] = plain_value(getattr(self, key))
         return plain
 
+    def parts(self) -> dict[str, Any]:
+        """What :meth:`of` makes another of, such as one of a derived class."""
+        return {
+            "rods": self.rods,
+            "supports": self.supports,
+            "loads": self.loads,
+            "attachments": self.attachments,
+            "velocities": self.velocities,
+            "strains": self.strains,
+        }
+
     @classmethod
     def of(
         cls,

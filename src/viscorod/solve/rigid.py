@@ -52,7 +52,7 @@ def free_motions(problem: Problem) -> list[FreeMotion]:
             arm = problem.positions[node] - centre
             moves = np.zeros((6, 6))
             moves[:3, :3] = A.T
-            moves[:3, 3:] = A.T @ _skew(-arm) / problem.length
+            moves[:3, 3:] = A.T @ skew(-arm) / problem.length
             moves[3:, 3:] = A.T
             rows.append(moves[problem.supports.fixed[k] > 0.0])
         for motion in _null_space(np.concatenate([np.zeros((1, 6)), *rows])):
@@ -117,8 +117,12 @@ def _name(problem: Problem, nodes: np.ndarray) -> str:
     return f" of {shown}"
 
 
-def _skew(a: Floats) -> Floats:
-    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
+def skew(a: Floats) -> Floats:
+    """Return ``[a]x`` of vectors ``(..., 3)`` as matrices ``(..., 3, 3)``."""
+    out = np.zeros((*a.shape[:-1], 3, 3))
+    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -a[..., 2], a[..., 1], -a[..., 0]
+    out[..., 1, 0], out[..., 2, 0], out[..., 2, 1] = a[..., 2], -a[..., 1], a[..., 0]
+    return out
 
 
 def _null_space(rows: Floats) -> list[Floats]:

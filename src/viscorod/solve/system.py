@@ -10,6 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
+
 from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.linearised import Operators
 from viscorod.solve.banded import BandMatrix
@@ -28,6 +30,11 @@ class State:
     r: Floats
     q: Floats
     twist: Floats
+
+    @classmethod
+    def reference(cls, problem: Problem) -> State:
+        """Return the reference shape at rest."""
+        return cls(problem.positions.copy(), problem.quaternions.copy(), np.zeros((problem.size, 6)))
 
     def copy(self) -> State:
         """Return an independent copy."""

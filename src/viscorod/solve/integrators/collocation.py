@@ -62,7 +62,7 @@ class Collocation:
         self.newton_tolerance = newton_tolerance
         problem = system.problem
         self.t = 0.0
-        self.state = State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((problem.size, 6)))
+        self.state = State.reference(problem)
         self.kinetic = self.elastic = self.work = self.loss = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         stages = len(tableau.nodes)

@@ -109,9 +109,7 @@ class GeneralizedAlpha:
         self.iterations = iterations
         n = system.problem.size
         self.t = 0.0
-        self.state = State(
-            system.problem.positions.copy(), system.problem.quaternions.copy(), np.zeros((n, 6))
-        )
+        self.state = State.reference(system.problem)
         self.kinetic = self.elastic = self.work = self.loss = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         self._power = self._end = self._step = 0.0

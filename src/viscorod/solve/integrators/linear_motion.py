@@ -47,7 +47,7 @@ class LinearMotion:
         self.tolerance = tolerance
         problem, stages = system.problem, len(tableau.nodes)
         self.t = 0.0
-        self.state = State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((problem.size, 6)))
+        self.state = State.reference(problem)
         self.kinetic = self.elastic = self.work = self.loss = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         self._body: LinearBody | None = None

@@ -20,11 +20,6 @@ DEFLECTION = 0.02
 """Largest displacement of the bent guess, in lengths of the model."""
 
 
-def reference(problem: Problem) -> State:
-    """Return the reference shape at rest."""
-    return State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((problem.size, 6)))
-
-
 def own_axis(problem: Problem, state: State, centre: Floats) -> Floats:
     """Return the principal axis of the least inertia about ``centre``, global axes ``(3,)``."""
     _, vectors = np.linalg.eigh(inertia_about(problem.mass, state.r, state.q, centre))
@@ -44,7 +39,7 @@ def bent(
     Returns:
         poses, strains ``(e, points, 6)``, frequency [rad/s] and elastic energy [J] of the mode.
     """
-    state = reference(problem)
+    state = State.reference(problem)
     linear = modes.linearise(solver, state, scale=0.0)
     K, M = linear.stiffness.toarray(), linear.mass.toarray()
     values, vectors = scipy.linalg.eigh(0.5 * (K + K.T), M)

@@ -109,7 +109,7 @@ class Search:
     def _from_reference(self, target: float) -> GeometricSteady | IntrinsicSteady:
         """The reference shape, or the equilibrium under the loads, about a given axis."""
         settings, problem = self.settings, self.problem
-        state = guess.reference(problem)
+        state = State.reference(problem)
         if settings.driven and not no_loads(self.loads) and settings.formulation == "geometric":
             settled = state.copy()
             with np.errstate(all="ignore"):

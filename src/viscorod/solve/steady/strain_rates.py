@@ -6,7 +6,7 @@ import numpy as np
 
 from viscorod.mechanics.attachment import link_map
 from viscorod.mechanics.internal_force import Elements
-from viscorod.solve.steady.turning import skew
+from viscorod.solve.rigid import skew
 from viscorod.typing import Floats
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from viscorod.mechanics import inertia
 from viscorod.mechanics.quaternion import matrices
+from viscorod.solve.rigid import skew
 from viscorod.solve.system import State
 from viscorod.typing import Floats
 
@@ -77,14 +78,6 @@ def coriolis(mass: Floats, twist: Floats) -> Floats:
     """Return ``L1(x1) M x1 (n, 6)``: what inertia asks of the forces in a steady motion."""
     out = np.zeros_like(twist)
     inertia.add_coriolis(mass, twist, out)
-    return out
-
-
-def skew(a: Floats) -> Floats:
-    """Return ``[a]x`` of vectors ``(..., 3)`` as matrices ``(..., 3, 3)``."""
-    out = np.zeros((*a.shape[:-1], 3, 3))
-    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -a[..., 2], a[..., 1], -a[..., 0]
-    out[..., 1, 0], out[..., 2, 0], out[..., 2, 1] = a[..., 2], -a[..., 1], a[..., 0]
     return out
 
 
