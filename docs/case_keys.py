@@ -12,12 +12,14 @@ from sphinx.util.docutils import SphinxDirective
 
 from viscorod.cases import schema
 from viscorod.model.attachment import Attachment
+from viscorod.model.body_velocity import BodyVelocity
 from viscorod.model.initial_strain import InitialStrain
 from viscorod.model.load import LOADS
 from viscorod.model.material import KelvinVoigt, Material
+from viscorod.model.motion_words import MOTIONS, VELOCITIES
 from viscorod.model.profile import SECTIONS, Piece, Taper
 from viscorod.model.rod import CENTRELINES, Rod
-from viscorod.model.support import MOTIONS, SUPPORTS, VELOCITIES, BodyVelocity, Support
+from viscorod.model.support import SUPPORTS, Support
 from viscorod.model.time_table import TIME_FUNCTIONS
 from viscorod.model.velocity import InitialVelocity
 
@@ -85,10 +87,12 @@ TEXTS = {
     "_spin": "number > 0, or 3 numbers",
     "_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
     "_inertia": "6 numbers (a diagonal) or 6 rows of 6",
-    "_fixed": f"list of some of {', '.join(f'`{word!r}`' for word in MOTIONS)}".replace("'", '"'),
-    "_velocity_words": f"list of some of {', '.join(f'`{word!r}`' for word in VELOCITIES)}".replace("'", '"'),
-    "_velocity": "table from velocity words to numbers or functions of time",
-    "_motion": "table from motion words to numbers or functions of time",
+    "fixed_motions": f"list of some of {', '.join(f'`{word!r}`' for word in MOTIONS)}".replace("'", '"'),
+    "fixed_velocities": f"list of some of {', '.join(f'`{word!r}`' for word in VELOCITIES)}".replace(
+        "'", '"'
+    ),
+    "velocity_functions": "table from velocity words to numbers or functions of time",
+    "motion_functions": "table from motion words to numbers or functions of time",
     "_two_directions": "2 perpendicular directions, 3 numbers each",
     "one_section": SECTION,
     "time_function": "number, or table with `kind`, see Functions of time",

@@ -13,6 +13,7 @@ from viscorod.errors import InputError, SolveError
 if TYPE_CHECKING:
     from viscorod.cases.case import load_case
     from viscorod.front import Model
+    from viscorod.model.body_velocity import BodyVelocity
     from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
     from viscorod.model.initial_strain import InitialStrain
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from viscorod.model.section import Section
     from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
     from viscorod.model.stiffness_section import StiffnessSection
-    from viscorod.model.support import BodyVelocity, Clamp, Guide, Pin, Roller, Support
+    from viscorod.model.support import Clamp, Guide, Pin, Roller, Support
     from viscorod.model.time_function import Constant, Ramp, Sine, SpinUp, Until
     from viscorod.model.time_table import Function, Table
     from viscorod.model.velocity import InitialVelocity
@@ -48,7 +49,8 @@ _HOMES = {
     "model.section": ("Section",),
     "model.shapes": ("Annulus", "Circle", "Ellipse", "Rectangle", "SquareTube"),
     "model.stiffness_section": ("StiffnessSection",),
-    "model.support": ("BodyVelocity", "Clamp", "Guide", "Pin", "Roller", "Support"),
+    "model.body_velocity": ("BodyVelocity",),
+    "model.support": ("Clamp", "Guide", "Pin", "Roller", "Support"),
     "model.time_function": ("Constant", "Ramp", "Sine", "SpinUp", "Until"),
     "model.time_table": ("Function", "Table"),
     "model.velocity": ("InitialVelocity",),

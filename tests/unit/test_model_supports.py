@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from viscorod.errors import InputError
+from viscorod.model.motion_words import MOTIONS
 from viscorod.model.place import Place
-from viscorod.model.support import MOTIONS, Clamp, Guide, Pin, Roller, Support, support
+from viscorod.model.support import Clamp, Guide, Pin, Roller, Support, support
 from viscorod.model.time_function import Ramp, Until
 
 NODE = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])

@@ -295,3 +295,14 @@ def rotation_vector(q: Floats, out: Floats) -> None:
     factor = 2.0 * sign if s < 1e-8 else 2.0 * math.atan2(s, sign * q[0]) * sign / s
     for i in range(3):
         out[i] = factor * q[1 + i]
+
+
+@part
+def relative_rotation(q0: Floats, q: Floats, out: Floats) -> None:
+    """Write the rotation vector of ``conj(q0) q`` into ``out``."""
+    d = np.empty(4)
+    d[0] = q0[0] * q[0] + q0[1] * q[1] + q0[2] * q[2] + q0[3] * q[3]
+    d[1] = q0[0] * q[1] - q0[1] * q[0] - q0[2] * q[3] + q0[3] * q[2]
+    d[2] = q0[0] * q[2] - q0[2] * q[0] - q0[3] * q[1] + q0[1] * q[3]
+    d[3] = q0[0] * q[3] - q0[3] * q[0] - q0[1] * q[2] + q0[2] * q[1]
+    rotation_vector(d, out)

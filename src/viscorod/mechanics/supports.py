@@ -17,17 +17,16 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics.compiled import kernel, part
+from viscorod.mechanics.prescribed_motion import step_to_target
 from viscorod.mechanics.rotation import (
     add_skew,
     cross,
     inverse_coefficients,
     inverse_rotation_tangent,
+    relative_rotation,
     rotate,
     rotation_matrix,
     rotation_tangent,
-    rotation_tangent_rate,
-    rotation_vector,
-    turned,
 )
 from viscorod.typing import Floats, Integers
 
@@ -40,17 +39,6 @@ def in_body(axes: Floats) -> bool:
             if axes[i, j] != 0.0:
                 return False
     return True
-
-
-@part
-def relative_rotation(q0: Floats, q: Floats, out: Floats) -> None:
-    """Write the rotation vector of ``conj(q0) q`` into ``out``."""
-    d = np.empty(4)
-    d[0] = q0[0] * q[0] + q0[1] * q[1] + q0[2] * q[2] + q0[3] * q[3]
-    d[1] = q0[0] * q[1] - q0[1] * q[0] - q0[2] * q[3] + q0[3] * q[2]
-    d[2] = q0[0] * q[2] - q0[2] * q[0] - q0[3] * q[1] + q0[1] * q[3]
-    d[3] = q0[0] * q[3] - q0[3] * q[0] - q0[1] * q[2] + q0[2] * q[1]
-    rotation_vector(d, out)
 
 
 @part
@@ -124,39 +112,6 @@ def support_directions(
                 Z[j, i] += axes[a, i] * R[a, j]
                 G[3 + i, 3 + j] += e * Ti[a, j]
                 Z[3 + j, 3 + i] += e * T[j, a]
-
-
-@part
-def step_to_target(
-    axes: Floats, r0: Floats, q0: Floats, target: Floats, r: Floats, q: Floats, out: Floats
-) -> None:
-    """Write the body increment ``(6,)`` that takes a pose to the fully prescribed one, for any number of turns."""
-    R = np.empty((3, 3))
-    rotation_matrix(q0, R)
-    theta = np.zeros(3)
-    for a in range(3):
-        for i in range(3):
-            for b in range(3):
-                theta[a] += R[b, a] * axes[b, i] * target[3 + i]
-    reached = np.empty(4)
-    turned(q0, theta, reached)
-    turn = np.empty(3)
-    relative_rotation(q, reached, turn)
-    gap = np.empty(3)
-    rotation_matrix(q, R)
-    for i in range(3):
-        gap[i] = 0.0
-        for a in range(3):
-            distance = r0[a] - r[a]
-            for b in range(3):
-                distance += axes[a, b] * target[b]
-            gap[i] += R[a, i] * distance
-    # the translation of the logarithm on SE(3): the inverse of the left tangent, the transpose of that of the right
-    Ti = np.empty((3, 3))
-    inverse_rotation_tangent(turn, Ti)
-    for i in range(3):
-        out[i] = Ti[0, i] * gap[0] + Ti[1, i] * gap[1] + Ti[2, i] * gap[2]
-        out[3 + i] = turn[i]
 
 
 @part
@@ -373,62 +328,3 @@ def lacking_motion(
                     if fixed[m, a] != 0.0:
                         for j in range(twist.shape[0]):
                             target[i, m, a] += h * weights[i, j] * (rate[j, m, a] - twist[j, nodes[m], a])
-
-
-@kernel
-def prescribed_motion(
-    axes: Floats,
-    r0: Floats,
-    q0: Floats,
-    target: Floats,
-    rate: Floats,
-    acceleration: Floats,
-    r: Floats,
-    q: Floats,
-    twist: Floats,
-    twist_rate: Floats,
-) -> None:
-    """Pose, body twist and its rate of fully prescribed nodes from their six components and two time derivatives.
-
-    Args:
-        axes, r0, q0: as in :func:`impose`, one row per node; target, rate, acceleration: ``(m, 6)``.
-        r, q, twist, twist_rate: outputs ``(m, 3), (m, 4), (m, 6), (m, 6)``.
-    """
-    psi = np.empty((3, 3))  # rotation vector in the reference frame and its two derivatives
-    R0 = np.empty((3, 3))
-    R = np.empty((3, 3))
-    T = np.empty((3, 3))
-    Tt = np.empty((3, 3))
-    for s in range(axes.shape[0]):
-        rotation_matrix(q0[s], R0)
-        for a in range(3):
-            r[s, a] = r0[s, a]
-            psi[0, a] = psi[1, a] = psi[2, a] = 0.0
-            for i in range(3):
-                r[s, a] += axes[s, a, i] * target[s, i]
-                e = 0.0
-                for b in range(3):
-                    e += R0[b, a] * axes[s, b, i]
-                psi[0, a] += e * target[s, 3 + i]
-                psi[1, a] += e * rate[s, 3 + i]
-                psi[2, a] += e * acceleration[s, 3 + i]
-        turned(q0[s], psi[0], q[s])
-        rotation_matrix(q[s], R)
-        rotation_tangent(psi[0], T)
-        rotation_tangent_rate(psi[0], psi[1], Tt)
-        for i in range(3):
-            twist[s, i] = 0.0
-            twist[s, 3 + i] = 0.0
-            twist_rate[s, i] = 0.0
-            twist_rate[s, 3 + i] = 0.0
-            for j in range(3):
-                for a in range(3):
-                    twist[s, i] += R[a, i] * axes[s, a, j] * rate[s, j]
-                    twist_rate[s, i] += R[a, i] * axes[s, a, j] * acceleration[s, j]
-                twist[s, 3 + i] += T[i, j] * psi[1, j]
-                twist_rate[s, 3 + i] += T[i, j] * psi[2, j] + Tt[i, j] * psi[1, j]
-        v = twist[s, 0:3]
-        w = twist[s, 3:6]
-        twist_rate[s, 0] -= w[1] * v[2] - w[2] * v[1]
-        twist_rate[s, 1] -= w[2] * v[0] - w[0] * v[2]
-        twist_rate[s, 2] -= w[0] * v[1] - w[1] * v[0]

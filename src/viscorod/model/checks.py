@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.errors import Problem
+from viscorod.model.any_support import ResolvedSupport
 from viscorod.model.described import RefusedError, path_text, show
 from viscorod.model.load import DistributedForce, DistributedMoment, Force, Moment, MovingForce
+from viscorod.model.motion_words import MOTIONS
 from viscorod.model.place import ROUND_OFF, Place, find_place, find_rod, station_on
 from viscorod.model.rod import Rod
-from viscorod.model.support import MOTIONS, ResolvedSupport
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:

@@ -7,7 +7,9 @@ from typing import Any, Self, TypeAlias
 
 from viscorod.errors import InputError, Problem
 from viscorod.model import checks
+from viscorod.model.any_support import AnySupport, ResolvedSupport
 from viscorod.model.attachment import Attachment
+from viscorod.model.body_velocity import BodyVelocity
 from viscorod.model.described import RefusedError, plain_value, show
 from viscorod.model.initial_strain import InitialStrain
 from viscorod.model.load import (
@@ -21,16 +23,7 @@ from viscorod.model.load import (
 )
 from viscorod.model.place import Place, find_place
 from viscorod.model.rod import Rod
-from viscorod.model.support import (
-    AnySupport,
-    BodyVelocity,
-    Clamp,
-    Guide,
-    Pin,
-    ResolvedSupport,
-    Roller,
-    Support,
-)
+from viscorod.model.support import Clamp, Guide, Pin, Roller, Support
 from viscorod.model.time_function import TimeFunction
 from viscorod.model.values import name_of_part
 from viscorod.model.velocity import InitialVelocity

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from viscorod.errors import InputError, Problem
+from viscorod.model.body_velocity import BodyVelocity
 from viscorod.model.settings import SimulateSettings
-from viscorod.model.support import BodyVelocity
 
 if TYPE_CHECKING:
     from viscorod.model.description import ModelDescription

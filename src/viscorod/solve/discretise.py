@@ -12,6 +12,7 @@ from viscorod.errors import InputError
 from viscorod.errors import Problem as Fault
 from viscorod.mechanics.basis import gauss, lagrange
 from viscorod.mechanics.quaternion import matrices
+from viscorod.model.any_support import ResolvedSupport
 from viscorod.model.description import ModelDescription
 from viscorod.model.load import (
     AnyLoad,
@@ -22,8 +23,8 @@ from viscorod.model.load import (
     Moment,
     MovingForce,
 )
+from viscorod.model.motion_words import MOTIONS
 from viscorod.model.place import Place, find_place
-from viscorod.model.support import MOTIONS, ResolvedSupport
 from viscorod.model.time_function import Sine, TimeFunction
 from viscorod.solve.mesh import Mesh, divide, element_nodes, element_sets, join, link_matrix, stations_of
 from viscorod.solve.problem import NodalLoad, Problem, StationLoad, SupportSet, TimeFactor

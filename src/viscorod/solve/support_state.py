@@ -7,6 +7,7 @@ from scipy import sparse
 
 from viscorod.errors import InputError
 from viscorod.mechanics import inertia, supports
+from viscorod.mechanics.prescribed_motion import prescribed_motion
 from viscorod.mechanics.rotation import retract
 from viscorod.solve.banded import BandMatrix
 from viscorod.solve.problem import Problem
@@ -74,7 +75,7 @@ class SupportState:
         c = self.complete
         r, q = np.empty((len(c), 3)), np.empty((len(c), 4))
         twist, rate = np.empty((len(c), 6)), np.empty((len(c), 6))
-        supports.prescribed_motion(
+        prescribed_motion(
             self.set.axes[c],
             self.r0[c],
             self.q0[c],
