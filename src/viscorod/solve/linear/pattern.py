@@ -1,0 +1,88 @@
+"""Which 6x6 blocks a matrix has: one block row per node, and one per group of six multipliers.
+
+All matrices of a model share one pattern, symmetric and sorted by columns. Their values are arrays ``(b, 6, 6)`` whose
+entry ``[s, j, i]`` stands in row i and column j of block ``s`` (column by column, as LAPACK has it).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+
+from viscorod.typing import Floats, Integers
+
+
+class Pattern(NamedTuple):
+    """The blocks of a matrix with ``N`` block rows, for Python and for compiled code.
+
+    Attributes:
+        rows, columns: block row and block column of every block ``(b,)``, in order of columns, then rows.
+        starts: blocks ``starts[k]`` to ``starts[k + 1]`` stand in block column k ``(N + 1,)``.
+        across: number of the block (j, i) for the block (i, j) ``(b,)``.
+        diagonal: numbers of the diagonal blocks ``(N,)``.
+    """
+
+    rows: Integers
+    columns: Integers
+    starts: Integers
+    across: Integers
+    diagonal: Integers
+
+    @classmethod
+    def of(cls, size: int, cliques: Iterable[Integers]) -> Pattern:
+        """Return the pattern with all couplings within cliques.
+
+        Args:
+            size: number of block rows.
+            cliques: arrays ``(count, members)`` of block rows that couple with each other, such as the nodes of
+                elements.
+        """
+        pairs = [np.arange(size, dtype=np.int64) * (size + 1)]
+        for members in cliques:
+            pairs.append((members[:, None, :] * size + members[:, :, None]).ravel())
+        keys = np.unique(np.concatenate(pairs))
+        columns, rows = np.divmod(keys, size)
+        starts = np.searchsorted(columns, np.arange(size + 1))
+        across = np.searchsorted(keys, rows * size + columns)
+        diagonal = np.searchsorted(keys, np.arange(size, dtype=np.int64) * (size + 1))
+        return cls(
+            *(np.ascontiguousarray(a, dtype=np.int64) for a in (rows, columns, starts, across, diagonal))
+        )
+
+    @property
+    def size(self) -> int:
+        """Number of block rows."""
+        return len(self.diagonal)
+
+    def slots(self, members: Integers) -> Integers:
+        """Return the numbers of the blocks between the members of cliques.
+
+        Args:
+            members: block rows ``(count, m)``.
+
+        Returns:
+            ``(count, m, m)``: ``[e, k, j]`` is the block in the row of member k and the column of member j.
+        """
+        keys = self.columns * self.size + self.rows
+        wanted = members[:, None, :] * self.size + members[:, :, None]
+        return np.ascontiguousarray(
+            np.searchsorted(keys, wanted.ravel()).reshape(wanted.shape), dtype=np.int64
+        )
+
+    def sparse(self, blocks: Floats) -> sparse.csc_array:
+        """Return a matrix with the values ``blocks (b, 6, 6)`` as a sparse array."""
+        shape = (6 * self.size, 6 * self.size)
+        values = np.swapaxes(blocks, 1, 2)
+        return sparse.csc_array(
+            sparse.bsr_array((np.ascontiguousarray(values[self._by_rows()]), *self._index()), shape)
+        )
+
+    def _by_rows(self) -> Integers:
+        return np.lexsort((self.columns, self.rows))
+
+    def _index(self) -> tuple[Integers, Integers]:
+        order = self._by_rows()
+        return self.columns[order], np.searchsorted(self.rows[order], np.arange(self.size + 1))
