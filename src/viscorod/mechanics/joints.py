@@ -1,0 +1,236 @@
+"""Joints at work: coordinates that are held by multipliers, and springs and dampers on those that are free.
+
+A held coordinate has a multiplier ``lambda``, an unknown of its own: ``lambda gradient`` joins the internal forces of
+its nodes, and ``value - target`` is the residual of its row. A free coordinate with a spring and a damper has the force
+``k (value - rest) + c rate`` in its place, or what Python functions return (see ``callback``).
+Multipliers and rows are measured in a ``scale`` that makes them comparable with the stiffness of the nodes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.compiled import kernel, part
+from viscorod.mechanics.joint_coordinates import GEOMETRY, add_turning, coordinate, place_of
+from viscorod.typing import Floats, Integers
+
+
+class Joints(NamedTuple):
+    """Coordinates of all joints.
+
+    Attributes:
+        nodes: a and b of every coordinate ``(c, 2)``, -1 for the ground.
+        kind, geometry: see ``joint_coordinates`` ``(c,)``, ``(c, GEOMETRY)``.
+        place: number of the multiplier of held coordinates ``(c,)``, -1 of free ones.
+        stiffness, damping, rest: of springs and dampers ``(c,)``.
+        law: number of the Python function that gives a force instead ``(c,)``, -1 for none.
+        slots: blocks between the nodes ``(c, 2, 2)``; [i, k] couples node i with increments of node k, -1 at the ground.
+        up, down: blocks (node, multiplier) and (multiplier, node) ``(c, 2)``, -1 where there is none.
+    """
+
+    nodes: Integers
+    kind: Integers
+    geometry: Floats
+    place: Integers
+    stiffness: Floats
+    damping: Floats
+    rest: Floats
+    law: Integers
+    slots: Integers
+    up: Integers
+    down: Integers
+
+    @classmethod
+    def none(cls) -> Joints:
+        """Return no coordinates."""
+        pairs = np.zeros((0, 2), dtype=np.int64)
+        whole, real = np.zeros(0, dtype=np.int64), np.zeros(0)
+        square = np.zeros((0, 2, 2), dtype=np.int64)
+        return cls(
+            pairs, whole, np.zeros((0, GEOMETRY)), whole, real, real, real, whole, square, pairs, pairs
+        )
+
+
+@part
+def gradient_of(
+    c: int,
+    nodes: Integers,
+    kind: Integers,
+    geometry: Floats,
+    r: Floats,
+    q: Floats,
+    near: float,
+    gradient: Floats,
+) -> float:
+    """Return the value of coordinate ``c`` at poses ``r (n, 3), q (n, 4)``; write its gradient ``(12,)``."""
+    ra, qa = place_of(r, q, nodes[c, 0])
+    rb, qb = place_of(r, q, nodes[c, 1])
+    return coordinate(c, kind, geometry, ra, qa, rb, qb, near, gradient)
+
+
+@part
+def along(c: int, nodes: Integers, gradient: Floats, x: Floats) -> float:
+    """Return the product of a gradient ``(12,)`` with twists or increments ``x (n, 6)`` of the nodes."""
+    total = 0.0
+    for side in range(2):
+        n = nodes[c, side]
+        if n >= 0:
+            for i in range(6):
+                total += gradient[6 * side + i] * x[n, i]
+    return total
+
+
+@part
+def scatter_force(c: int, nodes: Integers, gradient: Floats, force: float, out: Floats) -> None:
+    """Add ``force gradient`` to the forces ``out (n, 6)`` of the nodes."""
+    for side in range(2):
+        n = nodes[c, side]
+        if n >= 0:
+            for i in range(6):
+                out[n, i] += force * gradient[6 * side + i]
+
+
+@kernel
+def measure(
+    nodes: Integers,
+    kind: Integers,
+    geometry: Floats,
+    r: Floats,
+    q: Floats,
+    twist: Floats,
+    near: Floats,
+    value: Floats,
+    rate: Floats,
+    gradients: Floats,
+) -> None:
+    """Write values and rates ``(c,)`` and gradients ``(c, 12)`` of all coordinates in one state.
+
+    Args:
+        r, q, twist: of all nodes; near: values ``(c,)`` that angles are to be near.
+    """
+    for c in range(kind.shape[0]):
+        gradient = gradients[c]
+        value[c] = gradient_of(c, nodes, kind, geometry, r, q, near[c], gradient)
+        rate[c] = along(c, nodes, gradient, twist)
+
+
+@kernel
+def add_joint_tangent(
+    joints: Joints,
+    r: Floats,
+    q: Floats,
+    twist: Floats,
+    near: Floats,
+    force: Floats,
+    stiffness: Floats,
+    damping: Floats,
+    moving: bool,
+    rate_map: Floats,
+    diagonal: Integers,
+    scale: Floats,
+    K: Floats,
+    C: Floats,
+    gradients: Floats,
+    A: Floats,
+    P: Floats,
+) -> None:
+    """Add the derivative of the forces of joints, and the rows and columns of multipliers, to a matrix.
+
+    Args:
+        force: of all coordinates ``(c,)``; stiffness, damping: derivatives of the free ones by value and rate ``(c,)``.
+        moving: dampers act; rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``, read only if ``moving``.
+        diagonal: diagonal blocks of the nodes; scale: output, of all multipliers.
+        K: blocks of the matrix ``(b, 6, 6)``; C: of its derivative by twists alone, no blocks if it is not wanted.
+        gradients: output ``(c, 12)``; A, P: outputs ``(c, 12)``, change of the force per increment and per its rate.
+    """
+    nodes, kind, geometry, place, _, _, _, law, slots, up, down = joints
+    scratch = np.empty((2, 12))
+    turning = np.empty((12, 12))
+    for c in range(kind.shape[0]):
+        gradient = gradients[c]
+        gradient_of(c, nodes, kind, geometry, r, q, near[c], gradient)
+        for i in range(12):
+            A[c, i] = P[c, i] = 0.0
+            for j in range(12):
+                turning[i, j] = 0.0
+        ra, qa = place_of(r, q, nodes[c, 0])
+        rb, qb = place_of(r, q, nodes[c, 1])
+        add_turning(c, kind, geometry, ra, qa, rb, qb, 1.0, scratch, turning)
+        k = d = 0.0
+        if place[c] < 0:
+            k, d = stiffness[c], damping[c] if moving else 0.0
+            for side in range(2):
+                n = nodes[c, side]
+                if n >= 0:
+                    for j in range(6):
+                        A[c, 6 * side + j] = k * gradient[6 * side + j]
+                        P[c, 6 * side + j] = d * gradient[6 * side + j]
+            if d != 0.0:
+                add_rate_change(c, nodes, twist, rate_map, gradient, turning, d, A)
+        for i in range(2):
+            for j in range(2):
+                slot = slots[c, i, j]
+                if slot < 0:
+                    continue
+                for b in range(6):
+                    for a in range(6):
+                        row, column = 6 * i + a, 6 * j + b
+                        K[slot, b, a] += force[c] * turning[row, column] + gradient[row] * A[c, column]
+                        if C.shape[0] > 0:
+                            C[slot, b, a] += gradient[row] * P[c, column]
+        if place[c] >= 0:
+            number = place[c]
+            size = scale_of(c, nodes, gradient, diagonal, K)
+            scale[number] = size
+            for i in range(2):
+                if nodes[c, i] < 0:
+                    continue
+                for a in range(6):
+                    K[up[c, i], number % 6, a] += size * gradient[6 * i + a]
+                    K[down[c, i], a, number % 6] += size * gradient[6 * i + a]
+
+
+@part
+def add_rate_change(
+    c: int,
+    nodes: Integers,
+    twist: Floats,
+    rate_map: Floats,
+    gradient: Floats,
+    turning: Floats,
+    damping: float,
+    A: Floats,
+) -> None:
+    """Add ``damping`` times the change of a coordinate's rate per increment to ``A (c, 12)``."""
+    for side in range(2):
+        n = nodes[c, side]
+        if n < 0:
+            continue
+        for j in range(6):
+            total = 0.0
+            for i in range(6):
+                total += gradient[6 * side + i] * rate_map[n, i, j]
+            for other in range(2):
+                o = nodes[c, other]
+                if o >= 0:
+                    for i in range(6):
+                        total += twist[o, i] * turning[6 * other + i, 6 * side + j]
+            A[c, 6 * side + j] += damping * total
+
+
+@part
+def scale_of(c: int, nodes: Integers, gradient: Floats, diagonal: Integers, K: Floats) -> float:
+    """Return the stiffness of the nodes along a coordinate, over the gradient's size; 1 where there is none."""
+    stiff = square = largest = 0.0
+    for side in range(2):
+        n = nodes[c, side]
+        if n >= 0:
+            for i in range(6):
+                g = gradient[6 * side + i]
+                stiff += abs(K[diagonal[n], i, i]) * g * g
+                square += g * g
+                largest = max(largest, abs(g))
+    return stiff / (square * largest) if stiff > 0.0 and math.isfinite(stiff) else 1.0
