@@ -90,7 +90,7 @@ def test_gradients_and_their_turning_are_derivatives(kind, seed, ground):
         value = value_and_gradient(kinds, geometry, r1, q1, 0, 1, 0.0, gradient)
         return np.concatenate([[value], gradient])
 
-    slopes = slope_of(at, 12)
+    slopes = slope_of(at, 12, h=4e-4)
     out, gradient = np.zeros((12, 12)), np.empty(12)
     turning(kinds, geometry, r, q, *nodes, 1.7, out)
     value_and_gradient(kinds, geometry, r, q, *nodes, 0.0, gradient)

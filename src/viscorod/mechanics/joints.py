@@ -27,7 +27,8 @@ class Joints(NamedTuple):
         place: number of the multiplier of held coordinates ``(c,)``, -1 of free ones.
         stiffness, damping, rest: of springs and dampers ``(c,)``.
         law: number of the Python function that gives a force instead ``(c,)``, -1 for none.
-        slots: blocks between the nodes ``(c, 2, 2)``; [i, k] couples node i with increments of node k, -1 at the ground.
+        slots: blocks between the nodes ``(c, 2, 2)``; [i, k] couples node i with increments of node k, -1 at
+            the ground.
         up, down: blocks (node, multiplier) and (multiplier, node) ``(c, 2)``, -1 where there is none.
     """
 
@@ -117,6 +118,82 @@ def measure(
         rate[c] = along(c, nodes, gradient, twist)
 
 
+@part
+def hold_coordinates(
+    nodes: Integers,
+    kind: Integers,
+    geometry: Floats,
+    place: Integers,
+    stiffness: Floats,
+    damping: Floats,
+    rest: Floats,
+    law: Integers,
+    address: int,
+    buffer: Floats,
+    near: Floats,
+    target: Floats,
+    multiplier: Floats,
+    carried: Floats,
+    final: bool,
+    r: Floats,
+    q: Floats,
+    twist: Floats,
+    gradient: Floats,
+    rate: Floats,
+    force: Floats,
+    energy: Floats,
+    power: Floats,
+    gap: Floats,
+    internal: Floats,
+) -> None:
+    """Add the forces of all coordinates to the internal forces of some states, and write what multipliers must undo.
+
+    Args:
+        address, buffer: of the Python functions, see :func:`obey`.
+        near: values ``(c,)`` that angles are to be near; target: of held coordinates ``(s, c)``.
+        multiplier: ``(s, places)``; carried: forces of springs carried along the iteration ``(s, c)``.
+        final: springs act with their present forces instead.
+        r, q, twist: ``(s, n, ...)``; gradient: scratch ``(12,)``.
+        rate, force: outputs ``(s, c)``; energy, power: outputs ``(s,)``, stored [J] and dissipated [W].
+        gap: ``(s, places)``, written for held coordinates; internal: ``(s, n, 6)``, added to.
+    """
+    for i in range(internal.shape[0]):
+        energy[i] = power[i] = 0.0
+        for c in range(kind.shape[0]):
+            value = gradient_of(c, nodes, kind, geometry, r[i], q[i], near[c], gradient)
+            rate[i, c] = along(c, nodes, gradient, twist[i])
+            if place[c] >= 0:
+                force[i, c] = multiplier[i, place[c]]
+                gap[i, place[c]] = value - target[i, c]
+                acting = force[i, c]
+            else:
+                if law[c] < 0:
+                    stretch = value - rest[c]
+                    force[i, c] = stiffness[c] * stretch + damping[c] * rate[i, c]
+                    energy[i] += 0.5 * stiffness[c] * stretch * stretch
+                    power[i] += damping[c] * rate[i, c] * rate[i, c]
+                else:
+                    obey(address, buffer, law[c], value, rate[i, c])
+                    force[i, c] = buffer[0]
+                    energy[i] += buffer[3]
+                    power[i] += buffer[4]
+                acting = force[i, c] if final else carried[i, c]
+            if acting != 0.0:
+                scatter_force(c, nodes, gradient, acting, internal[i])
+
+
+@part
+def obey(address: int, buffer: Floats, law: int, value: float, rate: float) -> None:
+    """Ask the Python functions of a coordinate.
+
+    Args:
+        address: of the callback; law: number of the functions; value, rate: of the coordinate.
+        buffer: ``(5,)``, receives force, its derivatives by value and rate, stored energy [J], dissipated power [W].
+    """
+    buffer[0], buffer[1], buffer[2] = law, value, rate
+    call(address, buffer.ctypes, buffer.shape[0])
+
+
 @kernel
 def add_joint_tangent(
     joints: Joints,
@@ -146,7 +223,7 @@ def add_joint_tangent(
         K: blocks of the matrix ``(b, 6, 6)``; C: of its derivative by twists alone, no blocks if it is not wanted.
         gradients: output ``(c, 12)``; A, P: outputs ``(c, 12)``, change of the force per increment and per its rate.
     """
-    nodes, kind, geometry, place, _, _, _, law, slots, up, down = joints
+    nodes, kind, geometry, place, _, _, _, _, slots, up, down = joints
     scratch = np.empty((2, 12))
     turning = np.empty((12, 12))
     for c in range(kind.shape[0]):
