@@ -93,7 +93,7 @@ TEXTS = {
     ),
     "velocity_functions": "table from velocity words to numbers or functions of time",
     "motion_functions": "table from motion words to numbers or functions of time",
-    "_two_directions": "2 perpendicular directions, 3 numbers each",
+    "two_directions": "2 perpendicular directions, 3 numbers each",
     "one_section": SECTION,
     "time_function": "number, or table with `kind`, see Functions of time",
     "material._damping": "table, see below",

@@ -11,6 +11,7 @@ from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.errors import InputError
 from viscorod.model.centreline import Arc, Centreline, Curve, Helix, Points, Straight, Twist
+from viscorod.model.constraint_words import constrained_strains, constraint_words
 from viscorod.model.described import Described, RefusedError, show
 from viscorod.model.material import Material
 from viscorod.model.profile import AnySection, Piecewise, SectionProfile, Taper, section_profile
@@ -69,6 +70,9 @@ class Rod(Described):
         d1: direction of the section's first axis at the start, global axes (see `Centreline.frames`).
         twist: angle of the section about d3 relative to the rotation-minimising frame: the total, growing
             evenly from start to end, or a function of the arc length (in Python only); rad.
+        constraints: strains that keep their reference values at all times: "unshearable" (both shears),
+            "inextensible" (the stretch), "kirchhoff" (all three), or a list of these and of the strain words
+            shear_1, shear_2, stretch, bend_1, bend_2, twist.
     """
 
     centreline: Annotated[Centreline, PlainValidator(choose("shape", CENTRELINES))]
@@ -78,6 +82,7 @@ class Rod(Described):
     order: Annotated[int | None, PlainValidator(_whole_or_auto(HIGHEST_ORDER))] = None
     d1: OptionalDirection = None
     twist: Annotated[Twist, PlainValidator(_twist)] = 0.0
+    constraints: Annotated[tuple[str, ...], PlainValidator(constraint_words)] = ()
 
     @classmethod
     def straight(
@@ -91,6 +96,7 @@ class Rod(Described):
         order: int | None = None,
         d1: Point | None = None,
         twist: Twist = 0.0,
+        constraints: str | Sequence[str] = (),
     ) -> Self:
         """A straight rod; see `Straight`."""
         return cls._along(Straight, {"start": start, "end": end}, locals())
@@ -110,6 +116,7 @@ class Rod(Described):
         order: int | None = None,
         d1: Point | None = None,
         twist: Twist = 0.0,
+        constraints: str | Sequence[str] = (),
     ) -> Self:
         """A rod along a circular arc; see `Arc`."""
         given = {"start": start, "tangent": tangent, "normal": normal, "radius": radius, "angle": angle}
@@ -132,6 +139,7 @@ class Rod(Described):
         order: int | None = None,
         d1: Point | None = None,
         twist: Twist = 0.0,
+        constraints: str | Sequence[str] = (),
     ) -> Self:
         """A rod along a helix; see `Helix`."""
         given = {"radius": radius, "pitch": pitch, "turns": turns, "centre": centre, "axis": axis}
@@ -148,6 +156,7 @@ class Rod(Described):
         order: int | None = None,
         d1: Point | None = None,
         twist: Twist = 0.0,
+        constraints: str | Sequence[str] = (),
     ) -> Self:
         """A rod along a smooth curve through points; see `Points`."""
         return cls._along(Points, {"points": points}, locals())
@@ -163,6 +172,7 @@ class Rod(Described):
         order: int | None = None,
         d1: Point | None = None,
         twist: Twist = 0.0,
+        constraints: str | Sequence[str] = (),
     ) -> Self:
         """A rod along a curve given by a function; see `Curve`."""
         return cls._along(Curve, {"function": function}, locals())
@@ -175,6 +185,11 @@ class Rod(Described):
     def length(self) -> float:
         """Arc length, m."""
         return self.centreline.length
+
+    @property
+    def constrained_strains(self) -> tuple[bool, ...]:
+        """For shear 1, shear 2, stretch, bend 1, bend 2, twist: whether the strain keeps its reference value."""
+        return constrained_strains(self.constraints)
 
     @property
     def section_breaks(self) -> tuple[float, ...]:

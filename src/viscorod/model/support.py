@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.model.any_support import AnySupport, Frame
+from viscorod.model.axes import axes_from, columns, two_directions
 from viscorod.model.body_velocity import BodyVelocity
 from viscorod.model.described import Described, RefusedError
 from viscorod.model.motion_words import (
@@ -19,28 +20,12 @@ from viscorod.model.values import (
     OptionalDirection,
     Triple,
     choose,
-    direction,
     one_of,
     optional,
-    sequence,
 )
 from viscorod.typing import Floats
 
 __all__ = ["SUPPORTS", "Clamp", "Guide", "Pin", "Roller", "Support", "support"]
-
-
-def _two_directions(value: Any) -> tuple[Triple, Triple]:
-    items = sequence(value)
-    if len(items) != 2:
-        raise RefusedError("two directions are needed here", "give [[x, y, z], [x, y, z]], perpendicular")
-    first, second = direction(items[0]), direction(items[1])
-    cosine = sum(a * b for a, b in zip(first, second, strict=True))
-    if abs(cosine) > 1e-6:
-        raise RefusedError("the two directions are not perpendicular", "give two that are")
-    x = np.array(first)
-    y = np.array(second) - cosine * x
-    a, b, c = (y / np.linalg.norm(y)).tolist()
-    return first, (a, b, c)
 
 
 class Support(AnySupport):
@@ -59,7 +44,7 @@ class Support(AnySupport):
     kind: Literal["support"] = Field(default="support", kw_only=True, repr=False)
     fixed: Annotated[tuple[str, ...], PlainValidator(fixed_motions)] = ()
     frame: Annotated[Literal["global", "node"], one_of("global", "node")] = "global"
-    axes: Annotated[tuple[Triple, Triple] | None, PlainValidator(optional(_two_directions))] = None
+    axes: Annotated[tuple[Triple, Triple] | None, PlainValidator(optional(two_directions))] = None
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -97,7 +82,7 @@ class Support(AnySupport):
             return "node", node
         if self.axes is None:
             return "global", np.eye(3)
-        return "axes", np.column_stack([*self.axes, np.cross(*self.axes)])
+        return "axes", columns(self.axes)
 
 
 class Clamp(AnySupport):
@@ -148,7 +133,7 @@ class Guide(AnySupport):
 
     def axes_at(self, node: Floats) -> tuple[Frame, Floats]:
         """The direction of sliding first."""
-        return "axes", node[:, [2, 0, 1]] if self.along is None else _axes_from(self.along)
+        return "axes", node[:, [2, 0, 1]] if self.along is None else axes_from(self.along)
 
 
 class Roller(AnySupport):
@@ -170,7 +155,7 @@ class Roller(AnySupport):
     def axes_at(self, node: Floats) -> tuple[Frame, Floats]:
         """The normal first."""
         del node
-        return "axes", _axes_from(self.normal)
+        return "axes", axes_from(self.normal)
 
 
 SUPPORTS: dict[str, type[Described]] = {
@@ -185,12 +170,3 @@ SUPPORTS: dict[str, type[Described]] = {
 
 support = choose("kind", SUPPORTS, default="support")
 """A support from a table or as it is."""
-
-
-def _axes_from(first: Triple) -> Floats:
-    """Right-handed axes (3, 3), columns, with the unit vector `first` as x."""
-    x = np.array(first)
-    y = np.eye(3)[np.argmin(np.abs(x))]
-    y = y - (y @ x) * x
-    y /= np.linalg.norm(y)
-    return np.column_stack([x, y, np.cross(x, y)])
