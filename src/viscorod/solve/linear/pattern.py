@@ -72,6 +72,11 @@ class Pattern(NamedTuple):
             np.searchsorted(keys, wanted.ravel()).reshape(wanted.shape), dtype=np.int64
         )
 
+    def slot(self, row: int, column: int) -> int:
+        """Return the number of a block."""
+        first = int(self.starts[column])
+        return first + int(np.searchsorted(self.rows[first : self.starts[column + 1]], row))
+
     def sparse(self, blocks: Floats) -> sparse.csc_array:
         """Return a matrix with the values ``blocks (b, 6, 6)`` as a sparse array."""
         shape = (6 * self.size, 6 * self.size)
