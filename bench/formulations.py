@@ -25,6 +25,7 @@ from viscorod.solve.discretise import discretise
 from viscorod.solve.formulations import FORMULATIONS
 from viscorod.solve.integrators import Midpoint, Radau
 from viscorod.solve.integrators.collocation import Collocation
+from viscorod.solve.linear.band import BandSolver
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State
 
@@ -100,15 +101,16 @@ def step_of(integrator: Collocation, limit: int) -> Callable[[], int]:
 
 def lapack_of(integrator: Collocation) -> list[Callable[[], object]]:
     """Copying a matrix of the integrator's band, and copying, factorising and solving with it."""
-    band = integrator.system.band
-    matrix = np.random.default_rng(0).normal(size=band.data.shape)
-    matrix[:, band.diagonal] += 100.0
-    work, right = np.empty_like(matrix), np.ones(band.size)
+    solver = BandSolver(integrator.system.problem.pattern)
+    width = solver.width
+    matrix = np.random.default_rng(0).normal(size=solver.factors.band.shape)
+    matrix[:, 2 * width] += 100.0
+    work, right = np.empty_like(matrix), np.ones(len(matrix))
 
     def solve() -> None:
         np.copyto(work, matrix)
-        _, pivots, _ = dgbtrf(work.T, band.width, band.width, overwrite_ab=1)
-        dgbtrs(work.T, band.width, band.width, right, pivots)
+        _, pivots, _ = dgbtrf(work.T, width, width, overwrite_ab=1)
+        dgbtrs(work.T, width, width, right, pivots)
 
     return [lambda: np.copyto(work, matrix), solve]
 

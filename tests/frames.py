@@ -34,6 +34,17 @@ def frame(orders=(2, 3), damping=0.05):
     return model
 
 
+def closed(damping=0.05):
+    """One element along a circle, its ends attached to each other: two of its nodes share one."""
+    model = vr.Model()
+    circle = vr.Rod.arc(
+        (0, 0, 0), (1, 0, 0), (0, 0, 1), 0.5, 2.0 * np.pi, section=section(damping), elements=1, order=5
+    )
+    model.add("a", circle)
+    model.attach("a.start", "a.end")
+    return model
+
+
 class Moved:
     """A discretised model in a random state: deformed, moving, and with its attachments moved off their nodes."""
 
@@ -66,11 +77,9 @@ def adjoint(x):
     return np.block([[skew(x[3:]), skew(x[:3])], [np.zeros((3, 3)), skew(x[3:])]])
 
 
-def dense(band, width):
-    """The matrix of a band whose row j holds column j, entry (i, j) at ``[j, width + i - j]``."""
-    size = len(band)
-    out = np.zeros((size, size))
-    for j in range(size):
-        for i in range(max(0, j - width), min(size, j + width + 1)):
-            out[i, j] = band[j, width + i - j]
+def dense(pattern, blocks):
+    """The matrix of blocks whose entry (i, j) stands at ``[s, j, i]``."""
+    out = np.zeros((6 * pattern.size, 6 * pattern.size), dtype=blocks.dtype)
+    for row, column, block in zip(pattern.rows, pattern.columns, blocks, strict=True):
+        out[6 * row : 6 * row + 6, 6 * column : 6 * column + 6] = block.T
     return out

@@ -137,7 +137,7 @@ class Workplace:
         if not motions:
             return
         self.system.assemble(State.reference(self.problem), loads, None, tangent=True, moving=False)
-        loose = undetermined(self.problem, self.system.external, self.system.band.sparse(), motions)
+        loose = undetermined(self.problem, self.system.external, self.system.matrix.sparse(), motions)
         if loose:
             raise InputError(
                 "no static equilibrium: nothing holds the model against "

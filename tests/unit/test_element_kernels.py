@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from derivatives import slope_of
+from frames import dense
 from viscorod.mechanics import geometric, loading
 from viscorod.mechanics.basis import gauss, lagrange
 from viscorod.mechanics.lanes import LANES
 from viscorod.mechanics.rotation import inverse_motion_tangent, retract
+from viscorod.solve.linear.pattern import Pattern
 
 rng = np.random.default_rng(7)
 
@@ -64,6 +66,7 @@ class Element:
         points, self.weights = gauss(order)
         self.shapes, self.slopes = lagrange(order, points)
         self.nodes = np.arange(m)[None, :].copy()
+        self.pattern = Pattern.of(m, [self.nodes])
         self.links = -np.ones((1, m), dtype=np.int64)
         self.link_r = rng.normal(size=(2, 3)) * 0.2
         self.link_q = rng.normal(size=(2, 4))
@@ -86,21 +89,20 @@ class Element:
     def assemble(self, r, q, twist, stress=None, moving=True):
         m, g = self.m, self.m - 1
         force = np.zeros((m, 6))
-        diagonal = 6 * m - 1
-        band = np.zeros((6 * m, 2 * diagonal + 1))
+        blocks = np.zeros((m * m, 6, 6))
         strain, rate, S = np.zeros((3, 1, g, 6))
         operator = np.full((-(-g // LANES), m, 6, 6, LANES), np.nan)
         self.strain_operator = np.full_like(operator, np.nan)
-        self.rate_band = np.zeros_like(band)
+        self.rate_blocks = np.zeros_like(blocks)
         if stress is None:
             stress = np.zeros((1, g, 6))
         geometric.assemble(
-            self.nodes, self.links, self.link_r, self.link_q, self.shapes, self.slopes, self.weights,
-            np.array([self.half]), self.section, self.C, self.D, self.coupled, True, self.reference, stress, r, q,
-            twist, moving, self.rate_map, True, force, band, self.rate_band, diagonal, strain, rate, S, operator,
-            self.strain_operator,
+            self.nodes, self.links, self.pattern.slots(self.nodes), self.link_r, self.link_q, self.shapes,
+            self.slopes, self.weights, np.array([self.half]), self.section, self.C, self.D, self.coupled, True,
+            self.reference, stress, r, q, twist, moving, self.rate_map, True, force, blocks, self.rate_blocks,
+            strain, rate, S, operator, self.strain_operator,
         )  # fmt: skip
-        K = np.array([[band[j, diagonal + i - j] for j in range(6 * m)] for i in range(6 * m)])
+        K = dense(self.pattern, blocks)
         return force.ravel(), K, strain, rate, S, self.section_columns(S, operator)
 
     def section_columns(self, S, operator):
@@ -108,7 +110,14 @@ class Element:
         columns = np.empty((6 * self.m, *S.shape))
         for column, u in zip(columns, np.eye(6 * self.m), strict=True):
             geometric.update_stress(
-                self.nodes, self.links, self.link_r, self.link_q, S, operator, u.reshape(self.m, 6), column
+                self.nodes,
+                self.links,
+                self.link_r,
+                self.link_q,
+                S,
+                operator,
+                u.reshape(self.m, 6),
+                column,
             )
         return np.moveaxis(columns - S, 0, -1)
 
@@ -177,8 +186,7 @@ def test_damping_matrix_is_what_the_rate_map_multiplies(order, links):
     _, with_map, *_ = e.assemble(e.r, e.q, e.twist)
     e.rate_map += np.eye(6)
     _, with_more, *_ = e.assemble(e.r, e.q, e.twist)
-    size = 6 * e.m
-    damping = np.array([[e.rate_band[j, size - 1 + i - j] for j in range(size)] for i in range(size)])
+    damping = dense(e.pattern, e.rate_blocks)
     assert damping == pytest.approx(with_more - with_map, abs=1e-12 * np.abs(with_more).max())
     assert damping == pytest.approx(damping.T, abs=1e-12 * np.abs(damping).max())
 
@@ -201,20 +209,22 @@ def test_every_element_of_a_batch_is_assembled(count):
     r, q, twist, rate_map = (np.concatenate([a] * count) for a in (e.r, e.q, e.twist, e.rate_map))
     nodes = np.arange(n).reshape(count, 2)
     repeat = [np.repeat(a, count, axis=0) for a in (e.links, e.section, e.reference)]
-    total, band = np.zeros((n, 6)), np.zeros((6 * n, 23))
+    pattern = Pattern.of(n, [nodes])
+    total, blocks = np.zeros((n, 6)), np.zeros((4 * count, 6, 6))
     points = np.zeros((3, count, 1, 6))
     geometric.assemble(
-        nodes, repeat[0], e.link_r, e.link_q, e.shapes, e.slopes, e.weights, np.full(count, e.half), repeat[1],
-        e.C, e.D, True, True, repeat[2], np.zeros((count, 1, 6)), r, q, twist, True, rate_map,
-        True, total, band, np.zeros((0, 0)), 11, *points, np.zeros((-(-count // LANES), 2, 6, 6, LANES)),
-        np.zeros((0, 2, 6, 6, LANES)),
+        nodes, repeat[0], pattern.slots(nodes), e.link_r, e.link_q, e.shapes, e.slopes, e.weights,
+        np.full(count, e.half), repeat[1], e.C, e.D, True, True, repeat[2], np.zeros((count, 1, 6)), r, q,
+        twist, True, rate_map, True, total, blocks, np.zeros((0, 6, 6)), *points,
+        np.zeros((-(-count // LANES), 2, 6, 6, LANES)), np.zeros((0, 2, 6, 6, LANES)),
     )  # fmt: skip
     assert total.reshape(count, -1) == pytest.approx(np.tile(force, (count, 1)), rel=1e-12)
     assert points[0] == pytest.approx(np.repeat(strain, count, axis=0), rel=1e-12)
     assert points[2] == pytest.approx(np.repeat(S, count, axis=0), rel=1e-12)
+    whole = dense(pattern, blocks)
     for first in range(0, 6 * n, 12):
-        block = [[band[first + j, 11 + i - j] for j in range(12)] for i in range(12)]
-        assert np.array(block) == pytest.approx(K, abs=1e-12 * np.abs(K).max())
+        block = whole[first : first + 12, first : first + 12]
+        assert block == pytest.approx(K, abs=1e-12 * np.abs(K).max())
 
 
 def test_tangent_of_static_equilibrium_is_symmetric():
@@ -258,21 +268,21 @@ def test_station_load_is_work_conjugate_and_its_tangent_right(order, links):
     e = Element(order, links)
     shape, _ = lagrange(order, np.array([0.3]))
     dead, following = rng.normal(size=(2, 6))
-    diagonal = 6 * e.m - 1
+    slots = e.pattern.slots(e.nodes)[0]
 
     def load(x, tangent=False):
         r, q = np.empty_like(e.r), np.empty_like(e.q)
         retract(e.r, e.q, x.reshape(e.m, 6), r, q)
         external = np.zeros((e.m, 6))
-        band = np.zeros((6 * e.m, 2 * diagonal + 1))
+        blocks = np.zeros((e.m * e.m, 6, 6))
         loading.add_station_load(
-            e.nodes[0], e.links[0], e.link_r, e.link_q, shape[0], dead, following, r, q, tangent, external, band,
-            diagonal,
+            e.nodes[0], e.links[0], e.link_r, e.link_q, shape[0], dead, following, r, q, tangent, external, blocks,
+            slots,
         )  # fmt: skip
-        return external.ravel(), band
+        return external.ravel(), blocks
 
-    force, band = load(np.zeros(6 * e.m), True)
-    K = np.array([[band[j, diagonal + i - j] for j in range(6 * e.m)] for i in range(6 * e.m)])
+    force, blocks = load(np.zeros(6 * e.m), True)
+    K = dense(e.pattern, blocks)
     reference = -slope_of(lambda x: load(x)[0], 6 * e.m)
     assert K == pytest.approx(reference, abs=1e-8 * np.abs(reference).max())
     frame = matrix(shape[0] @ e.attached(e.r, e.q)[1])

@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import expm
 
 from derivatives import slope_of
-from frames import Moved, adjoint, dense, frame
+from frames import Moved, adjoint, closed, dense, frame
 from parts import from_python
 from viscorod.mechanics.internal_force import ElementWork, Points, internal_forces
 from viscorod.mechanics.intrinsic import StrainMotion, advance_strains, forces_at
@@ -21,6 +21,7 @@ FRAMES = {
     "orders 5 and 5": lambda: Moved(frame((5, 5))),
     "undamped": lambda: Moved(frame(damping=0.0)),
     "no offset": lambda: Moved(frame((3, 2)), offset=0.0),
+    "closed": lambda: Moved(closed()),
 }
 
 
@@ -75,13 +76,13 @@ def test_straight_unstrained_rods_are_those_of_the_geometric_element():
 
 
 def matrices(at, strain, linearised):
-    width = at.system.band.width
-    K, C = np.zeros((2, 6 * at.n, 2 * width + 1))
+    pattern = at.problem.pattern
+    K, C = np.zeros((2, len(pattern.rows), 6, 6))
     turning = np.array([adjoint(x) for x in at.state.twist])
     operators = Operators.of(at.elements)
     _, S, viscous, twist = evaluate(at, strain, at.state.twist, linearised)
     linearise_intrinsic(at.elements, linearised, strain, twist, viscous, turning, S, operators, K, C)
-    return dense(K, width), dense(C, width), operators, turning
+    return dense(pattern, K), dense(pattern, C), operators, turning
 
 
 def nodal_strain(elements, B, d):

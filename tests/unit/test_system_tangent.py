@@ -9,10 +9,10 @@ import viscorod as vr
 from derivatives import slope_of
 from viscorod.mechanics import supports as kernels
 from viscorod.mechanics.rotation import inverse_motion_tangent, retract
-from viscorod.solve.banded import BandMatrix
 from viscorod.solve.discretise import discretise
 from viscorod.solve.geometric_system import GeometricSystem
 from viscorod.solve.integrators.generalized_alpha import GeneralizedAlpha, Relation
+from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.loads import ExternalLoads
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State
@@ -71,7 +71,7 @@ class Workplace:
         self.integrator.state = self.old
 
     def residual(self, increment, tangent=False):
-        """Balance of all nodes before supports; assembled band with ``tangent``."""
+        """Balance of all nodes before supports; assembled matrix with ``tangent``."""
         new = self.old.copy()
         self.integrator._reach(new, increment, self.relation)
         inverse_motion_tangent(increment, self.relation.slope, self.integrator._map)
@@ -92,7 +92,7 @@ def test_residual_and_tangent_with_inertia_and_all_loads():
     work.residual(work.increment)
     work.system.reset_stress()
     work.residual(work.increment, tangent=True)
-    K = work.system.band.sparse().toarray()
+    K = work.system.matrix.sparse().toarray()
     reference = slope_of(lambda x: work.residual(work.moved(x))[1].ravel(), 6 * work.n, h=2e-4)
     assert K == pytest.approx(reference, abs=3e-7 * np.abs(reference).max())
 
@@ -102,15 +102,15 @@ def test_damping_matrix_comes_with_the_tangent():
     work = Workplace(loaded_frame())
     new, _ = work.residual(work.increment)
     system, rate_map = work.system, work.integrator._map
-    apart = BandMatrix(work.n, system.band.reach)
+    apart = Matrix(work.problem.pattern)
     tangents = []
     for maps in (rate_map, rate_map + np.eye(6)):
-        system.assemble(new, work.loads, maps, tangent=True, moving=True, rate_band=apart)
-        tangents.append(system.band.sparse().toarray())
+        system.assemble(new, work.loads, maps, tangent=True, moving=True, rate_matrix=apart)
+        tangents.append(system.matrix.sparse().toarray())
     difference = tangents[1] - tangents[0]
     assert apart.sparse().toarray() == pytest.approx(difference, abs=1e-12 * np.abs(tangents[0]).max())
     system.assemble(new, work.loads, rate_map, tangent=True, moving=True)
-    assert np.array_equal(system.band.sparse().toarray(), tangents[0])
+    assert np.array_equal(system.matrix.sparse().toarray(), tangents[0])
 
 
 def test_supports_replace_rows_consistently():
@@ -120,8 +120,8 @@ def test_supports_replace_rows_consistently():
     work.system.reset_stress()
     new, residual = work.residual(work.increment, tangent=True)
     held = residual.copy()
-    work.supports.impose(new, held, work.system.band, tangent=True)
-    K = work.system.band.sparse().toarray()
+    work.supports.impose(new, held, work.system.matrix, tangent=True)
+    K = work.system.matrix.sparse().toarray()
     s = work.supports
     reaction = s.reaction.copy()
 

@@ -131,18 +131,16 @@ def add_blocks(
     element: Integers,
     k: int,
     j: int,
-    nodes: Integers,
     links: Integers,
     link_positions: Floats,
     link_quaternions: Floats,
+    slots: Integers,
     block: Floats,
-    band: Floats,
-    diagonal: int,
+    blocks: Floats,
 ) -> None:
-    """Add the blocks (node k, node j) of all lanes to the band, those of attached nodes as seen by the shared ones."""
+    """Add the blocks (node k, node j) of all lanes to the matrix; of attached nodes, as the shared ones see them."""
     for lane in range(count):
         e = element[lane]
-        n, o = nodes[e, k], nodes[e, j]
         link = links[e, k]
         if link >= 0:
             d, own = vector(link_positions, link, 0), quaternion(link_quaternions, link)
@@ -159,11 +157,10 @@ def add_blocks(
                     block[b, a, lane] = f[b]
                     block[3 + b, a, lane] = m[b]
         # unsigned indices: signed ones are tested for counting from the end, which costs more than the sum
-        start = diagonal + 6 * (n - o)
+        slot = np.uint64(slots[e, k, j])
         for b in range(6):
-            column, top = np.uint64(6 * o + b), np.uint64(start - b)
             for a in range(6):
-                band[column, top + np.uint64(a)] += block[b, a, lane]
+                blocks[slot, b, a] += block[b, a, lane]
 
 
 @lane_kernel

@@ -1,8 +1,8 @@
 """Forces and tangents of geometric elements: one pass over the Gauss points of all elements of one order.
 
 The element is described in ``strain``; here its section forces are turned into nodal forces, and their derivative is
-assembled into the band. Gauss points are taken in batches of LANES, so that the formulas of ``lanes`` and
-``tangent_lanes`` run on whole vector registers; only what is in ``gathering`` goes point by point.
+assembled into the blocks of a matrix. Gauss points are taken in batches of LANES, so that the formulas of ``lanes``
+and ``tangent_lanes`` run on whole vector registers; only what is in ``gathering`` goes point by point.
 """
 
 from __future__ import annotations
@@ -90,6 +90,7 @@ def strains(
 def assemble(
     nodes: Integers,
     links: Integers,
+    slots: Integers,
     link_positions: Floats,
     link_quaternions: Floats,
     shapes: Floats,
@@ -110,9 +111,8 @@ def assemble(
     rate_map: Floats,
     with_tangent: bool,
     force: Floats,
-    band: Floats,
-    rate_band: Floats,
-    diagonal: int,
+    blocks: Floats,
+    rate_blocks: Floats,
     strain: Floats,
     strain_rate: Floats,
     section_force: Floats,
@@ -123,6 +123,7 @@ def assemble(
 
     Args:
         nodes, links: ``(elements, m)``, shared node and attachment (or -1) of every element node.
+        slots: ``(elements, m, m)``, number of the block in the row of node k and the column of node j.
         link_positions, link_quaternions: constant relative poses of the attachments.
         shapes, slopes: basis and its derivative in xi at the Gauss points ``(points, m)``; ``weights`` ``(points,)``.
         half_lengths: half the reference arc length of each element [m].
@@ -134,8 +135,8 @@ def assemble(
         r, q, twist: nodal positions, unit quaternions and body twists; ``moving`` False means that all twists vanish.
         rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``; read only if ``damped and moving``.
         force: ``(n, 6)``, internal force in body frames is added.
-        band: ``(6 n, columns)``, row j holds column j of the matrix, entry (i, j) at ``band[j, diagonal + i - j]``.
-        rate_band: the derivative by the twists alone, laid out like ``band``; no rows if it is not wanted.
+        blocks: of the matrix ``(b, 6, 6)``, entry (i, j) of block s at ``blocks[s, j, i]``, added to.
+        rate_blocks: the derivative by the twists alone, laid out like ``blocks``; none if it is not wanted.
         strain, strain_rate, section_force: outputs ``(elements, points, 6)``: (V, U) - reference, its rate, C eps
             + D eps_t.
         operator: output ``(batches, m, 6, 6, LANES)``, change of the section force per nodal increment (column, row;
@@ -148,7 +149,7 @@ def assemble(
     points = shapes.shape[0]
     total = nodes.shape[0] * points
     viscous = damped and moving
-    separate = damped and with_tangent and rate_band.shape[0] > 0
+    separate = damped and with_tangent and rate_blocks.shape[0] > 0
     point = np.zeros((1, POINT_ROWS, LANES))
     node = np.zeros((m, NODE_ROWS, LANES))
     maps = np.zeros((3 * m, MAP_ROWS, LANES))
@@ -231,13 +232,12 @@ def assemble(
                         element,
                         k,
                         j,
-                        nodes,
                         links,
                         link_positions,
                         link_quaternions,
+                        slots,
                         block,
-                        rate_band if apart else band,
-                        diagonal,
+                        rate_blocks if apart else blocks,
                     )
 
 

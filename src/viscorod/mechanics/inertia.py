@@ -7,7 +7,7 @@ import numpy as np
 from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.rotation import rotate
 from viscorod.mechanics.vectors import cross, plus, quaternion, rotated, vector
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
 
 @kernel
@@ -56,8 +56,8 @@ def add_momentum_rate(
     rate_map: Floats,
     with_tangent: bool,
     residual: Floats,
-    band: Floats,
-    diagonal: int,
+    blocks: Floats,
+    diagonal: Integers,
 ) -> None:
     """Add the momentum rate ``factor * momentum + history`` (spatial) in body components, and its tangent.
 
@@ -68,7 +68,8 @@ def add_momentum_rate(
         mass, r, q, twist: as in :func:`momenta`.
         factor: [1/s]; history: ``(n, 6)`` spatial wrenches known from the past [N, N m].
         rate_map: d(twist)/d(body increment) ``(n, 6, 6)``.
-        residual: ``(n, 6)``, added to; band: transposed band (see ``geometric.assemble``).
+        residual: ``(n, 6)``, added to.
+        blocks: of the matrix ``(b, 6, 6)`` (see ``geometric.assemble``); diagonal: those of the nodes ``(n,)``.
     """
     block = np.zeros((6, 6))
     for k in range(r.shape[0]):
@@ -103,10 +104,10 @@ def add_momentum_rate(
             block[3 + b, i] -= f[a]
             block[3 + a, 3 + i] += m[b]
             block[3 + b, 3 + i] -= m[a]
+        slot = np.uint64(diagonal[k])
         for j in range(6):
-            column, top = np.uint64(6 * k + j), np.uint64(diagonal - j)
             for i in range(6):
-                band[column, top + np.uint64(i)] += block[i, j]
+                blocks[slot, j, i] += block[i, j]
 
 
 @kernel

@@ -34,6 +34,7 @@ class Elements(NamedTuple):
         section: index of the section at every Gauss point ``(e, points)``.
         stiffness, damping: section matrices C and D ``(sections, 6, 6)``; damped: any D is not zero.
         reference: strains of the unstressed shape ``(e, points, 6)``.
+        slots: number of the matrix block in the row of node k and the column of node j ``(e, most nodes, most nodes)``.
     """
 
     order: Integers
@@ -50,6 +51,7 @@ class Elements(NamedTuple):
     damping: Floats
     damped: bool
     reference: Floats
+    slots: Integers
 
 
 class Points(NamedTuple):
@@ -191,7 +193,7 @@ def internal_forces(
         work: scratch.
     """
     orders, nodes, links, link_positions, link_quaternions, shapes, slopes, weights = elements[:8]
-    half_lengths, section, stiffness, damping, damped, reference = elements[8:]
+    half_lengths, section, stiffness, damping, damped, reference = elements[8:14]
     R, Q, T, F, p, X = work
     strain, strain_rate, S, sigma = points
     for at in range(force.shape[0]):

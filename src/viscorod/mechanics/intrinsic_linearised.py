@@ -67,16 +67,15 @@ def linearise_intrinsic(
     K: Floats,
     C: Floats,
 ) -> None:
-    """Write the operators and add the matrices of all elements to two bands.
+    """Write the operators and add the matrices of all elements to two arrays of blocks.
 
     Args:
         linearised: whether damping is.
         strain, point_twist, viscous_rate, section_force: at the Gauss points ``(e, points, 6)``.
         turning: ``ad(x1)`` of every node ``(n, 6, 6)``.
-        operators: outputs; K, C: bands as in :func:`~viscorod.mechanics.linearised.linearise`.
+        operators: outputs; K, C: blocks ``(b, 6, 6)`` as in ``geometric.assemble``.
     """
     most = elements.nodes.shape[1]
-    width = (K.shape[1] - 1) // 2
     V, U, V0, U0 = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     X = np.zeros((most, 6, 6))
     B0, turned, rate = np.empty((6, 6 * most)), np.empty((6, 6 * most)), np.empty((6, 6 * most))
@@ -177,10 +176,9 @@ def linearise_intrinsic(
                 map_rows(geometric[:size, :size], 6 * k, X[k])
         for k in range(m):
             for other in range(m):
-                first = width + 6 * (elements.nodes[e, other] - elements.nodes[e, k])
+                slot = elements.slots[e, other, k]
                 for j in range(6):
-                    column = 6 * elements.nodes[e, k] + j
                     for i in range(6):
-                        row, place = 6 * other + i, 6 * k + j
-                        K[column, first + i - j] += stiffness[row, place] + geometric[row, place]
-                        C[column, first + i - j] += damping[6 * other + i, 6 * k + j]
+                        row, column = 6 * other + i, 6 * k + j
+                        K[slot, j, i] += stiffness[row, column] + geometric[row, column]
+                        C[slot, j, i] += damping[row, column]

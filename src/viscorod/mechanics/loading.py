@@ -21,10 +21,10 @@ def add_nodal_loads(
     mass: Floats,
     with_tangent: bool,
     external: Floats,
-    band: Floats,
-    diagonal: int,
+    blocks: Floats,
+    diagonal: Integers,
 ) -> None:
-    """Add nodal loads to ``external`` and subtract their derivative from the band.
+    """Add nodal loads to ``external`` and subtract their derivative from the matrix.
 
     Args:
         nodes: the loaded nodes.
@@ -33,6 +33,7 @@ def add_nodal_loads(
         gravity: acceleration, global axes [m/s^2], acting on the nodal ``mass`` ``(n, 6, 6)``, off-centre mass
             included.
         external: ``(n, 6)``, body components, added to.
+        blocks: of the matrix ``(b, 6, 6)`` (see ``geometric.assemble``); diagonal: those of the nodes ``(n,)``.
     """
     f = np.empty(3)
     m = np.empty(3)
@@ -60,7 +61,7 @@ def add_nodal_loads(
         if with_tangent:
             for j in range(3, 6):
                 for i in range(6):
-                    band[6 * k + j, diagonal + i - j] += block[i, j]
+                    blocks[diagonal[k], j, i] += block[i, j]
 
 
 @kernel
@@ -76,15 +77,15 @@ def add_station_load(
     q: Floats,
     with_tangent: bool,
     external: Floats,
-    band: Floats,
-    diagonal: int,
+    blocks: Floats,
+    slots: Integers,
 ) -> None:
-    """Add one concentrated wrench inside an element to ``external`` and subtract its derivative from the band.
+    """Add one concentrated wrench inside an element to ``external`` and subtract its derivative from the matrix.
 
     The nodal forces are work-conjugate to the interpolated displacement and to the body rotation of the interpolated
     frame, ``sum N_k A_k theta_k`` with ``A_k = 2 L_k`` (vector rows, see ``strain``). Arguments as in
     ``geometric.assemble``; ``dead`` (6) global, ``following`` (6) in
-    the section's axes.
+    the section's axes, ``slots (m, m)`` of the element.
     """
     n = nodes.shape[0]
     re = np.empty((n, 3))
@@ -154,7 +155,6 @@ def add_station_load(
                 map_columns(block, 0, X[j])
             if links[k] >= 0:
                 map_rows(block, 0, X[k])
-            first = diagonal + 6 * (nodes[k] - nodes[j])
             for i in range(6):
                 for row in range(6):
-                    band[6 * nodes[j] + i, first + row - i] -= block[row, i]
+                    blocks[slots[k, j], i, row] -= block[row, i]

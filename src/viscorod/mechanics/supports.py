@@ -214,27 +214,31 @@ def impose_tangent(
     psi: Floats,
     reaction: Floats,
     residual: Floats,
-    band: Floats,
-    diagonal: int,
-    reach: int,
+    blocks: Floats,
+    starts: Integers,
+    across: Integers,
+    diagonal: Integers,
 ) -> None:
-    """Replace the rows of supported nodes in the band, after :func:`impose`; held rows of both are weighted.
+    """Replace the rows of supported nodes in the matrix, after :func:`impose`; held rows of both are weighted.
 
     Args:
         nodes, fixed, axes, G, Z, psi, reaction: as :func:`impose` left them.
-        residual: ``(n, 6)``; band: transposed band; reach: number of neighbouring nodes within it on either side.
+        residual: ``(n, 6)``; blocks: of the matrix ``(b, 6, 6)`` (see ``geometric.assemble``).
+        starts, across, diagonal: where blocks stand: column k has those from ``starts[k]`` to ``starts[k + 1]``, row k
+            those that they are ``across``, both the block ``diagonal[k]``.
     """
     old = np.empty((6, 6))
     block = np.empty((6, 6))
     weight = np.empty(6)
     for s in range(nodes.shape[0]):
         k = nodes[s]
+        own = diagonal[k]
         # constraint rows as large as the balance rows they replace: pivoting then sees no difference in scale
         weight_move = weight_turn = 0.0
         for j in range(3):
             for i in range(3):
-                weight_move = max(weight_move, abs(band[6 * k + j, diagonal + i - j]))
-                weight_turn = max(weight_turn, abs(band[6 * k + 3 + j, diagonal + i - j]))
+                weight_move = max(weight_move, abs(blocks[own, j, i]))
+                weight_turn = max(weight_turn, abs(blocks[own, 3 + j, 3 + i]))
         turning = in_body(axes[s])
         complete = not turning
         for i in range(6):
@@ -249,23 +253,22 @@ def impose_tangent(
             reaction_stiffness(G[s], psi[s], reaction[s], block)
             for j in range(6):
                 for i in range(6):
-                    band[6 * k + j, diagonal + i - j] -= block[i, j]
-        for other in range(max(0, k - reach), min(residual.shape[0], k + reach + 1)):
-            offset = diagonal + 6 * (k - other)
+                    blocks[own, j, i] -= block[i, j]
+        for transposed in range(starts[k], starts[k + 1]):
+            slot = across[transposed]
             for j in range(6):
-                column = 6 * other + j
                 for i in range(6):
-                    old[i, j] = band[column, offset + i - j]
+                    old[i, j] = blocks[slot, j, i]
                 for i in range(6):
                     new = 0.0
                     if complete:
-                        new = weight[i] if other == k and i == j else 0.0
+                        new = weight[i] if slot == own and i == j else 0.0
                     elif fixed[s, i] == 0.0:
                         for a in range(6):
                             new += Z[s, a, i] * old[a, j]
-                    elif other == k:
+                    elif slot == own:
                         new = weight[i] * G[s, i, j]
-                    band[column, offset + i - j] = new
+                    blocks[slot, j, i] = new
 
 
 @kernel

@@ -26,7 +26,16 @@ from viscorod.model.load import (
 from viscorod.model.motion_words import MOTIONS
 from viscorod.model.place import Place, find_place
 from viscorod.model.time_function import Sine, TimeFunction
-from viscorod.solve.mesh import Mesh, divide, element_nodes, element_sets, join, link_matrix, stations_of
+from viscorod.solve.mesh import (
+    Mesh,
+    couplings,
+    divide,
+    element_nodes,
+    element_sets,
+    join,
+    link_matrix,
+    stations_of,
+)
 from viscorod.solve.problem import NodalLoad, Problem, StationLoad, SupportSet, TimeFactor
 from viscorod.typing import Floats, Integers
 
@@ -39,7 +48,8 @@ def discretise(model: ModelDescription) -> Problem:
     """
     model.validate()
     mesh = _mesh(model)
-    sets, mass = element_sets(mesh)
+    pattern = couplings(mesh)
+    sets, mass = element_sets(mesh, pattern)
     supports = _supports(model, mesh)
     nodal: list[NodalLoad] = []
     moving: list[StationLoad] = []
@@ -60,7 +70,7 @@ def discretise(model: ModelDescription) -> Problem:
         sets=sets,
         link_positions=mesh.link_positions,
         link_quaternions=mesh.link_quaternions,
-        reach=mesh.reach,
+        pattern=pattern,
         supports=supports,
         nodal_loads=tuple(nodal),
         station_loads=tuple(moving),

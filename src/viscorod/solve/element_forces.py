@@ -31,7 +31,7 @@ class ElementForces(Protocol):
     def linearise(
         self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
     ) -> None:
-        """Write the operators and add to the bands ``K`` and ``C`` of the Jacobian at ``state``.
+        """Write the operators and add to the blocks ``K`` and ``C`` of the Jacobian at ``state``.
 
         Args:
             turning: ``ad(x1)`` of every node ``(n, 6, 6)``; stress: section forces ``(e, points, 6)``.

@@ -9,8 +9,8 @@ from viscorod.mechanics.basis import lobatto
 from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.lanes import LANES
 from viscorod.mechanics.linearised import Operators, collect
-from viscorod.solve.banded import BandMatrix
 from viscorod.solve.element_forces import ElementForces, GeometricForces
+from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.loads import LoadState
 from viscorod.solve.problem import ElementSet, Problem
 from viscorod.solve.system import GaussPoints, GaussPositions, State
@@ -58,11 +58,11 @@ class GeometricSystem:
         self.problem = problem
         self.internal: Floats = np.zeros((problem.size, 6))
         self.external: Floats = np.zeros((problem.size, 6))
-        self.band = BandMatrix(problem.size, problem.reach, problem.length)
+        self.matrix = Matrix(problem.pattern, problem.length)
         self.parts = [_Part(problem, elements) for elements in problem.sets]
         self.given_strain: Floats | None = None
         self._no_map = np.zeros((problem.size, 6, 6))
-        self._no_band = np.zeros((0, 0))
+        self._no_blocks = np.zeros((0, 6, 6))
         self._no_operator = np.zeros((0, 1, 6, 6, LANES))
         self._order, self._positions = self._gauss_positions()
 
@@ -96,17 +96,17 @@ class GeometricSystem:
         *,
         tangent: bool,
         moving: bool,
-        rate_band: BandMatrix | None = None,
+        rate_matrix: Matrix | None = None,
     ) -> None:
         """See :class:`~viscorod.solve.system.System`."""
         problem = self.problem
-        band = self.band
+        blocks, diagonal = self.matrix.blocks, problem.pattern.diagonal
         self.internal.fill(0.0)
         self.external.fill(0.0)
         if tangent:
-            band.clear()
-        if rate_band is not None:
-            rate_band.clear()
+            self.matrix.clear()
+        if rate_matrix is not None:
+            rate_matrix.clear()
         for part in self.parts:
             self._add_elements(
                 part,
@@ -115,9 +115,8 @@ class GeometricSystem:
                 moving,
                 self._no_map if rate_map is None else rate_map,
                 tangent,
-                band.data,
-                self._no_band if rate_band is None else rate_band.data,
-                band.diagonal,
+                blocks,
+                self._no_blocks if rate_matrix is None else rate_matrix.blocks,
                 self._no_operator,
             )
         if len(loads.nodes):
@@ -130,8 +129,8 @@ class GeometricSystem:
                 problem.mass,
                 tangent,
                 self.external,
-                band.data,
-                band.diagonal,
+                blocks,
+                diagonal,
             )
         for load in loads.stations:
             e = self.parts[load.part].elements
@@ -147,8 +146,8 @@ class GeometricSystem:
                 state.q,
                 tangent,
                 self.external,
-                band.data,
-                band.diagonal,
+                blocks,
+                e.slots[load.element],
             )
 
     def _add_elements(
@@ -159,16 +158,16 @@ class GeometricSystem:
         moving: bool,
         rate_map: Floats,
         tangent: bool,
-        band: Floats,
-        rate_band: Floats,
-        diagonal: int,
+        blocks: Floats,
+        rate_blocks: Floats,
         strain_operator: Floats,
     ) -> None:
-        """Add the forces of one element set to ``internal`` and its tangent to the bands."""
+        """Add the forces of one element set to ``internal`` and its tangent to the blocks."""
         problem, e = self.problem, part.elements
         geometric.assemble(
             e.nodes,
             e.links,
+            e.slots,
             problem.link_positions,
             problem.link_quaternions,
             e.shapes,
@@ -189,9 +188,8 @@ class GeometricSystem:
             rate_map,
             tangent,
             self.internal,
-            band,
-            rate_band,
-            diagonal,
+            blocks,
+            rate_blocks,
             part.strain,
             part.strain_rate,
             part.section_force,
@@ -218,7 +216,6 @@ class GeometricSystem:
                 True,
                 K,
                 C,
-                (K.shape[1] - 1) // 2,
                 strain_operator,
             )
             collect(
@@ -310,6 +307,7 @@ class GeometricSystem:
         weights = np.zeros((top + 1, top))
         nodes = np.zeros((count, top + 1), dtype=np.int64)
         links = np.full((count, top + 1), -1, dtype=np.int64)
+        slots = np.zeros((count, top + 1, top + 1), dtype=np.int64)
         section = np.zeros((count, top), dtype=np.int64)
         reference = np.zeros((count, top, 6))
         first = first_section = 0
@@ -318,6 +316,7 @@ class GeometricSystem:
             rows = slice(first, first + len(e.nodes))
             shapes[p, :p, : p + 1], slopes[p, :p, : p + 1], weights[p, :p] = e.shapes, e.slopes, e.weights
             nodes[rows, : p + 1], links[rows, : p + 1] = e.nodes, e.links
+            slots[rows, : p + 1, : p + 1] = e.slots
             section[rows, :p] = e.section + first_section
             reference[rows, :p] = part.reference
             first += len(e.nodes)
@@ -338,6 +337,7 @@ class GeometricSystem:
             damping,
             bool(damping.any()),
             reference,
+            slots,
         )
 
     def element_forces(self, elements: Elements, stages: int) -> ElementForces:

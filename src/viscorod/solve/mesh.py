@@ -16,6 +16,7 @@ from viscorod.mechanics.quaternion import conjugate, from_matrices, matrices, pr
 from viscorod.model.rod import Rod
 from viscorod.model.section import MaterialSection
 from viscorod.model.stiffness_section import StiffnessSection
+from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem import ElementSet, Stations
 from viscorod.typing import Floats, Integers
 
@@ -57,7 +58,6 @@ class Mesh:
     quaternions: Floats
     link_positions: Floats
     link_quaternions: Floats
-    reach: int
 
     def rod_index(self, name: str) -> int:
         """Index of a rod by name."""
@@ -139,7 +139,7 @@ def _distribute(spans: Floats, total: int) -> Integers:
 
 
 def join(rods: list[RodMesh], attachments: list[tuple[tuple[int, int], tuple[int, int]]]) -> Mesh:
-    """Number the nodes of all rods; attached stations share one node with a constant relative pose.
+    """Number the nodes rod by rod; attached stations share one node with a constant relative pose.
 
     Args:
         rods: divided rods.
@@ -162,41 +162,21 @@ def join(rods: list[RodMesh], attachments: list[tuple[tuple[int, int], tuple[int
         links[k] = len(offsets)
         offsets.append(matrices(back[None, :])[0] @ (positions[k] - positions[root[k]]))
         turns.append(product(back, quaternions[k]))
-    order, reach = _narrow(rods, [number[first[i] : first[i + 1]] for i in range(len(rods))], len(keep))
-    number = order[number]
-    place = np.empty(len(keep), dtype=np.int64)
-    place[order] = keep
     return Mesh(
         rods=tuple(rods),
         shared=tuple(np.ascontiguousarray(number[first[i] : first[i + 1]]) for i in range(len(rods))),
         links=tuple(np.ascontiguousarray(links[first[i] : first[i + 1]]) for i in range(len(rods))),
-        positions=np.ascontiguousarray(positions[place]),
-        quaternions=np.ascontiguousarray(quaternions[place]),
+        positions=np.ascontiguousarray(positions[keep]),
+        quaternions=np.ascontiguousarray(quaternions[keep]),
         link_positions=np.array(offsets).reshape(-1, 3),
         link_quaternions=np.array(turns).reshape(-1, 4),
-        reach=reach,
     )
 
 
-def _narrow(rods: list[RodMesh], numbers: list[Integers], count: int) -> tuple[Integers, int]:
-    """New node numbers for a narrow band (reverse Cuthill-McKee) and how far apart coupled nodes then are."""
-    rows, cols = [], []
-    for mesh, nodes in zip(rods, numbers, strict=True):
-        elements = element_nodes(nodes, mesh.order)
-        m = mesh.order + 1
-        rows.append(np.repeat(elements, m, axis=1).ravel())
-        cols.append(np.tile(elements, (1, m)).ravel())
-    row, col = np.concatenate(rows), np.concatenate(cols)
-    identity = np.arange(count)
-    if len(rods) == 1 and np.array_equal(numbers[0], identity):
-        return identity, rods[0].order
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import reverse_cuthill_mckee
-
-    graph = csr_array((np.ones(len(row)), (row, col)), shape=(count, count))
-    new = np.empty(count, dtype=np.int64)
-    new[reverse_cuthill_mckee(graph, symmetric_mode=True)] = identity
-    return new, int(np.abs(new[row] - new[col]).max())
+def couplings(mesh: Mesh) -> Pattern:
+    """Return the pattern of all matrices: the nodes of an element couple with each other."""
+    elements = (element_nodes(nodes, m.order) for m, nodes in zip(mesh.rods, mesh.shared, strict=True))
+    return Pattern.of(len(mesh.positions), elements)
 
 
 def element_nodes(nodes: Integers, order: int) -> Integers:
@@ -233,7 +213,7 @@ class SectionTable:
         return self._index[key]
 
 
-def element_sets(mesh: Mesh) -> tuple[tuple[ElementSet, ...], Floats]:
+def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], Floats]:
     """Element arrays grouped by order, and the nodal masses ``(n, 6, 6)`` lumped at the Gauss-Lobatto nodes."""
     mass = np.zeros((len(mesh.positions), 6, 6))
     sets = []
@@ -285,6 +265,7 @@ def element_sets(mesh: Mesh) -> tuple[tuple[ElementSet, ...], Floats]:
                 order=order,
                 nodes=joined["nodes"],
                 links=joined["links"],
+                slots=pattern.slots(joined["nodes"]),
                 rod=joined["rod"],
                 start=joined["start"],
                 half_lengths=joined["half"],

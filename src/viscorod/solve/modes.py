@@ -13,8 +13,8 @@ import numpy as np
 import scipy.linalg
 from scipy import sparse
 
-from viscorod.solve.banded import BandMatrix
 from viscorod.solve.history import StationReader
+from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.static import StaticSolver
 from viscorod.solve.system import State
 from viscorod.typing import Floats
@@ -64,9 +64,9 @@ def linearise(
     n = problem.size
     resting = State(state.r, state.q, np.zeros((n, 6)))
     loads = solver.loads.at(t, before, scale)
-    damping_band = BandMatrix(n, system.band.reach)
-    system.assemble(resting, loads, None, tangent=True, moving=False, rate_band=damping_band)
-    damping = sparse.csr_array(basis.T @ damping_band.sparse() @ basis)
+    damping_matrix = Matrix(problem.pattern)
+    system.assemble(resting, loads, None, tangent=True, moving=False, rate_matrix=damping_matrix)
+    damping = sparse.csr_array(basis.T @ damping_matrix.sparse() @ basis)
     mass = sparse.csr_array(basis.T @ sparse.block_diag(list(problem.mass), format="csr") @ basis)
     # displacements over the length of the model are comparable with rotations, whatever the unit of length
     unit = sparse.diags_array(np.where(solver.supports.free_rows() % 6 < 3, problem.length, 1.0))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from viscorod.model.time_function import TimeFunction
+from viscorod.solve.linear.pattern import Pattern
 from viscorod.typing import Floats, Integers
 
 TimeFactor = Callable[[float, bool], float]
@@ -17,12 +18,14 @@ TimeFactor = Callable[[float, bool], float]
 class ElementSet:
     """All elements of one polynomial order, as arrays for the kernels (see ``mechanics.geometric.assemble``).
 
+    ``slots (elements, m, m)`` are the matrix blocks between the nodes of an element, of the problem's pattern.
     ``half_widths (elements, points)`` [m] are the largest distances of the section from the centre line, 0 if unknown.
     """
 
     order: int
     nodes: Integers
     links: Integers
+    slots: Integers
     rod: Integers
     start: Floats
     half_lengths: Floats
@@ -109,12 +112,13 @@ class Stations:
 
 @dataclass(frozen=True)
 class Problem:
-    """Everything an analysis needs, in arrays; nodes are numbered for a narrow band.
+    """Everything an analysis needs, in arrays; nodes are numbered rod by rod.
 
     Attributes:
         positions, quaternions: reference poses of the nodes ``(n, 3)`` [m], ``(n, 4)``.
         mass: nodal inertia in body axes ``(n, 6, 6)`` [kg, kg m, kg m^2].
         link_positions, link_quaternions: constant poses of rigidly attached rod ends in the frame of the shared node.
+        pattern: blocks of all matrices; their first rows are those of the nodes.
         initial_strain: strains ``(6,)`` at t = 0 by arc length [m], of the rods (by index) that have any.
         initial_twist: body twists at t = 0 for given poses, ``(r, q) -> (n, 6)``.
         length: size of the model [m], the measure of "small" for displacements.
@@ -131,7 +135,7 @@ class Problem:
     sets: tuple[ElementSet, ...]
     link_positions: Floats
     link_quaternions: Floats
-    reach: int
+    pattern: Pattern
     supports: SupportSet
     nodal_loads: tuple[NodalLoad, ...]
     station_loads: tuple[StationLoad, ...]

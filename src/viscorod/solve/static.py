@@ -120,12 +120,12 @@ class StaticSolver:
             if not np.isfinite(residual).all():
                 bad = int(np.flatnonzero(~np.isfinite(residual).all(axis=1))[0])
                 return NewtonReport(Outcome.NOT_FINITE, count, size, np.inf, bad)
-            supports.impose(state, residual, system.band, tangent=True)
+            supports.impose(state, residual, system.matrix, tangent=True)
             try:
-                system.band.factorise()
+                system.matrix.factorise()
             except SingularMatrixError as error:
                 return replace(report(Outcome.SINGULAR), node=error.row // 6)
-            increment = system.band.solve(-residual)
+            increment = system.matrix.solve(-residual)
             count += 1
             verdict, size = convergence.judge(increment, count)
             if verdict is Outcome.NOT_FINITE:
@@ -144,7 +144,7 @@ class StaticSolver:
         self.system.assemble(state, self.loads.at(t, before, scale), None, tangent=False, moving=False)
         self.system.reset_stress()
         residual = self.system.internal - self.system.external
-        self.supports.impose(state, residual, self.system.band, tangent=False)
+        self.supports.impose(state, residual, self.system.matrix, tangent=False)
 
     def tangent(
         self, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0
@@ -158,6 +158,6 @@ class StaticSolver:
         self._restore(state, t, before=before, scale=scale)
         system.assemble(state, self.loads.at(t, before, scale), None, tangent=True, moving=False)
         residual = system.internal - system.external
-        supports.impose(state, residual, system.band, tangent=True)
+        supports.impose(state, residual, system.matrix, tangent=True)
         basis = supports.free_basis(state)
-        return (system.band.sparse() @ basis)[supports.free_rows()]
+        return (system.matrix.sparse() @ basis)[supports.free_rows()]

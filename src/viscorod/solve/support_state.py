@@ -9,7 +9,7 @@ from viscorod.errors import InputError
 from viscorod.mechanics import inertia, supports
 from viscorod.mechanics.prescribed_motion import prescribed_motion
 from viscorod.mechanics.rotation import retract
-from viscorod.solve.banded import BandMatrix
+from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem import Problem
 from viscorod.solve.system import State
 from viscorod.typing import Floats
@@ -89,7 +89,7 @@ class SupportState:
         )
         return r, q, twist, rate
 
-    def impose(self, state: State, residual: Floats, band: BandMatrix, *, tangent: bool) -> None:
+    def impose(self, state: State, residual: Floats, matrix: Matrix, *, tangent: bool) -> None:
         """Replace the rows of supported nodes; keeps the reactions (components along the support's axes)."""
         supports.impose(
             self.set.nodes,
@@ -112,9 +112,10 @@ class SupportState:
                 *self._directions_now,
                 self.reaction,
                 residual,
-                band.data,
-                band.diagonal,
-                band.reach,
+                matrix.blocks,
+                matrix.pattern.starts,
+                matrix.pattern.across,
+                matrix.pattern.diagonal,
             )
 
     def unbalanced(self, residual: Floats) -> Floats:

@@ -14,7 +14,7 @@ import numpy as np
 
 from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.linearised import Operators
-from viscorod.solve.banded import BandMatrix
+from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.loads import LoadState
 from viscorod.solve.problem import Problem
 from viscorod.typing import Floats, Integers
@@ -71,7 +71,7 @@ class System(Protocol):
     problem: Problem
     internal: Floats
     external: Floats
-    band: BandMatrix
+    matrix: Matrix
     given_strain: Floats | None
     """Strains at the Gauss points ``(m, 6)``, in order of results, that a motion starts with; None: those of poses."""
 
@@ -83,12 +83,12 @@ class System(Protocol):
         *,
         tangent: bool,
         moving: bool,
-        rate_band: BandMatrix | None = None,
+        rate_matrix: Matrix | None = None,
     ) -> None:
-        """Fill ``internal`` and ``external`` and, with ``tangent``, ``band`` with d(internal - external)/d(increment).
+        """Fill ``internal``, ``external`` and, with ``tangent``, ``matrix`` with d(internal - external)/d(increment).
 
         ``rate_map (n, 6, 6)`` is d(twist)/d(increment), None for none; ``moving`` False ignores the twists (statics).
-        ``rate_band``, if given, is filled with d(internal)/d(twist), the damping matrix (with ``tangent``).
+        ``rate_matrix``, if given, is filled with d(internal)/d(twist), the damping matrix (with ``tangent``).
         """
 
     def linearise(
@@ -96,7 +96,7 @@ class System(Protocol):
     ) -> None:
         """Write the operators of all elements, and add their stiffness and damping matrices to ``K`` and ``C``.
 
-        These are bands of width 2 w + 1, row j holds column j; increments turn with the nodes, ``turning (n, 6, 6)`` is
+        These are blocks of the problem's pattern; increments turn with the nodes, ``turning (n, 6, 6)`` is
         ``ad(twist)``. ``stress`` is that of the geometric stiffness, in the arrays of :meth:`elements`. Needed by
         collocation methods only.
         """

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from viscorod.mechanics import loading
 from viscorod.solve.integrators.stage_data import Body, Given
 from viscorod.solve.loads import ExternalLoads, LoadState
@@ -25,6 +27,7 @@ class Actions:
         self.system, self.supports, self.body = system, supports, body
         self.loads = ExternalLoads(system.problem)
         self.given = Given.of(stages, body, max(1, len(system.problem.station_loads)))
+        self._no_blocks = np.zeros((0, 6, 6))
         self._written: list[LoadState | None] = [None] * stages
 
     def prepare(self, i: int, t: float, *, before: bool) -> None:
@@ -56,21 +59,21 @@ class Actions:
         if self.supports.moving:
             self.supports.update(t, before)
 
-    def add_loads(self, t: float, state: State, external: Floats, band: Floats, *, before: bool) -> None:
+    def add_loads(self, t: float, state: State, external: Floats, *, before: bool) -> None:
         """Add the loads at time ``t`` [s] to ``external (n, 6)``, in body components."""
-        self._add(self.loads.at(t, before), state, external, band, False)
+        self._add(self.loads.at(t, before), state, external, self._no_blocks, False)
 
     def add_load_stiffness(
         self, t: float, state: State, external: Floats, K: Floats, *, before: bool = False
     ) -> None:
-        """Subtract the derivative of the loads at time ``t`` [s], which turn with the body frames, from the band ``K``.
+        """Subtract the derivative of the loads at time ``t`` [s], which turn with the body frames, from ``K``.
 
         The loads are added to ``external (n, 6)`` too.
         """
         self._add(self.loads.at(t, before), state, external, K, True)
 
-    def _add(self, loads: LoadState, state: State, external: Floats, band: Floats, tangent: bool) -> None:
-        body, diagonal = self.body, (band.shape[1] - 1) // 2
+    def _add(self, loads: LoadState, state: State, external: Floats, blocks: Floats, tangent: bool) -> None:
+        body = self.body
         if len(loads.nodes):
             loading.add_nodal_loads(
                 loads.nodes,
@@ -81,8 +84,8 @@ class Actions:
                 body.mass,
                 tangent,
                 external,
-                band,
-                diagonal,
+                blocks,
+                body.pattern.diagonal,
             )
         for load in loads.stations:
             elements, e = body.elements, self.system.element_number(load.part, load.element)
@@ -99,6 +102,6 @@ class Actions:
                 state.q,
                 tangent,
                 external,
-                band,
-                diagonal,
+                blocks,
+                elements.slots[e],
             )

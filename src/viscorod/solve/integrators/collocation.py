@@ -16,7 +16,6 @@ import numpy as np
 
 from viscorod.mechanics import inertia
 from viscorod.mechanics.internal_force import Points, energies
-from viscorod.solve import lapack
 from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators import iteration, jacobian
 from viscorod.solve.integrators.actions import Actions
@@ -24,7 +23,8 @@ from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.integrators.predictor import Predictor
 from viscorod.solve.integrators.records import Records
 from viscorod.solve.integrators.solved_step import try_step
-from viscorod.solve.integrators.stage_data import Body, Ends, Factors, Matrices, Stages, Work
+from viscorod.solve.integrators.stage_data import Body, Ends, Matrices, Stages, Work
+from viscorod.solve.integrators.stage_systems import StageSystems
 from viscorod.solve.integrators.tableau import Tableau
 from viscorod.solve.newton import Outcome
 from viscorod.solve.support_state import SupportState
@@ -76,8 +76,8 @@ class Collocation:
             body, self.actions.given, self.stages, tableau, supports, system.gauss_places()
         )
         self.ends: Ends | None = None
-        self.matrices = Matrices.of(body, system.band.width)
-        self.factors = Factors.of(system.band, with_complex=stages > 1)
+        self.matrices = Matrices.of(body)
+        self.systems = StageSystems(body, system.matrix.scales, tableau)
         self.scratch = Work.of(body, stages)
         self._points = Points.of(body.elements, 1)  # at t
         self._stress = np.zeros(body.elements.reference.shape)  # at t
@@ -148,7 +148,7 @@ class Collocation:
             self._force,
             h,
             self.tableau,
-            self.factors,
+            self.systems.factors,
             self.matrices,
             self.stages,
             self.ends,
@@ -229,7 +229,7 @@ class Collocation:
         internal, external = self.scratch.vector, self.scratch.change
         self.forces.evaluate(state, points, internal)
         external.fill(0.0)
-        self.actions.add_loads(t, state, external, self.scratch.band, before=before)
+        self.actions.add_loads(t, state, external, before=before)
         self.evaluations += 1
         residual = internal - external
         inertia.add_coriolis(body.mass, state.twist, residual)
@@ -238,7 +238,7 @@ class Collocation:
             supports.add_acceleration(residual)
         else:
             residual += np.einsum("nij,nj->ni", body.mass, acceleration)
-        supports.impose(state, residual, self.system.band, tangent=False)
+        supports.impose(state, residual, self.system.matrix, tangent=False)
         self.kinetic = inertia.kinetic_energy(body.mass, state.twist)
         elastic, dissipated = np.empty((2, 1))  # not the powers of the last step, which states between need
         energies(body.elements, points.strain, points.strain_rate, elastic, dissipated)
@@ -256,7 +256,15 @@ class Collocation:
         self.forces.linearise(state, self._turning, self._stress, matrices.operators, matrices.K, matrices.C)
         self.actions.add_load_stiffness(self.t, state, self.scratch.vector, matrices.K)
         matrices.mass[:] = body.mass
-        jacobian.add_inertia(body.mass, state.twist, self._turning, matrices.K, matrices.C, matrices.adjoint)
+        jacobian.add_inertia(
+            body.mass,
+            state.twist,
+            self._turning,
+            matrices.K,
+            matrices.C,
+            body.pattern.diagonal,
+            matrices.adjoint,
+        )
         self.actions.move_supports(self.t, before=False)
         jacobian.project(
             body.nodes,
@@ -268,6 +276,9 @@ class Collocation:
             self._reaction,
             state.r,
             state.q,
+            body.pattern.starts,
+            body.pattern.across,
+            body.pattern.diagonal,
             matrices.K,
             matrices.C,
             matrices.mass,
@@ -280,14 +291,6 @@ class Collocation:
 
     def _factorise(self, h: float) -> bool:
         """Factorise the real and the complex matrix for the step ``h``; False if one is singular."""
-        t, m, f, b = self.tableau, self.matrices, self.factors, self.body
         self._factor_step = h
         self.factorisations += 1
-        jacobian.combine(m.K, m.C, m.mass, t.real / h, b.nodes, b.fixed, m.G, f.columns, f.real_rows, f.real)
-        good = lapack.factorise(f.real, f.real_integers) == 0
-        if self._last > 0:
-            jacobian.combine(
-                m.K, m.C, m.mass, t.pair / h, b.nodes, b.fixed, m.G, f.columns, f.complex_rows, f.complex
-            )
-            good = good and lapack.factorise_complex(f.complex, f.complex_integers) == 0
-        return good
+        return self.systems.factorise(self.matrices, h)

@@ -136,7 +136,7 @@ class GeneralizedAlpha:
         system.reset_stress()
         residual = system.internal - system.external
         supports.add_inertia(state, residual)
-        supports.impose(state, residual, system.band, tangent=False)
+        supports.impose(state, residual, system.matrix, tangent=False)
         self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
         self.elastic = system.elastic_energy()
         system.viscous_loss(0.0)
@@ -207,7 +207,7 @@ class GeneralizedAlpha:
         slope = self._trial[0].slope
         error = slope**2 * np.einsum("nij,nj->ni", self.system.problem.mass, error)
         error[self.supports.set.nodes] *= 1.0 - self.supports.set.fixed
-        error = self.system.band.solve(error)
+        error = self.system.matrix.solve(error)
         size = np.abs(error) / ([self.system.problem.length] * 3 + [1.0] * 3)
         node, component = divmod(int(np.argmax(size)), 6)
         return report._replace(error=float(size.max()) / self.step_tolerance, node=node, component=component)
@@ -330,9 +330,9 @@ class GeneralizedAlpha:
         self._map[self._held] = 0.0
         system.assemble(new, loads, self._map, tangent=True, moving=True)
         residual = self._residual(new, relation, tangent=True)
-        self.supports.impose(new, residual, system.band, tangent=True)
-        system.band.factorise()
-        change = system.band.solve(-residual)
+        self.supports.impose(new, residual, system.matrix, tangent=True)
+        system.matrix.factorise()
+        change = system.matrix.solve(-residual)
         add_mapped(self._map, change, 1.0 / relation.slope, increment)
         system.carry_stress(change)
         return residual, change
@@ -357,8 +357,8 @@ class GeneralizedAlpha:
             self._map,
             tangent,
             residual,
-            system.band.data,
-            system.band.diagonal,
+            system.matrix.blocks,
+            system.matrix.pattern.diagonal,
         )
         return residual
 
@@ -367,7 +367,7 @@ class GeneralizedAlpha:
         system, supports, new = self.system, self.supports, solution.state
         system.assemble(new, self.loads.last, None, tangent=False, moving=True)
         system.reset_stress()
-        supports.impose(new, self._residual(new, relation, tangent=False), system.band, tangent=False)
+        supports.impose(new, self._residual(new, relation, tangent=False), system.matrix, tangent=False)
         momentum = np.empty_like(self._momentum)
         self.kinetic = inertia.momenta(system.problem.mass, new.r, new.q, new.twist, momentum)
         self._momentum = momentum

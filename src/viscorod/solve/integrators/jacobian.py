@@ -24,17 +24,23 @@ def adjoint(twist: Floats, out: Floats) -> None:
 
 @kernel
 def add_inertia(
-    mass: Floats, twist: Floats, turning: Floats, K: Floats, C: Floats, mass_turning: Floats
+    mass: Floats,
+    twist: Floats,
+    turning: Floats,
+    K: Floats,
+    C: Floats,
+    diagonal: Integers,
+    mass_turning: Floats,
 ) -> None:
     """Add the inertial parts of the Jacobian: ``C += N + M ad(x)`` and ``K += N ad(x)`` with ``N = d(L1 M x)/dx``.
 
     Args:
-        mass: ``(n, 6, 6)``; turning: ``ad(x)`` of every node; K, C: bands of width 2 w + 1.
+        mass: ``(n, 6, 6)``; turning: ``ad(x)`` of every node.
+        K, C: blocks ``(b, 6, 6)``; diagonal: those of the nodes ``(n,)``.
         mass_turning: output ``M ad(x)``.
     """
     N = np.empty((6, 6))
     momentum = np.empty(6)
-    width = (K.shape[1] - 1) // 2
     for k in range(mass.shape[0]):
         M, A = mass[k], turning[k]
         for i in range(6):
@@ -67,13 +73,14 @@ def add_inertia(
         N[4, 5] += h0
         N[5, 3] += h1
         N[5, 4] -= h0
+        slot = diagonal[k]
         for j in range(6):
             for i in range(6):
-                C[6 * k + j, width + i - j] += N[i, j] + mass_turning[k, i, j]
+                C[slot, j, i] += N[i, j] + mass_turning[k, i, j]
                 total = 0.0
                 for a in range(6):
                     total += N[i, a] * A[a, j]
-                K[6 * k + j, width + i - j] += total
+                K[slot, j, i] += total
 
 
 @kernel
@@ -87,6 +94,9 @@ def project(
     reaction: Floats,
     r: Floats,
     q: Floats,
+    starts: Integers,
+    across: Integers,
+    diagonal: Integers,
     K: Floats,
     C: Floats,
     mass: Floats,
@@ -95,14 +105,13 @@ def project(
 ) -> None:
     """Project the rows of supported nodes on their free directions, clear the held ones; write directions ``G, Z``.
 
-    Reactions ``(m, 6)`` turn with their nodes: their derivative is subtracted from ``K`` first.
+    Reactions ``(m, 6)`` turn with their nodes: their derivative is subtracted from ``K`` first. ``starts, across,
+    diagonal`` are those of the pattern: block row k has the blocks that those of column k are ``across``.
     """
     value = np.empty(6)
     psi = np.empty(3)
     old = np.empty(6)
     turned = np.empty((6, 6))
-    width = (K.shape[1] - 1) // 2
-    size = K.shape[0]
     for s in range(nodes.shape[0]):
         k = nodes[s]
         support_directions(axes[s], r0[s], q0[s], fixed[s], target[s], r[k], q[k], value, G[s], Z[s], psi)
@@ -118,20 +127,19 @@ def project(
             reaction_stiffness(G[s], psi, reaction[s], turned)
             for i in range(6):
                 for j in range(6):
-                    K[6 * k + j, width + i - j] -= turned[i, j]
-        for band in (K, C):
-            for j in range(max(0, 6 * k - width), min(size, 6 * k + 6 + width)):
-                for i in range(6):
-                    place = width + 6 * k + i - j
-                    old[i] = band[j, place] if 0 <= place <= 2 * width else 0.0
-                for i in range(6):
-                    place = width + 6 * k + i - j
-                    if 0 <= place <= 2 * width:
+                    K[diagonal[k], j, i] -= turned[i, j]
+        for blocks in (K, C):
+            for transposed in range(starts[k], starts[k + 1]):
+                slot = across[transposed]
+                for j in range(6):
+                    for i in range(6):
+                        old[i] = blocks[slot, j, i]
+                    for i in range(6):
                         total = 0.0
                         if fixed[s, i] == 0.0:
                             for a in range(6):
                                 total += Z[s, a, i] * old[a]
-                        band[j, place] = total
+                        blocks[slot, j, i] = total
         for j in range(6):
             for i in range(6):
                 old[i] = mass[k, i, j]
@@ -151,48 +159,50 @@ def combine(
     nodes: Integers,
     fixed: Floats,
     G: Floats,
-    columns: Floats,
-    rows: Floats,
+    block_rows: Integers,
+    block_columns: Integers,
+    starts: Integers,
+    diagonal: Integers,
+    scales: Floats,
+    row_scales: Floats,
     out: Floats,
 ) -> None:
-    """Write ``mu^2 M + mu C + K`` with held components as constraints into ``out`` (LAPACK layout), scaled.
+    """Write ``mu^2 M + mu C + K`` with held components as constraints into the blocks ``out``, scaled.
 
     Args:
         mu: eigenvalue over the step [1/s], real or complex like ``out``.
-        columns: scales of the unknowns ``(6 n,)`` (also of the balance rows); rows: output, scales of all rows.
+        block_rows, block_columns, starts, diagonal: of the pattern with N block rows.
+        scales: of the unknowns ``(6 N,)`` (also of the balance rows); row_scales: output, those of all rows.
     """
-    width = (K.shape[1] - 1) // 2
-    size = K.shape[0]
-    for i in range(size):
-        rows[i] = columns[i]
-    for j in range(size):
-        first, last = max(0, j - width), min(size, j + width + 1)
-        for i in range(first, last):
-            out[j, 2 * width + i - j] = (K[j, width + i - j] + mu * C[j, width + i - j]) * (
-                columns[i] * columns[j]
-            )
-    square = mu * mu
-    for k in range(mass.shape[0]):
+    for i in range(scales.shape[0]):
+        row_scales[i] = scales[i]
+    for s in range(out.shape[0]):
+        row, column = 6 * block_rows[s], 6 * block_columns[s]
         for j in range(6):
             for i in range(6):
-                out[6 * k + j, 2 * width + i - j] += (
-                    square * mass[k, i, j] * (columns[6 * k + i] * columns[6 * k + j])
-                )
-    for s in range(nodes.shape[0]):
-        k = nodes[s]
+                out[s, j, i] = (K[s, j, i] + mu * C[s, j, i]) * (scales[row + i] * scales[column + j])
+    square = mu * mu
+    for k in range(mass.shape[0]):
+        slot = diagonal[k]
+        for j in range(6):
+            for i in range(6):
+                out[slot, j, i] += square * mass[k, i, j] * (scales[6 * k + i] * scales[6 * k + j])
+    for m in range(nodes.shape[0]):
+        k = nodes[m]
         for half in (0, 3):
             # constraint rows as large as the balance rows, so that pivoting sees no difference in scale
             weight = 0.0
-            for j in range(6 * k + half, 6 * k + half + 3):
-                for i in range(max(0, j - width), min(size, j + width + 1)):
-                    weight = max(weight, abs(out[j, 2 * width + i - j]))
+            for s in range(starts[k], starts[k + 1]):
+                for j in range(half, half + 3):
+                    for i in range(6):
+                        weight = max(weight, abs(out[s, j, i]))
             for i in range(half, half + 3):
-                if fixed[s, i] == 0.0:
+                if fixed[m, i] == 0.0:
                     continue
                 row = 6 * k + i
                 largest = 0.0
                 for j in range(6):
-                    largest = max(largest, abs(G[s, i, j]) * columns[6 * k + j])
-                rows[row] = (weight if weight > 0.0 else 1.0) / largest
+                    largest = max(largest, abs(G[m, i, j]) * scales[6 * k + j])
+                row_scales[row] = (weight if weight > 0.0 else 1.0) / largest
                 for j in range(6):
-                    out[6 * k + j, 2 * width + row - 6 * k - j] = rows[row] * G[s, i, j] * columns[6 * k + j]
+                    out[diagonal[k], j, i] = row_scales[row] * G[m, i, j] * scales[6 * k + j]

@@ -56,7 +56,7 @@ class LinearBody:
         elastic, unused = np.zeros((2, 1))
         energies(body.elements, points.strain, np.zeros_like(points.strain), elastic, unused)
         self._energy = float(elastic[0])
-        self._load_stiffness = np.zeros((6 * n, 2 * system.band.width + 1))
+        self._load_stiffness = np.zeros_like(system.matrix.blocks)
         if internal.any():
             self.actions.add_load_stiffness(t, self.base, np.zeros((n, 6)), self._load_stiffness, before=True)
         self.mass = sparse.block_diag(list(body.mass), format="csr")
@@ -66,7 +66,7 @@ class LinearBody:
     def _reduce(self, matrices: Matrices) -> None:
         """Set up the matrices of the motions that the supports leave free."""
         body, supports = self.body, self.supports
-        supports.impose(self.base, self._force.reshape(-1, 6).copy(), self.system.band, tangent=False)
+        supports.impose(self.base, self._force.reshape(-1, 6).copy(), self.system.matrix, tangent=False)
         matrices.mass[:] = body.mass
         project(
             body.nodes,
@@ -78,6 +78,9 @@ class LinearBody:
             supports.reaction,
             self.base.r,
             self.base.q,
+            body.pattern.starts,
+            body.pattern.across,
+            body.pattern.diagonal,
             matrices.K,
             matrices.C,
             matrices.mass,
@@ -90,12 +93,15 @@ class LinearBody:
         mass = sparse.block_diag(list(matrices.mass), format="csr")
         self.reduced = [
             sparse.csc_array(unit @ matrix[rows] @ self.basis)
-            for matrix in (_sparse(matrices.K), _sparse(matrices.C), mass)
+            for matrix in (self._sparse(matrices.K), self._sparse(matrices.C), mass)
         ]
+
+    def _sparse(self, blocks: Floats) -> sparse.csr_array:
+        return sparse.csr_array(self.body.pattern.sparse(blocks))
 
     def _matrices(self, strain: Floats, section_force: Floats, elements: Elements) -> Matrices:
         """Operators, stiffness (that of the loads too) and damping matrix at rest, not projected."""
-        matrices = Matrices.of(self.body, self.system.band.width)
+        matrices = Matrices.of(self.body)
         matrices.K[:] = self._load_stiffness
         still = np.zeros_like(section_force)
         linearise_intrinsic(
@@ -131,7 +137,7 @@ class LinearBody:
         )
         matrices = self._matrices(strain, section_force, soft)
         self._B = _operator(matrices.operators.strain, elements, len(self.body.mass))
-        rest = _sparse(matrices.K)
+        rest = self._sparse(matrices.K)
         self._skew = 0.5 * (rest - rest.T)
         self._rest = rest - self._skew
         matrices = self._matrices(np.zeros_like(strain), section_force, soft)
@@ -142,7 +148,7 @@ class LinearBody:
     def loads(self, t: float, before: bool) -> Floats:
         """Return the loads ``(6 n,)`` at time ``t`` [s], body axes of the state it is linear about."""
         external = np.zeros((len(self.body.mass), 6))
-        self.actions.add_loads(t, self.base, external, np.zeros((1, 1)), before=before)
+        self.actions.add_loads(t, self.base, external, before=before)
         return external.ravel()
 
     def internal(self, xi: Floats, x: Floats) -> Floats:
@@ -187,19 +193,10 @@ class LinearBody:
         self._forces.arrive(self._strain + (self._B @ xi).reshape(self._strain.shape))
         self._forces.evaluate(state, points, unused)
         residual = (self.internal(xi, x) + self.mass @ acceleration - load).reshape(-1, 6)
-        self.supports.impose(self.base, residual, self.system.band, tangent=False)
+        self.supports.impose(self.base, residual, self.system.matrix, tangent=False)
         strain, rate, force = (field[0].reshape(-1, 6)[self._places] for field in points[:3])
         reactions = self.supports.global_reactions(self.base)
         return Snapshot(state, strain, rate, force, reactions, self.kinetic(x), self.elastic(xi))
-
-
-def _sparse(band: Floats) -> sparse.csr_array:
-    """A band of width 2 w + 1, row j holding column j, as a sparse array."""
-    size, width = band.shape[0], (band.shape[1] - 1) // 2
-    rows = np.arange(size)[:, None] + np.arange(-width, width + 1)
-    stored = (band != 0.0) & (rows >= 0) & (rows < size)
-    columns = np.broadcast_to(np.arange(size)[:, None], band.shape)[stored]
-    return sparse.csr_array((band[stored], (rows[stored], columns)), shape=(size, size))
 
 
 def _operator(blocks: Floats, elements: Elements, nodes: int) -> sparse.csr_array:

@@ -11,12 +11,12 @@ from viscorod.mechanics.intrinsic import StrainMotion, stage_forces
 from viscorod.mechanics.linearised import add_frozen_forces, carry_stress
 from viscorod.mechanics.motion import move_stages, place_stages
 from viscorod.mechanics.supports import lacking_motion
-from viscorod.solve import lapack
 from viscorod.solve.integrators import stages as over
 from viscorod.solve.integrators.energy_step import hold_ends, reach_end
 from viscorod.solve.integrators.iteration import CONVERGED, GOING, SLOW, judge
 from viscorod.solve.integrators.stage_data import Body, Ends, Factors, Given, Matrices, Stages, Work
 from viscorod.solve.integrators.tableau import Tableau
+from viscorod.solve.linear.band import solve
 from viscorod.typing import Floats, Integers
 
 
@@ -97,22 +97,24 @@ def project_free(nodes: Integers, fixed: Floats, Z: Floats, free: Floats, out: F
 
 
 @part
-def add_damping(C: Floats, rate: Floats, out: Floats) -> None:
-    """Add ``C rate`` of a band of width 2 w + 1 to ``out (n, 6)``."""
-    width = (C.shape[1] - 1) // 2
-    size = C.shape[0]
-    for j in range(size):
-        p = rate[j // 6, j % 6]
-        if p != 0.0:
-            for i in range(max(0, j - width), min(size, j + width + 1)):
-                out[i // 6, i % 6] += C[j, width + i - j] * p
+def add_damping(rows: Integers, columns: Integers, C: Floats, rate: Floats, out: Floats) -> None:
+    """Add ``C rate`` to ``out (n, 6)``; ``rows, columns`` are those of the blocks ``C (b, 6, 6)``."""
+    nodes = out.shape[0]
+    for s in range(C.shape[0]):
+        row, column = rows[s], columns[s]
+        if row < nodes and column < nodes:
+            for j in range(6):
+                p = rate[column, j]
+                for i in range(6):
+                    out[row, i] += C[s, j, i] * p
 
 
 @part
 def scale_free(nodes: Integers, fixed: Floats, rows: Floats, out: Floats, right: Floats) -> None:
-    """Write the right side ``(6 n,)``: the scaled ``out (n, 6)``, zero at held components."""
-    for i in range(right.shape[0]):
-        right[i] = rows[i] * out[i // 6, i % 6]
+    """Write the right side ``(6 N,)``: the scaled ``out (n, 6)``, zero at held components."""
+    for k in range(out.shape[0]):
+        for a in range(6):
+            right[6 * k + a] = rows[6 * k + a] * out[k, a]
     for m in range(nodes.shape[0]):
         for a in range(6):
             if fixed[m, a] != 0.0:
@@ -120,15 +122,16 @@ def scale_free(nodes: Integers, fixed: Floats, rows: Floats, out: Floats, right:
 
 
 @part
-def largest_error(columns: Floats, solution: Floats, length: float, out: Floats) -> tuple[float, int]:
+def largest_error(scales: Floats, solution: Floats, length: float, out: Floats) -> tuple[float, int]:
     """Write the scaled solution ``(n, 6)``; return its size and the unknown it is at."""
     largest, where = 0.0, 0
-    for i in range(solution.shape[0]):
-        value = columns[i] * solution[i]
-        out[i // 6, i % 6] = value
-        value = abs(value) / length if i % 6 < 3 else abs(value)
-        if not value <= largest:
-            largest, where = value, i
+    for k in range(out.shape[0]):
+        for a in range(6):
+            value = scales[6 * k + a] * solution[6 * k + a]
+            out[k, a] = value
+            value = abs(value) / length if a < 3 else abs(value)
+            if not value <= largest:
+                largest, where = value, 6 * k + a
     return largest, where
 
 
@@ -147,6 +150,8 @@ def estimate_error(
     nodes: Integers,
     fixed: Floats,
     Z: Floats,
+    rows: Integers,
+    columns: Integers,
     C: Floats,
     rate: Floats,
     vector: Floats,
@@ -162,7 +167,7 @@ def estimate_error(
         stages_X, stages_twist, twist0, force0, h, real, weights, held, mass, adjoint, rate, vector, out
     )
     project_free(nodes, fixed, Z, free, out)
-    add_damping(C, rate, out)
+    add_damping(rows, columns, C, rate, out)
 
 
 @kernel
@@ -231,7 +236,9 @@ def try_step(
         partly,
         loaded,
         length,
+        pattern,
     ) = body
+    block_rows, block_columns, diagonal = pattern[0], pattern[1], pattern[4]
     target, rate_target, given_r, given_q, given_twist, given_rate = given[:6]
     acting, dead, following, gravity, at_element, shape, point_dead, point_following, end_r, end_q = given[6:]
     X, r, q, twist, acceleration, internal, external, force, residual, reaction = stages[:10]
@@ -244,11 +251,12 @@ def try_step(
         tableau[6],
         tableau[8],
     )
-    real_lu, real_integers, real_rows, pair_lu, pair_integers, pair_rows, columns, letter = factors
+    real_factors, pair_factors, real_rows, pair_rows, scales = factors
     C, adjoint, free_directions = matrices[1], matrices[3], matrices[5]
     B, A, P = matrices[6]
-    scratch, right, pair_right, rates, rate, vector, change, end_reaction, G, Z, psi, band = work
+    scratch, right, pair_right, rates, rate, vector, change, end_reaction, G, Z, psi, no_blocks = work
     order, element_nodes, element_links, link_positions, link_quaternions = elements[:5]
+    slots = elements[14]
     points = Points(strain, strain_rate, S, sigma)
     several = X.shape[0] > 1
     last = size = 0.0
@@ -312,7 +320,9 @@ def try_step(
             r,
             q,
             external,
-            band,
+            diagonal,
+            slots,
+            no_blocks,
         )
         balance(mass, twist, acceleration, internal, external, force, residual)
         if final:
@@ -348,11 +358,11 @@ def try_step(
         if final or count == limit:
             break
         over.to_modes(residual, T_inverse, real_rows, pair_rows, right, pair_right)
-        lapack.solve(real_lu, real_integers, letter, right)
+        solve(real_factors, right)
         if several:
-            lapack.solve_complex(pair_lu, pair_integers, letter, pair_right)
+            solve(pair_factors, pair_right)
         # the residual is not needed any more: its place is taken by the changes
-        size, unknown = over.to_changes(right, pair_right, T, columns, held, length, residual)
+        size, unknown = over.to_changes(right, pair_right, T, scales, held, length, residual)
         count += 1
         code, convergence = judge(count, limit, size, last, convergence, tolerance)
         if code not in (CONVERGED, GOING):
@@ -378,6 +388,8 @@ def try_step(
                 nodes,
                 fixed,
                 free_directions,
+                block_rows,
+                block_columns,
                 C,
                 rate,
                 vector,
@@ -385,8 +397,8 @@ def try_step(
                 error,
             )
             scale_free(nodes, fixed, real_rows, error, right)
-            lapack.solve(real_lu, real_integers, letter, right)
-            largest, worst = largest_error(columns, right, length, error)
+            solve(real_factors, right)
+            largest, worst = largest_error(scales, right, length, error)
         add_powers(nodes, fixed, complete, external, twist, held_power, reaction, rate_target, powers[0])
         energies(elements, strain, strain_rate, elastic, powers[1])
     elif code == GOING:

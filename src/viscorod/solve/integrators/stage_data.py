@@ -11,9 +11,8 @@ import numpy as np
 
 from viscorod.mechanics.internal_force import Elements, ElementWork
 from viscorod.mechanics.linearised import Operators
-from viscorod.solve import lapack
-from viscorod.solve.banded import BandMatrix
-from viscorod.solve.lapack import Bytes
+from viscorod.solve.linear.band import BandFactors
+from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem import Problem
 from viscorod.solve.support_state import SupportState
 from viscorod.typing import Floats, Integers
@@ -24,7 +23,7 @@ class Body(NamedTuple):
 
     ``mass (n, 6, 6)``; ``held``, ``split (n,)`` mark nodes whose pose is prescribed / held in part; ``nodes, fixed,
     axes, r0, q0, complete`` describe the supports as in ``mechanics.supports.impose``, ``partly``: any of them leaves
-    motions free; ``loaded`` lists the nodes that loads act on.
+    motions free; ``loaded`` lists the nodes that loads act on; ``pattern`` is that of all matrices.
     """
 
     elements: Elements
@@ -40,6 +39,7 @@ class Body(NamedTuple):
     partly: bool
     loaded: Integers
     length: float
+    pattern: Pattern
 
     @classmethod
     def of(cls, problem: Problem, elements: Elements, supports: SupportState) -> Body:
@@ -68,6 +68,7 @@ class Body(NamedTuple):
             len(supports.partial) > 0,
             np.flatnonzero(loaded).astype(np.int64),
             problem.length,
+            problem.pattern,
         )
 
 
@@ -199,7 +200,7 @@ class Ends(NamedTuple):
 
 
 class Matrices(NamedTuple):
-    """The frozen Jacobian: bands ``K`` and ``C`` of width 2 w + 1, ``mass (n, 6, 6)``, with supported rows projected.
+    """The frozen Jacobian: blocks ``K`` and ``C (b, 6, 6)``, ``mass (n, 6, 6)``, with supported rows projected.
 
     ``G, Z (m, 6, 6)`` are the directions of the supports; ``adjoint (n, 6, 6)`` is ``M ad(x)``, which ``C`` contains.
     """
@@ -213,12 +214,12 @@ class Matrices(NamedTuple):
     operators: Operators
 
     @classmethod
-    def of(cls, body: Body, width: int) -> Matrices:
-        """Allocate for a half width of the band."""
-        n, m = len(body.mass), len(body.nodes)
+    def of(cls, body: Body) -> Matrices:
+        """Allocate."""
+        b, n, m = len(body.pattern.rows), len(body.mass), len(body.nodes)
         return cls(
-            K=np.zeros((6 * n, 2 * width + 1)),
-            C=np.zeros((6 * n, 2 * width + 1)),
+            K=np.zeros((b, 6, 6)),
+            C=np.zeros((b, 6, 6)),
             mass=np.zeros((n, 6, 6)),
             adjoint=np.zeros((n, 6, 6)),
             G=np.zeros((m, 6, 6)),
@@ -228,35 +229,17 @@ class Matrices(NamedTuple):
 
 
 class Factors(NamedTuple):
-    """LU factors of the real and the complex matrix, with the scales of their rows and columns."""
+    """Factors of the real and the complex matrix; scales ``(6 N,)`` of their rows and of the unknowns."""
 
-    real: Floats
-    real_integers: Integers
+    real: BandFactors
+    complex: BandFactors
     real_rows: Floats
-    complex: Floats
-    complex_integers: Integers
     complex_rows: Floats
-    columns: Floats
-    letter: Bytes
-
-    @classmethod
-    def of(cls, band: BandMatrix, *, with_complex: bool) -> Factors:
-        """Allocate for matrices like ``band``, whose unit of length scales the displacements."""
-        pair = (band.size, 3 * band.width + 1) if with_complex else (1, 1)
-        return cls(
-            real=np.zeros((band.size, 3 * band.width + 1)),
-            real_integers=lapack.pivots(band.size),
-            real_rows=np.ones(band.size),
-            complex=np.zeros(pair, dtype=complex),
-            complex_integers=lapack.pivots(band.size),
-            complex_rows=np.ones(band.size),
-            columns=np.tile([band.unit, band.unit, band.unit, 1.0, 1.0, 1.0], band.nodes),
-            letter=lapack.NO_TRANSPOSE.copy(),
-        )
+    scales: Floats
 
 
 class Work(NamedTuple):
-    """Scratch: one element; right sides ``(6 n,)``; rates of all stages; nodal vectors ``(n, 6)``; an unused band.
+    """Scratch: one element; right sides ``(6 N,)``; rates of all stages; nodal vectors ``(n, 6)``; blocks of no matrix.
 
     ``G, Z (m, 6, 6)`` and ``psi (m, 3)`` are the directions of the supports.
     """
@@ -272,7 +255,7 @@ class Work(NamedTuple):
     G: Floats
     Z: Floats
     psi: Floats
-    band: Floats
+    no_blocks: Floats
 
     @classmethod
     def of(cls, body: Body, stages: int) -> Work:
@@ -280,8 +263,8 @@ class Work(NamedTuple):
         n, m = len(body.mass), len(body.nodes)
         return cls(
             element=ElementWork.of(body.elements.nodes.shape[1] - 1),
-            real=np.zeros(6 * n),
-            complex=np.zeros(6 * n, dtype=complex),
+            real=np.zeros(6 * body.pattern.size),
+            complex=np.zeros(6 * body.pattern.size, dtype=complex),
             rates=np.zeros((stages, n, 6)),
             rate=np.zeros((n, 6)),
             vector=np.zeros((n, 6)),
@@ -290,5 +273,5 @@ class Work(NamedTuple):
             G=np.zeros((m, 6, 6)),
             Z=np.zeros((m, 6, 6)),
             psi=np.zeros((m, 3)),
-            band=np.zeros((1, 1)),
+            no_blocks=np.zeros((0, 6, 6)),
         )

@@ -134,21 +134,32 @@ def evaluate_loads(
     r: Floats,
     q: Floats,
     external: Floats,
-    band: Floats,
+    diagonal: Integers,
+    slots: Integers,
+    no_blocks: Floats,
 ) -> None:
     """Write the external loads of all stages ``(s, n, 6)``, in body components; arguments as in ``Given``.
 
-    ``band`` is not used: its single row says so.
+    ``diagonal`` and ``slots`` are not used: that there are ``no_blocks`` says so.
     """
     # no constants are handed on: for every constant the load kernels would be compiled again
-    tangent, diagonal = band.shape[0] > 1, band.shape[1] - 1
+    tangent = no_blocks.shape[0] > 0
     for i in range(r.shape[0]):
         for k in range(r.shape[1]):
             for a in range(6):
                 external[i, k, a] = 0.0
         if acting[i] != 0.0:
             add_nodal_loads(
-                loaded, q[i], dead[i], following[i], gravity[i], mass, tangent, external[i], band, diagonal
+                loaded,
+                q[i],
+                dead[i],
+                following[i],
+                gravity[i],
+                mass,
+                tangent,
+                external[i],
+                no_blocks,
+                diagonal,
             )
         for load in range(loaded_element.shape[1]):
             e = loaded_element[i, load]
@@ -174,8 +185,8 @@ def evaluate_loads(
                 q[i],
                 tangent,
                 external[i],
-                band,
-                diagonal,
+                no_blocks,
+                slots[e],
             )
 
 
@@ -186,8 +197,8 @@ def to_modes(
     """Write the right sides ``-T R`` of the real and the complex system, rows scaled.
 
     Args:
-        residual: ``(s, n, 6)``; T: ``to_modes`` of the method; rows, complex_rows: scales ``(6 n,)``.
-        real, pair: outputs ``(6 n,)``; methods of one stage have no complex pair.
+        residual: ``(s, n, 6)``; T: ``to_modes`` of the method; rows, complex_rows: scales ``(6 N,)``.
+        real, pair: outputs ``(6 N,)``; methods of one stage have no complex pair.
     """
     for k in range(residual.shape[1]):
         for a in range(6):
@@ -206,12 +217,12 @@ def to_modes(
 
 @part
 def to_changes(
-    real: Floats, pair: Floats, T: Floats, columns: Floats, held: Floats, length: float, change: Floats
+    real: Floats, pair: Floats, T: Floats, scales: Floats, held: Floats, length: float, change: Floats
 ) -> tuple[float, int]:
     """Write the changes of all stages from the solutions; return size and unknown of the largest.
 
     Args:
-        real, pair: solutions ``(6 n,)``; T: ``to_stages`` of the method; columns: scales of the unknowns.
+        real, pair: solutions ``(6 N,)``; T: ``to_stages`` of the method; scales: of the unknowns.
         length: displacements are measured in it; infinity is returned if any change is undefined.
         change: output ``(s, n, 6)``, zero at nodes that are ``held (n,)``.
     """
@@ -223,7 +234,7 @@ def to_changes(
                 value = T[i, 0] * real[row]
                 if change.shape[0] > 1:
                     value += T[i, 1] * pair[row].real + T[i, 2] * pair[row].imag
-                value *= columns[row]
+                value *= scales[row]
                 if held[k] != 0.0:
                     value = 0.0
                 change[i, k, a] = value

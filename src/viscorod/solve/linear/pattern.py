@@ -78,16 +78,10 @@ class Pattern(NamedTuple):
         return first + int(np.searchsorted(self.rows[first : self.starts[column + 1]], row))
 
     def sparse(self, blocks: Floats) -> sparse.csc_array:
-        """Return a matrix with the values ``blocks (b, 6, 6)`` as a sparse array."""
-        shape = (6 * self.size, 6 * self.size)
-        values = np.swapaxes(blocks, 1, 2)
-        return sparse.csc_array(
-            sparse.bsr_array((np.ascontiguousarray(values[self._by_rows()]), *self._index()), shape)
-        )
-
-    def _by_rows(self) -> Integers:
-        return np.lexsort((self.columns, self.rows))
-
-    def _index(self) -> tuple[Integers, Integers]:
-        order = self._by_rows()
-        return self.columns[order], np.searchsorted(self.rows[order], np.arange(self.size + 1))
+        """Return a matrix with the values ``blocks (b, 6, 6)`` as a sparse array, without those that are zero."""
+        size = 6 * self.size
+        within = np.arange(6)
+        rows = np.broadcast_to(6 * self.rows[:, None, None] + within, blocks.shape)
+        columns = np.broadcast_to(6 * self.columns[:, None, None] + within[:, None], blocks.shape)
+        stored = blocks != 0.0
+        return sparse.csc_array((blocks[stored], (rows[stored], columns[stored])), shape=(size, size))

@@ -19,9 +19,9 @@ from viscorod.mechanics.inertia import kinetic_energy
 from viscorod.mechanics.internal_force import Points, energies
 from viscorod.mechanics.linearised import Operators
 from viscorod.mechanics.rotation import retract
-from viscorod.solve.banded import BandMatrix
 from viscorod.solve.element_forces import GeometricForces
 from viscorod.solve.integrators import jacobian
+from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.loads import LoadState
 from viscorod.solve.steady.equations import Balance, Measure, imbalance
 from viscorod.solve.steady.turning import Turning, coriolis, rigid_twists
@@ -70,8 +70,8 @@ class GeometricSteady:
         self._carried: Floats | None = None
         n = self.problem.size
         self._internal = np.zeros((n, 6))
-        self._band = BandMatrix(n, system.band.reach)
-        self._K, self._C = np.zeros((2, 6 * n, 2 * self._band.width + 1))
+        self._matrix = Matrix(self.problem.pattern)
+        self._K, self._C = np.zeros((2, *self._matrix.blocks.shape))
         self._operators = Operators.of(self.elements)
         self._state, self.rate = state, rate
 
@@ -97,25 +97,23 @@ class GeometricSteady:
         inertial = coriolis(self.problem.mass, state.twist)
         stress = self._points.section_force[0] if self._carried is None else self._carried
         self._linearise(state, stress)
-        # the layout of the bands that supports work on has room for pivoting before the columns
-        self._band.data[:, : self._band.width] = 0.0
-        self._band.data[:, self._band.width :] = self._K
-        supports.impose(state, residual, self._band, tangent=True)
+        self._matrix.blocks[:] = self._K
+        supports.impose(state, residual, self._matrix, tangent=True)
         column = np.zeros(6 * n)
         # inertial forces are quadratic in the angular speed
         column[supports.free_rows()] = supports.free_basis(state).T @ (2.0 / self.rate * inertial).ravel()
-        matrix = np.hstack([self._band.sparse().toarray(), column[:, None]])
+        matrix = np.hstack([self._matrix.sparse().toarray(), column[:, None]])
         return Balance(residual.ravel(), matrix, gap)
 
     def residual(self) -> tuple[Floats, float]:
         """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; supports keep their reactions."""
         state, problem = self.state(), self.problem
         self._evaluate(state)
-        external, _ = self._external(state, np.zeros((0, 1)), tangent=False)
+        external = self._external(state, np.zeros((0, 6, 6)), tangent=False)
         inertial = coriolis(problem.mass, state.twist)
         residual = self._internal - external + inertial
         left = residual.copy()
-        self.supports.impose(state, left, self._band, tangent=False)
+        self.supports.impose(state, left, self._matrix, tangent=False)
         left = self.supports.unbalanced(left)
         forces = self._internal, external, inertial
         whole = float(problem.mass[:, 0, 0].mean()) * problem.length * self.rate**2
@@ -179,14 +177,9 @@ class GeometricSteady:
         state = self.state()
         self.balance()
         turning = self._linearise(state, self._points.section_force[0])
-        size = len(self._K)
-        stiffness, damping = np.zeros((2, size, size))
-        width = self._band.width
-        for j in range(size):
-            first, last = max(0, j - width), min(size, j + width + 1)
-            stiffness[first:last, j] = self._K[j, width + first - j : width + last - j]
-            damping[first:last, j] = self._C[j, width + first - j : width + last - j]
-        mass = np.zeros((size, size))
+        pattern = self.problem.pattern
+        stiffness, damping = (pattern.sparse(blocks).toarray() for blocks in (self._K, self._C))
+        mass = np.zeros_like(stiffness)
         for k, block in enumerate(self.problem.mass):
             mass[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = block
         return Small(mass, damping, stiffness, turning)
@@ -197,7 +190,7 @@ class GeometricSteady:
         self._forces.evaluate(resting, self._points, self._internal)
 
     def _linearise(self, state: State, stress: Floats) -> Floats:
-        """Fill the bands ``K`` and ``C``; returns ``ad(x)`` of every node."""
+        """Fill the blocks ``K`` and ``C``; returns ``ad(x)`` of every node."""
         n = self.problem.size
         turning, product = np.zeros((n, 6, 6)), np.zeros((n, 6, 6))
         jacobian.adjoint(state.twist, turning)
@@ -205,11 +198,13 @@ class GeometricSteady:
         self._C.fill(0.0)
         self._forces.linearise(state, turning, stress, self._operators, self._K, self._C)
         self._external(state, self._K, tangent=True)
-        jacobian.add_inertia(self.problem.mass, state.twist, turning, self._K, self._C, product)
+        jacobian.add_inertia(
+            self.problem.mass, state.twist, turning, self._K, self._C, self.problem.pattern.diagonal, product
+        )
         return turning
 
-    def _external(self, state: State, band: Floats, *, tangent: bool) -> tuple[Floats, Floats]:
-        """Return the loads ``(n, 6)``, and the band with their derivative subtracted."""
+    def _external(self, state: State, blocks: Floats, *, tangent: bool) -> Floats:
+        """Return the loads ``(n, 6)``; with ``tangent`` their derivative is subtracted from ``blocks``."""
         loads, external = self.loads, np.zeros((self.problem.size, 6))
         if len(loads.nodes):
             loading.add_nodal_loads(
@@ -221,7 +216,7 @@ class GeometricSteady:
                 self.problem.mass,
                 tangent,
                 external,
-                band,
-                (band.shape[1] - 1) // 2,
+                blocks,
+                self.problem.pattern.diagonal,
             )
-        return external, band
+        return external

@@ -1,0 +1,68 @@
+"""The two linear systems of a collocation step, real and complex, that are factorised once for many iterations."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.solve.integrators import jacobian
+from viscorod.solve.integrators.stage_data import Body, Factors, Matrices
+from viscorod.solve.integrators.tableau import Tableau
+from viscorod.solve.linear.band import BandSolver
+from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.linear.solver import SingularMatrixError
+from viscorod.typing import Floats
+
+
+class StageSystems:
+    """Matrices ``mu^2 M + mu C + K`` with the eigenvalues ``mu`` of a method, and their factors.
+
+    Args:
+        body: what is integrated; scales: of its unknowns ``(6 N,)``; tableau: the method.
+
+    Attributes:
+        factors: for compiled code.
+    """
+
+    def __init__(self, body: Body, scales: Floats, tableau: Tableau) -> None:
+        self.body, self.tableau = body, tableau
+        self._several = len(tableau.nodes) > 1
+        pair = (
+            body.pattern if self._several else Pattern.of(1, ())
+        )  # no complex system: the smallest stands for it
+        self.real, self.pair = BandSolver(body.pattern), BandSolver(pair, complex)
+        self._real_blocks = np.zeros((len(body.pattern.rows), 6, 6))
+        self._pair_blocks = np.zeros((len(pair.rows), 6, 6), dtype=complex)
+        self.factors = Factors(
+            self.real.factors, self.pair.factors, np.ones_like(scales), np.ones_like(scales), scales
+        )
+
+    def factorise(self, matrices: Matrices, h: float) -> bool:
+        """Factorise for the step ``h`` [s]; False if a matrix is singular."""
+        try:
+            self._combine(matrices, self.tableau.real / h, self.factors.real_rows, self._real_blocks)
+            self.real.factorise(self._real_blocks)
+            if self._several:
+                self._combine(matrices, self.tableau.pair / h, self.factors.complex_rows, self._pair_blocks)
+                self.pair.factorise(self._pair_blocks)
+        except SingularMatrixError:
+            return False
+        return True
+
+    def _combine(self, matrices: Matrices, mu: complex, rows: Floats, blocks: Floats) -> None:
+        body, pattern = self.body, self.body.pattern
+        jacobian.combine(
+            matrices.K,
+            matrices.C,
+            matrices.mass,
+            mu,
+            body.nodes,
+            body.fixed,
+            matrices.G,
+            pattern.rows,
+            pattern.columns,
+            pattern.starts,
+            pattern.diagonal,
+            self.factors.scales,
+            rows,
+            blocks,
+        )

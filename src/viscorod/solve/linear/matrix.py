@@ -1,0 +1,77 @@
+"""The matrix that an analysis assembles, factorises and solves with."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from viscorod.mechanics.compiled import kernel
+from viscorod.solve.linear.band import BandSolver
+from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.linear.solver import Solver
+from viscorod.typing import Floats, Integers
+
+
+@kernel
+def scale_blocks(rows: Integers, columns: Integers, scales: Floats, blocks: Floats) -> None:
+    """Multiply the rows and columns of a matrix by ``scales (6 N,)``; ``rows, columns`` are those of its pattern."""
+    for s in range(blocks.shape[0]):
+        for j in range(6):
+            for i in range(6):
+                blocks[s, j, i] *= scales[6 * rows[s] + i] * scales[6 * columns[s] + j]
+
+
+class Matrix:
+    """A real matrix of 6x6 blocks.
+
+    Args:
+        pattern: which blocks it has.
+        length: of the model [m].
+
+    Attributes:
+        blocks: its values ``(b, 6, 6)``, entry (i, j) of block s at ``blocks[s, j, i]``.
+        scales: of the unknowns ``(6 N,)``. Displacements are measured in a length near that of the model, so that
+            pivoting compares like with like; near one metre this changes nothing.
+    """
+
+    def __init__(self, pattern: Pattern, length: float = 1.0) -> None:
+        unit = 1.0 if 0.1 < length < 10.0 else 2.0 ** round(np.log2(length))
+        self.pattern = pattern
+        self.blocks: Floats = np.zeros((len(pattern.rows), 6, 6))
+        self.scales: Floats = np.tile([unit, unit, unit, 1.0, 1.0, 1.0], pattern.size)
+        self._scaled = unit != 1.0
+
+    @cached_property
+    def solver(self) -> Solver:
+        """What factorises it; made when it is needed, for most matrices are never factorised."""
+        return BandSolver(self.pattern)
+
+    def clear(self) -> None:
+        """Set all entries to zero."""
+        self.blocks.fill(0.0)
+
+    def factorise(self) -> None:
+        """Factorise the matrix; its values do not count any more.
+
+        Raises:
+            SingularMatrixError: a pivot is exactly zero.
+        """
+        if self._scaled:
+            scale_blocks(self.pattern.rows, self.pattern.columns, self.scales, self.blocks)
+        self.solver.factorise(self.blocks)
+
+    def solve(self, right_side: Floats) -> Floats:
+        """Solve with the factors; ``right_side (6 N,)`` or ``(N, 6)`` is overwritten and returned."""
+        scales = self.scales.reshape(right_side.shape)
+        if self._scaled:
+            right_side *= scales
+        self.solver.solve(right_side)
+        if self._scaled:
+            right_side *= scales
+        return right_side
+
+    def sparse(self) -> sparse.csc_array:
+        """Return the (not yet factorised) matrix as a sparse array."""
+        return self.pattern.sparse(self.blocks)
