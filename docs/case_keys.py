@@ -12,19 +12,27 @@ from sphinx.util.docutils import SphinxDirective
 
 from viscorod.cases import schema
 from viscorod.model.attachment import Attachment
+from viscorod.model.body import BODIES, Body
 from viscorod.model.body_velocity import BodyVelocity
 from viscorod.model.initial_strain import InitialStrain
+from viscorod.model.joint import JOINTS, Rigid
 from viscorod.model.load import LOADS
 from viscorod.model.material import KelvinVoigt, Material
 from viscorod.model.motion_words import MOTIONS, VELOCITIES
 from viscorod.model.profile import SECTIONS, Piece, Taper
 from viscorod.model.rod import CENTRELINES, Rod
+from viscorod.model.spring import SPRINGS, Spring
 from viscorod.model.support import SUPPORTS, Support
 from viscorod.model.time_table import TIME_FUNCTIONS
 from viscorod.model.velocity import InitialVelocity
 
 PYTHON_ONLY = {"rods.curve", "time.function"}
-PYTHON_ONLY_KEYS = {(InitialVelocity, "field"), (BodyVelocity, "motion")}
+PYTHON_ONLY_KEYS = {
+    (InitialVelocity, "field"),
+    (BodyVelocity, "motion"),
+    *((Rigid, name) for name in ("stiffness", "damping", "rest", "motion")),
+}
+DEFAULT_KINDS = (Support, Spring, Body)
 
 PARTS = {
     "materials": Material,
@@ -35,6 +43,9 @@ PARTS = {
     **{f"rods.{word}": kind for word, kind in CENTRELINES.items()},
     "attachments": Attachment,
     **{f"supports.{word}": kind for word, kind in SUPPORTS.items()},
+    **{f"bodies.{word}": kind for word, kind in BODIES.items()},
+    **{f"joints.{word}": kind for word, kind in JOINTS.items()},
+    **{f"springs.{word}": kind for word, kind in SPRINGS.items()},
     **{f"loads.{word}": kind for word, kind in LOADS.items()},
     **{f"time.{word}": kind for word, kind in TIME_FUNCTIONS.items()},
     "velocities": InitialVelocity,
@@ -50,9 +61,12 @@ FILE = {
     "materials": ("tables `[materials.NAME]`", "\N{EN DASH}", "see Materials"),
     "sections": ("tables `[sections.NAME]`", "\N{EN DASH}", "see Sections"),
     "rods": ("tables `[rods.NAME]`", "required", "see Rods"),
+    "bodies": ("tables `[bodies.NAME]`", "\N{EN DASH}", "see Rigid bodies"),
     "supports": ("tables `[[supports]]`", "\N{EN DASH}", "see Supports"),
     "loads": ("tables `[[loads]]`", "\N{EN DASH}", "see Loads"),
     "attachments": ("tables `[[attachments]]`", "\N{EN DASH}", "see Attachments"),
+    "joints": ("tables `[[joints]]`", "\N{EN DASH}", "see Joints"),
+    "springs": ("tables `[[springs]]`", "\N{EN DASH}", "see Springs"),
     "velocities": ("tables `[[velocities]]`", "at rest", "see Initial velocities"),
     "strains": ("tables `[[strains]]`", "unstrained", "see Initial strains"),
     "simulate": ("table `[simulate]`", "one of these three", "see Analyses"),
@@ -75,8 +89,16 @@ TEXTS = {
     "positive": "number > 0",
     "vector": "3 numbers",
     "direction": "3 numbers, not all 0; any length",
-    "name_of_part": "name of a rod, in quotes",
+    "name_of_part": "name, in quotes",
     "place_text": "place, in quotes",
+    "end_text": 'place, or `"ground"`, in quotes',
+    "_anchor": "place, in quotes, or 3 numbers",
+    "named_points": "table from names to 3 numbers each",
+    "constraint_words": "text, or list of texts",
+    "stiffness": "number",
+    "damping": "number >= 0",
+    "_sides": "3 numbers > 0",
+    "axes_of": "2 perpendicular directions, 3 numbers each",
     "true_or_false": "`true` or `false`",
     "numbers": "numbers",
     "_several": "list of 2 numbers or more",
@@ -86,7 +108,8 @@ TEXTS = {
     "_strain": "6 numbers",
     "_spin": "number > 0, or 3 numbers",
     "_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
-    "_inertia": "6 numbers (a diagonal) or 6 rows of 6",
+    "stiffness_section._inertia": "6 numbers (a diagonal) or 6 rows of 6",
+    "body._inertia": "3 numbers > 0, or 3 rows of 3",
     "fixed_motions": f"list of some of {', '.join(f'`{word!r}`' for word in MOTIONS)}".replace("'", '"'),
     "fixed_velocities": f"list of some of {', '.join(f'`{word!r}`' for word in VELOCITIES)}".replace(
         "'", '"'
@@ -106,6 +129,11 @@ FILE_WORDS = {
     ", three numbers or a function of s": "",
     ", or a function of the arc length (in Python only)": "",
     ", six numbers": "",
+    ", or functions of the coordinate (in Python only)": "",
+    ", or functions of the rate (in Python only)": "",
+    ", or the force as a function of the elongation (in Python only)": "",
+    ", or the force as a function of the rate of the length (in Python only)": "",
+    ": that of a rigid motion, or any (of a rod, in Python only)": "",
     " (see `Centreline.frames`)": "",
     "None lets the program choose": "left out, the program chooses",
     "None stores every step": "left out, every step",
@@ -130,6 +158,8 @@ def allowed(check):
         return " or ".join(f'`"{word}"`' for word in inside["allowed"])
     if name == "choose.<locals>.parse":
         return SECTION if inside["kinds"] is SECTIONS else f"table with `{inside['tag']}`"
+    if name == "_table.<locals>.parse":
+        return f"table from motion words to {allowed(inside['check']).replace('number', 'numbers')}"
     module = check.__module__.rpartition(".")[2]
     return TEXTS.get(f"{module}.{name}") or TEXTS[name]
 
@@ -165,7 +195,7 @@ def keys(kind, leave_out=()):
         if (kind, name) in PYTHON_ONLY_KEYS or name in leave_out:
             continue
         if name == tag:
-            default_kind = f'`"{field.default}"`' if kind is Support else "required"
+            default_kind = f'`"{field.default}"`' if kind in DEFAULT_KINDS else "required"
             yield name, f'`"{field.default}"`', default_kind, "tells the kind"
         else:
             yield name, allowed(field.metadata[0].func), default(kind, name, field), known[name].rstrip(".")

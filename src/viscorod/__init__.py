@@ -13,15 +13,20 @@ from viscorod.errors import InputError, SolveError
 if TYPE_CHECKING:
     from viscorod.cases.case import load_case
     from viscorod.front import Model
+    from viscorod.model.axis_joint import Cylindrical, Planar, Prismatic, Revolute
+    from viscorod.model.body import Body
+    from viscorod.model.body_shapes import Box, Cylinder, Sphere
     from viscorod.model.body_velocity import BodyVelocity
     from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
     from viscorod.model.initial_strain import InitialStrain
+    from viscorod.model.joint import Ball, Joint, Rigid, Universal
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
     from viscorod.model.material import KelvinVoigt, Material
     from viscorod.model.profile import Piecewise, Taper
     from viscorod.model.rod import Rod
     from viscorod.model.section import Section
     from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
+    from viscorod.model.spring import LineSpring, Spring
     from viscorod.model.stiffness_section import StiffnessSection
     from viscorod.model.support import Clamp, Guide, Pin, Roller, Support
     from viscorod.model.time_function import Constant, Ramp, Sine, SpinUp, Until
@@ -42,6 +47,11 @@ _HOMES = {
     "cases.case": ("load_case",),
     "front": ("Model",),
     "model.centreline": ("Arc", "Curve", "Helix", "Points", "Straight"),
+    "model.body": ("Body",),
+    "model.body_shapes": ("Box", "Cylinder", "Sphere"),
+    "model.joint": ("Ball", "Joint", "Rigid", "Universal"),
+    "model.axis_joint": ("Cylindrical", "Planar", "Prismatic", "Revolute"),
+    "model.spring": ("LineSpring", "Spring"),
     "model.load": ("DistributedForce", "DistributedMoment", "Force", "Gravity", "Moment", "MovingForce"),
     "model.material": ("KelvinVoigt", "Material"),
     "model.profile": ("Piecewise", "Taper"),
@@ -68,11 +78,16 @@ _MODULES = {name: f"viscorod.{module}" for module, names in _HOMES.items() for n
 __all__ = [
     "Annulus",
     "Arc",
+    "Ball",
+    "Body",
     "BodyVelocity",
+    "Box",
     "Circle",
     "Clamp",
     "Constant",
     "Curve",
+    "Cylinder",
+    "Cylindrical",
     "Decrement",
     "DistributedForce",
     "DistributedMoment",
@@ -87,7 +102,9 @@ __all__ = [
     "InitialStrain",
     "InitialVelocity",
     "InputError",
+    "Joint",
     "KelvinVoigt",
+    "LineSpring",
     "Material",
     "Member",
     "Model",
@@ -95,16 +112,22 @@ __all__ = [
     "MovingForce",
     "Piecewise",
     "Pin",
+    "Planar",
     "Points",
+    "Prismatic",
     "Ramp",
     "Rectangle",
+    "Revolute",
+    "Rigid",
     "Rod",
     "Roller",
     "Run",
     "Section",
     "Sine",
     "SolveError",
+    "Sphere",
     "SpinUp",
+    "Spring",
     "SquareTube",
     "Steady",
     "StiffnessSection",
@@ -113,6 +136,7 @@ __all__ = [
     "Sweep",
     "Table",
     "Taper",
+    "Universal",
     "Until",
     "load",
     "load_case",

@@ -249,7 +249,7 @@ def test_methods_refuse_wrong_values_at_once(model):
     with pytest.raises(InputError, match=r"Force\.value"):
         model.force("arm.end", (1, 2))
     with pytest.raises(InputError, match=r"Clamp\.at"):
-        model.clamp("arm.middle")
+        model.clamp("arm@middle")
     with pytest.raises(InputError, match=r"Roller\.normal"):
         model.roller("arm.end", (0, 0, 0))
     assert not model.loads

@@ -74,8 +74,9 @@ def test_a_table_without_kind_is_a_general_support():
 @pytest.mark.parametrize(
     ("build", "path", "text"),
     [
-        (lambda: Clamp("beam"), "Clamp.at", "not a place"),
-        (lambda: Clamp("beam.middle"), "Clamp.at", "not a place"),
+        (lambda: Clamp("beam end"), "Clamp.at", "not a place"),
+        (lambda: Clamp("beam.end.end"), "Clamp.at", "not a place"),
+        (lambda: Clamp("ground"), "Clamp.at", "the ground is no place"),
         (lambda: Clamp(3), "Clamp.at", "text is needed"),
         (lambda: Clamp("beam@x"), "Clamp.at", "not a number"),
         (lambda: Clamp("beam@-1"), "Clamp.at", ">= 0"),

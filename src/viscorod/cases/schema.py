@@ -11,15 +11,19 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from viscorod.errors import InputError, Problem, join_path
+from viscorod.model.any_body import AnyBody
 from viscorod.model.attachment import Attachment
+from viscorod.model.body import one_body
 from viscorod.model.described import Marked, nearest, path_text, problems_of, show
 from viscorod.model.description import ModelDescription
 from viscorod.model.initial_strain import InitialStrain
+from viscorod.model.joint import joint
 from viscorod.model.load import load
 from viscorod.model.material import Material
 from viscorod.model.profile import Piecewise, Taper, one_section
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.settings import EquilibriumSettings, SimulateSettings, SteadySettings
+from viscorod.model.spring import spring
 from viscorod.model.support import support
 from viscorod.model.values import choose, name_of_part
 from viscorod.model.velocity import InitialVelocity
@@ -35,12 +39,13 @@ ANALYSES: dict[str, type[SimulateSettings] | type[EquilibriumSettings] | type[St
 }
 """The analyses by their table in a case file; exactly one of them stands in a file."""
 
-TABLES = ("materials", "sections", "rods")
-LISTS = ("supports", "loads", "attachments", "velocities", "strains")
+TABLES = ("materials", "sections", "rods", "bodies")
+LISTS = ("supports", "loads", "attachments", "joints", "springs", "velocities", "strains")
 KEYS = ("title", *TABLES, *LISTS, *ANALYSES)
 
 SECTION_KEYS = ("section", "sections", "taper")
-ROD_KEYS = (*SECTION_KEYS, "material", "elements", "order", "d1", "twist")
+PLAIN_KEYS = ("elements", "order", "d1", "twist", "constraints")
+ROD_KEYS = (*SECTION_KEYS, "material", *PLAIN_KEYS)
 
 
 class CaseReader:
@@ -74,9 +79,15 @@ class CaseReader:
             self._wrong("rods", "", "a case needs at least one rod", "add a table [rods.NAME]")
         for name, table in self._tables("rods"):
             self._rod(name, table)
+        for name, table in self._tables("bodies"):
+            body = self._parsed(f"bodies.{name}", one_body, table)
+            if isinstance(body, AnyBody):
+                self._add(name, body)
         self.model.supports = self._list("supports", support)
         self.model.loads = self._list("loads", load)
         self.model.attachments = self._list("attachments", Attachment.model_validate)
+        self.model.joints = self._list("joints", joint)
+        self.model.springs = self._list("springs", spring)
         self.model.velocities = self._list("velocities", InitialVelocity.model_validate)
         self.model.strains = self._list("strains", InitialStrain.model_validate)
         self._analysis()
@@ -177,9 +188,7 @@ class CaseReader:
         meant = self._unknown(table, (*own, *ROD_KEYS), path) if kind else []
         curve: dict[str, Any] = {key: Marked(None, silent=True) for key in meant if key in own}
         curve |= {key: value for key, value in table.items() if key in own and key not in ROD_KEYS}
-        given: dict[str, Any] = {
-            key: table[key] for key in ("elements", "order", "d1", "twist") if key in table
-        }
+        given: dict[str, Any] = {key: table[key] for key in PLAIN_KEYS if key in table}
         given["centreline"] = self._named(path, choose("shape", CENTRELINES), curve)
         given["section"] = self._section(path, table, meant)
         if "material" in table:
@@ -192,7 +201,13 @@ class CaseReader:
         for index in range(before, len(self.problems)):
             self.problems[index] = _in_file_words(self.problems[index], path)
         if rod is not None:
-            self.model.rods[name] = rod
+            self._add(name, rod)
+
+    def _add(self, name: str, part: Rod | AnyBody) -> None:
+        try:
+            self.model.add(name, part)
+        except InputError as error:
+            self.problems += error.problems
 
     def _section(self, path: str, table: Mapping[str, Any], meant: list[str]) -> Any:
         """The section, pieces or taper of a rod's table."""

@@ -15,7 +15,7 @@ from viscorod.model.motion_words import (
     Motion,
     motion_functions,
 )
-from viscorod.model.place import Place, PlaceField
+from viscorod.model.place import AnyPlace, PlaceField
 from viscorod.model.time_function import TimeFunction
 from viscorod.typing import Floats
 
@@ -31,7 +31,7 @@ class ResolvedSupport:
     Attributes:
         path: key path, ``supports[0]``.
         label: kind and place, ``clamp at beam.start``.
-        place: the supported station.
+        place: the supported station of a rod, or the supported body.
         frame: "global", "node" (the rod's d1, d2, d3 there), "axes" (the support's own directions, fixed
             in space) or "body" (the axes of the moving section: velocities are held, not positions).
         axes: the directions x, y, z of the motion words as columns (3, 3), global components, in the
@@ -42,7 +42,7 @@ class ResolvedSupport:
 
     path: str
     label: str
-    place: Place
+    place: AnyPlace
     frame: Frame
     axes: Floats
     fixed: tuple[str, ...]
@@ -75,17 +75,17 @@ class AnySupport(Described):
         """The motion words that are fixed or prescribed."""
 
     def axes_at(self, node: Floats) -> tuple[Frame, Floats]:
-        """The frame's word and axes (3, 3), columns, for the rod's frame `node` (3, 3) at the place."""
+        """The frame's word and axes (3, 3), columns, for the frame `node` (3, 3) of the rod or body at the place."""
         del node
         return "global", np.eye(3)
 
-    def resolve(self, path: str, place: Place, node: Floats) -> ResolvedSupport:
+    def resolve(self, path: str, place: AnyPlace, node: Floats) -> ResolvedSupport:
         """The support with its axes.
 
         Args:
             path: key path of the support.
-            place: station that `at` names.
-            node: the rod's frame there in the reference shape (3, 3), columns d1, d2, d3.
+            place: what `at` names.
+            node: the frame of the rod or body there in the reference shape (3, 3), columns.
         """
         frame, axes = self.axes_at(node)
         fixed = tuple(word for word in self.held() if word not in self.motion)

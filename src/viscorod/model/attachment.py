@@ -1,4 +1,4 @@
-"""Attachments: two places of rods that are one rigid node."""
+"""Attachments: two places that are one rigid node."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ __all__ = ["Attachment"]
 
 
 class Attachment(Described):
-    """Two coinciding places joined rigidly, at whatever angle the rods meet.
+    """Two coinciding places joined rigidly, at whatever angle the rods meet; or a rod's place and a rigid body.
 
     Args:
         a: place, such as "column.end".
-        b: place, such as "girder.start".
+        b: place, such as "girder.start", or the name of a body, which reaches everywhere.
     """
 
     a: PlaceField = Field(description="place, such as 'column.end'")

@@ -16,7 +16,7 @@ from viscorod.model.motion_words import (
     fixed_velocities,
     velocity_functions,
 )
-from viscorod.model.place import Place
+from viscorod.model.place import AnyPlace
 from viscorod.model.time_function import TimeFunction
 from viscorod.model.time_table import time_function
 from viscorod.typing import Floats
@@ -89,7 +89,7 @@ class BodyVelocity(AnySupport):
         """None: positions are free."""
         return ()
 
-    def resolve(self, path: str, place: Place, node: Floats) -> ResolvedSupport:
+    def resolve(self, path: str, place: AnyPlace, node: Floats) -> ResolvedSupport:
         """See `AnySupport`; the words are those of the motions along the same axes."""
         del node
         word = dict(zip(VELOCITIES, MOTIONS, strict=True))

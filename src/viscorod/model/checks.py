@@ -1,29 +1,21 @@
-"""Checks of how the parts of a model fit together, and what follows from the places they name."""
+"""Checks of how the parts of a model fit together."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from viscorod.errors import Problem
-from viscorod.model.any_support import ResolvedSupport
+from viscorod.model import joint_checks, support_checks
+from viscorod.model.connections import find
 from viscorod.model.described import RefusedError, path_text, show
 from viscorod.model.load import DistributedForce, DistributedMoment, Force, Moment, MovingForce
-from viscorod.model.motion_words import MOTIONS
-from viscorod.model.place import ROUND_OFF, Place, find_place, find_rod, station_on
-from viscorod.model.rod import Rod
-from viscorod.typing import Floats
+from viscorod.model.place import GROUND, Place, find_rod, no_part, station_on
 
 if TYPE_CHECKING:
     from viscorod.model.description import ModelDescription
 
-__all__ = ["joined_places", "problems", "required_stations", "resolved_supports"]
-
-GAP = 1e-6
-"""Largest distance of attached places, as a part of the longer rod's length."""
+__all__ = ["problems"]
 
 
 def problems(model: ModelDescription) -> Iterator[Problem]:
@@ -33,12 +25,18 @@ def problems(model: ModelDescription) -> Iterator[Problem]:
             "rods", "", "the model has no rod", "add one with add(name, rod), or a table [rods.NAME]"
         )
         return
-    found = [*_unknown_places(model), *_wrong_attachments(model)]
+    found = list(_unknown_places(model))
+    if not found:
+        found += joint_checks.wrong_attachments(model)
     yield from found
     if not found:
-        yield from _clashes(model)
-    yield from _once_per_rod(model, "velocities", "velocity")
-    strains = list(_once_per_rod(model, "strains", "strain"))
+        yield from support_checks.off_centre(model)
+        yield from support_checks.clashes(model)
+        yield from joint_checks.wrong_joints(model)
+        yield from joint_checks.loose_bodies(model)
+    yield from joint_checks.names_twice(model)
+    yield from _wrong_velocities(model)
+    strains = list(_wrong_strains(model))
     yield from strains
     if not found and not strains:
         yield from _unfit_strains(model)
@@ -50,12 +48,20 @@ def _unknown_places(model: ModelDescription) -> Iterator[Problem]:
         if isinstance(load, Force | Moment):
             named.append((("loads", index, "at"), load.at))
         elif isinstance(load, DistributedForce | DistributedMoment | MovingForce):
-            yield from _unknown_rod(("loads", index), load, model.rods)
+            yield from _unknown_rod(("loads", index), load, model)
     for index, attachment in enumerate(model.attachments):
         named += [(("attachments", index, "a"), attachment.a), (("attachments", index, "b"), attachment.b)]
+    for index, joint in enumerate(model.joints):
+        named += [(("joints", index, "a"), joint.a), (("joints", index, "b"), joint.b)]
+    for index, spring in enumerate(model.springs):
+        named += [
+            (("springs", index, key), text) for key, text in zip(("at", "to"), spring.ends, strict=True)
+        ]
     for path, text in named:
+        if text == GROUND:
+            continue
         try:
-            find_place(text, model.rods)
+            find(model, text)
         except RefusedError as error:
             yield Problem(path_text(path), error.found or show(text), error.why, error.instead)
 
@@ -63,10 +69,18 @@ def _unknown_places(model: ModelDescription) -> Iterator[Problem]:
 def _unknown_rod(
     path: tuple[str | int, ...],
     load: DistributedForce | DistributedMoment | MovingForce,
-    rods: Mapping[str, Rod],
+    model: ModelDescription,
 ) -> Iterator[Problem]:
+    if load.rod in model.bodies:
+        yield Problem(
+            path_text((*path, "rod")),
+            show(load.rod),
+            "this is a rigid body, and such a load acts along a rod",
+            f"load the body with a force or moment at {load.rod!r}, or name one of {', '.join(model.rods)}",
+        )
+        return
     try:
-        rod = find_rod(load.rod, rods)
+        rod = find_rod(load.rod, model.rods)
     except RefusedError as error:
         yield Problem(path_text((*path, "rod")), error.found or "", error.why, error.instead)
         return
@@ -83,60 +97,66 @@ def _unknown_rod(
         yield Problem(path_text((*path, "value")), error.found or "", error.why, error.instead)
 
 
-def _wrong_attachments(model: ModelDescription) -> Iterator[Problem]:
-    seen: set[frozenset[Place]] = set()
-    for index, attachment in enumerate(model.attachments):
-        try:
-            a, b = find_place(attachment.a, model.rods), find_place(attachment.b, model.rods)
-        except RefusedError:
-            continue  # reported with the places
-        where = f"attachments[{index}]"
-        positions = [position_of(model, place)[0] for place in (a, b)]
-        gap = float(np.linalg.norm(positions[0] - positions[1]))
-        if a.rod == b.rod and abs(a.s - b.s) <= ROUND_OFF * model.rods[a.rod].length:
-            yield Problem(where, str(a), "a place cannot be attached to itself", "give two places")
-        elif gap > GAP * max(model.rods[place.rod].length for place in (a, b)):
-            yield Problem(
-                where,
-                f"{attachment.a} at {_point(positions[0])} and {attachment.b} at {_point(positions[1])}",
-                f"places can be attached only where they coincide; the gap is {gap:.6g} m",
-                "move one of the rods so that the places meet",
-            )
-        elif frozenset((a, b)) in seen:
-            yield Problem(
-                where, f"{attachment.a} and {attachment.b}", "they are attached already", "leave one out"
-            )
-        seen.add(frozenset((a, b)))
-
-
-def _once_per_rod(model: ModelDescription, key: str, noun: str) -> Iterator[Problem]:
-    """Initial velocities or strains of rods that do not exist, or of one rod twice."""
+def _wrong_velocities(model: ModelDescription) -> Iterator[Problem]:
+    """Initial velocities of what does not exist, or of one part twice; bodies by a function."""
     first: dict[str, int] = {}
-    for index, given in enumerate(getattr(model, key)):
-        where = f"{key}[{index}].rod"
+    for index, given in enumerate(model.velocities):
+        where = f"velocities[{index}]"
+        if given.rod in model.bodies:
+            if given.field is not None:
+                yield Problem(
+                    f"{where}.field",
+                    show(given.rod),
+                    "a rigid body has no velocities that differ from point to point",
+                    "give linear, angular and about",
+                )
+        else:
+            try:
+                find_rod(given.rod, model.rods)
+            except RefusedError as error:
+                refused = no_part(given.rod, model.rods, model.bodies) if model.bodies else error
+                yield Problem(f"{where}.rod", refused.found or "", refused.why, refused.instead)
+                continue
+        yield from _twice(first, given.rod, index, model, "velocities", "velocity")
+
+
+def _wrong_strains(model: ModelDescription) -> Iterator[Problem]:
+    """Initial strains of what is no rod, or of one rod twice."""
+    first: dict[str, int] = {}
+    for index, given in enumerate(model.strains):
         try:
-            find_rod(given.rod, model.rods)
+            find_rod(given.rod, model.rods, model.bodies)
         except RefusedError as error:
-            yield Problem(where, error.found or "", error.why, error.instead)
+            yield Problem(f"strains[{index}].rod", error.found or "", error.why, error.instead)
             continue
-        if given.rod in first:
-            yield Problem(
-                where,
-                show(given.rod),
-                f"the rod has its initial {noun} already from {key}[{first[given.rod]}]",
-                "give each rod one at most",
-            )
-        first.setdefault(given.rod, index)
+        yield from _twice(first, given.rod, index, model, "strains", "strain")
+
+
+def _twice(
+    first: dict[str, int], name: str, index: int, model: ModelDescription, key: str, noun: str
+) -> Iterator[Problem]:
+    if name in first:
+        part = "body" if name in model.bodies else "rod"
+        yield Problem(
+            f"{key}[{index}].rod",
+            show(name),
+            f"the {part} has its initial {noun} already from {key}[{first[name]}]",
+            f"give each {part} one at most",
+        )
+    first.setdefault(name, index)
 
 
 def _unfit_strains(model: ModelDescription) -> Iterator[Problem]:
     """Strains of rods whose shape is given elsewhere than at their starts."""
+    places = [(f"attachments[{k}]", text) for k, a in enumerate(model.attachments) for text in (a.a, a.b)]
+    places += [(f"joints[{k}]", text) for k, j in enumerate(model.joints) for text in j.ends]
+    places += [(f"supports[{k}]", support.at) for k, support in enumerate(model.supports)]
+    held = [(path, text, find(model, text)) for path, text in places if text != GROUND]
     for index, strain in enumerate(model.strains):
-        places = [(f"attachments[{k}]", text) for k, a in enumerate(model.attachments) for text in (a.a, a.b)]
-        places += [(f"supports[{k}]", support.at) for k, support in enumerate(model.supports)]
-        for path, text in places:
-            place = find_place(text, model.rods)
-            if place.rod == strain.rod and (path.startswith("attachments") or place.s > 0.0):
+        for path, text, place in held:
+            if not isinstance(place, Place) or place.rod != strain.rod:
+                continue
+            if path.startswith("attachments") or place.s > 0.0:
                 yield Problem(
                     f"strains[{index}].rod",
                     show(strain.rod),
@@ -144,96 +164,20 @@ def _unfit_strains(model: ModelDescription) -> Iterator[Problem]:
                     "leave the strain out and start from an equilibrium, or hold the rod at its start only",
                 )
                 break
+        constrained = model.rods[strain.rod].constraints
+        if constrained and any(_strained(model, index)):
+            yield Problem(
+                f"strains[{index}].value",
+                show(list(constrained)),
+                "the initial strain is not zero where the rod's constraints hold it",
+                "leave the strain or the constraint out",
+            )
 
 
-def position_of(model: ModelDescription, place: Place) -> tuple[Floats, Floats]:
-    """Position (3,) and frame (3, 3) of a place in the reference shape."""
-    position, frame = model.rods[place.rod].frames([place.s])
-    return position[0], frame[0]
-
-
-def resolved_supports(model: ModelDescription) -> list[ResolvedSupport]:
-    """The supports with their stations and axes, in order."""
-    resolved = []
-    for index, support in enumerate(model.supports):
-        place = find_place(support.at, model.rods)
-        resolved.append(support.resolve(f"supports[{index}]", place, position_of(model, place)[1]))
-    return resolved
-
-
-def joined_places(model: ModelDescription) -> list[tuple[Place, ...]]:
-    """The groups of places that attachments join into one node each, in the order of their first mention."""
-    groups: list[list[Place]] = []
-    for attachment in model.attachments:
-        joined = [find_place(attachment.a, model.rods), find_place(attachment.b, model.rods)]
-        for group in [group for group in groups if any(same(model, p, q) for p in group for q in joined)]:
-            groups.remove(group)
-            joined = group + [p for p in joined if not any(same(model, p, q) for q in group)]
-        groups.append(joined)
-    return [tuple(group) for group in groups]
-
-
-def same(model: ModelDescription, a: Place, b: Place) -> bool:
-    """Whether two places are the same station of the same rod."""
-    return a.rod == b.rod and abs(a.s - b.s) <= ROUND_OFF * model.rods[a.rod].length
-
-
-def required_stations(model: ModelDescription, name: str) -> tuple[float, ...]:
-    """Arc lengths at which an element of the rod must end, increasing, without near-duplicates."""
-    rod = find_rod(name, model.rods)
-    stations = [0.0, rod.length, *rod.section_breaks]
-    texts = [support.at for support in model.supports]
-    texts += [text for attachment in model.attachments for text in (attachment.a, attachment.b)]
-    for load in model.loads:
-        if isinstance(load, Force | Moment):
-            texts.append(load.at)
-        elif isinstance(load, DistributedForce | DistributedMoment) and load.rod == name:
-            stations += [station_on(rod, s, name) for s in (load.from_s, load.to_s) if s is not None]
-    places = [find_place(text, model.rods) for text in texts]
-    stations += [place.s for place in places if place.rod == name]
-    kept: list[float] = []
-    for s in sorted(stations):
-        if not kept or s - kept[-1] > ROUND_OFF * rod.length:
-            kept.append(s)
-    return (*kept[:-1], rod.length)
-
-
-def _clashes(model: ModelDescription) -> Iterator[Problem]:
-    """Pairs of supports that hold the same motion of the same node.
-
-    Two supports clash when the directions they hold are linearly dependent, whatever axes they are given in.
-    """
-    if len(model.supports) < 2:
-        return
-    groups = joined_places(model)
-    for first, second in combinations(resolved_supports(model), 2):
-        if not _one_node(model, first.place, second.place, groups):
-            continue
-        for words, noun in ((MOTIONS[:3], "displacement"), (MOTIONS[3:], "rotation")):
-            held = [_directions(support, words) for support in (first, second)]
-            both = np.vstack(held)
-            if len(both) and np.linalg.matrix_rank(both, tol=1e-8) < len(both):
-                common = [word for word in words if word in first.held and word in second.held]
-                what = ", ".join(common) if common and first.frame == second.frame else f"a {noun}"
-                yield Problem(
-                    f"{second.path}.at",
-                    f"{second.label}, with {first.label} ({first.path}) before it",
-                    f"both hold {what} of the same node",
-                    "leave one of the two supports out, or let each hold other motions",
-                )
-                break
-
-
-def _directions(support: ResolvedSupport, words: Sequence[str]) -> Floats:
-    columns = [index for index, word in enumerate(words) if word in support.held]
-    return support.axes[:, columns].T.reshape(-1, 3)
-
-
-def _one_node(model: ModelDescription, a: Place, b: Place, groups: list[tuple[Place, ...]]) -> bool:
-    return same(model, a, b) or any(
-        any(same(model, a, p) for p in group) and any(same(model, b, p) for p in group) for group in groups
-    )
-
-
-def _point(position: Floats) -> str:
-    return f"({', '.join(f'{x:.6g}' for x in position)})"
+def _strained(model: ModelDescription, index: int) -> Iterator[bool]:
+    """For the constrained strains of a rod, whether its initial strain differs from zero at its start or middle."""
+    strain = model.strains[index]
+    rod = model.rods[strain.rod]
+    for s in (0.0, rod.length / 2.0):
+        for value, held in zip(strain.at(s).tolist(), rod.constrained_strains, strict=True):
+            yield held and value != 0.0

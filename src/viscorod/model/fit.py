@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 
 from viscorod.errors import InputError, Problem
 from viscorod.model.body_velocity import BodyVelocity
+from viscorod.model.described import show
 from viscorod.model.settings import SimulateSettings
 
 if TYPE_CHECKING:
     from viscorod.model.description import ModelDescription
 
-__all__ = ["require_fit"]
+__all__ = ["require_fit", "unfit_for_steady"]
 
 
 def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
@@ -24,6 +25,15 @@ def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
     problems = list(_unfit(model, settings))
     if problems:
         raise InputError(problems)
+
+
+def unfit_for_steady(model: ModelDescription) -> Iterator[Problem]:
+    """What a steady rotation cannot be computed with: joints, springs and constrained strains."""
+    why = "steady rotations are computed without {}"
+    instead = "leave it out, or compute the motion with simulate"
+    yield from _joints(model, why.format("joints"), instead)
+    yield from _springs(model, why.format("springs"), instead)
+    yield from _constraints(model, why.format("constrained strains"), instead)
 
 
 def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Problem]:
@@ -44,6 +54,18 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Prob
                 "linear dynamics need supports that stay where they are",
                 "leave it out, or take dynamics = 'nonlinear'",
             )
+    if settings.formulation == "intrinsic":
+        why, instead = (
+            "the intrinsic formulation has no {}",
+            "leave it out, or take formulation = 'geometric'",
+        )
+        yield from _joints(model, why.format("joints"), instead)
+        yield from _constraints(model, why.format("constrained strains"), instead)
+    if settings.dynamics == "linear":
+        why, instead = "linear dynamics have no {}", "leave it out, or take dynamics = 'nonlinear'"
+        yield from _joints(model, why.format("joints"), instead)
+        yield from _springs(model, why.format("springs"), instead)
+        yield from _constraints(model, why.format("constrained strains"), instead)
     if model.strains and settings.initial == "equilibrium":
         yield Problem(
             "initial",
@@ -51,3 +73,19 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Prob
             "the model has initial strains, which are no equilibrium",
             "give initial = 'reference' to start from the shape that they make, or remove the strains",
         )
+
+
+def _joints(model: ModelDescription, why: str, instead: str) -> Iterator[Problem]:
+    for index, joint in enumerate(model.joints):
+        yield Problem(f"joints[{index}]", joint.label, why, instead)
+
+
+def _springs(model: ModelDescription, why: str, instead: str) -> Iterator[Problem]:
+    for index, spring in enumerate(model.springs):
+        yield Problem(f"springs[{index}]", spring.label, why, instead)
+
+
+def _constraints(model: ModelDescription, why: str, instead: str) -> Iterator[Problem]:
+    for name, rod in model.rods.items():
+        if any(rod.constrained_strains):
+            yield Problem(f"rods.{name}.constraints", show(list(rod.constraints)), why, instead)

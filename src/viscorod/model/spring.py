@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
@@ -31,6 +32,7 @@ from viscorod.typing import Floats
 __all__ = ["SPRINGS", "AnySpring", "LineSpring", "ResolvedSpring", "Spring", "spring"]
 
 Anchor: TypeAlias = str | Triple
+Places: TypeAlias = tuple[AnyPlace, AnyPlace | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +78,19 @@ class AnySpring(Described):
         """The kind's word in a case file."""
         return str(type(self).model_fields["kind"].default)
 
-    def _label(self, to: str) -> str:
-        return self.name or f"{self.word} {self.at} - {to}"
+    @property
+    @abstractmethod
+    def ends(self) -> tuple[str, str]:
+        """The place and the other one, or "ground"."""
+
+    @property
+    def label(self) -> str:
+        """The name, by default ``bushing beam.end - ground``."""
+        return self.name or f"{self.word} {' - '.join(self.ends)}"
+
+    @abstractmethod
+    def resolve(self, path: str, places: Places, positions: tuple[Floats, Floats]) -> ResolvedSpring:
+        """The spring with its places, those of `ends`, and where it sits on each side (3,)."""
 
 
 class Spring(AnySpring):
@@ -102,14 +115,17 @@ class Spring(AnySpring):
     axes: OptionalAxes = None
 
     @property
-    def label(self) -> str:
-        """The name, by default ``bushing beam.end - ground``."""
-        return self._label(self.to)
-
-    @property
     def ends(self) -> tuple[str, str]:
-        """The place and the other one, or the ground."""
+        """The place and the other one, or "ground"."""
         return self.at, self.to
+
+    def resolve(self, path: str, places: Places, positions: tuple[Floats, Floats]) -> ResolvedSpring:
+        """See `AnySpring`."""
+        (a, b), (at_a, at_b) = places, positions
+        return ResolvedSpring(
+            path, self.word, self.label, a, b, at_a, at_b, self.frame(), dict(self.stiffness), dict(self.damping),
+            dict(self.rest), 0.0,
+        )  # fmt: skip
 
     def frame(self) -> Floats:
         """The axes in the reference shape (3, 3), columns, global components."""
@@ -161,9 +177,18 @@ class LineSpring(AnySpring):
     length: OptionalPositive = None
 
     @property
-    def label(self) -> str:
-        """The name, by default ``line beam.end - plate.corner``."""
-        return self._label(self.to if isinstance(self.to, str) else _point(self.to))
+    def ends(self) -> tuple[str, str]:
+        """The place and the other one, or "ground" for a fixed point."""
+        return self.at, self.to if isinstance(self.to, str) else GROUND
+
+    def resolve(self, path: str, places: Places, positions: tuple[Floats, Floats]) -> ResolvedSpring:
+        """See `AnySpring`."""
+        (a, b), (at_a, at_b) = places, positions
+        length = self.length or float(np.linalg.norm(at_a - at_b))
+        stiffness, damping = _along_line(self.stiffness), _along_line(self.damping)
+        return ResolvedSpring(
+            path, self.word, self.label, a, b, at_a, at_b, np.eye(3), stiffness, damping, {}, length
+        )
 
     @model_validator(mode="after")
     def _acts(self) -> Self:
@@ -190,5 +215,5 @@ def _is_zero(law: Law) -> bool:
     return not callable(law) and law == 0.0
 
 
-def _point(position: Triple) -> str:
-    return f"({', '.join(f'{x:.6g}' for x in position)})"
+def _along_line(law: Law) -> Laws:
+    return {} if _is_zero(law) else {MOTIONS[0]: law}

@@ -1,4 +1,4 @@
-"""Initial velocities of rods."""
+"""Initial velocities of rods and rigid bodies."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ Field6: TypeAlias = Callable[[float], tuple[Sequence[float], Sequence[float]]]
 
 
 class InitialVelocity(Described):
-    """The velocity of a rod at t = 0: that of a rigid body, or any (in Python only).
+    """The velocity of a rod or rigid body at t = 0: that of a rigid motion, or any (of a rod, in Python only).
 
     Args:
-        rod: name.
+        rod: name of the rod or body.
         linear: velocity of the point `about`, m/s, global axes.
         angular: angular velocity, rad/s, global axes.
         about: the point, m.
         field: s -> (velocity, angular velocity) in global axes, instead of the three above.
     """
 
-    rod: Name = Field(description="name of the rod")
+    rod: Name = Field(description="name of the rod or body")
     linear: Vector = (0.0, 0.0, 0.0)
     angular: Vector = (0.0, 0.0, 0.0)
     about: Vector = (0.0, 0.0, 0.0)

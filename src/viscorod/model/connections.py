@@ -1,0 +1,165 @@
+"""What the places that the parts of a model name are, where they are, and which of them are one node."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeAlias
+
+import numpy as np
+
+from viscorod.model.any_joint import ResolvedJoint
+from viscorod.model.any_support import ResolvedSupport
+from viscorod.model.load import DistributedForce, DistributedMoment, Force, Moment
+from viscorod.model.place import (
+    GROUND,
+    ROUND_OFF,
+    AnyPlace,
+    BodyPlace,
+    Place,
+    find_place,
+    find_rod,
+    station_on,
+)
+from viscorod.model.spring import LineSpring, ResolvedSpring, Spring
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from viscorod.model.description import ModelDescription
+
+__all__ = [
+    "find",
+    "is_located",
+    "joined_places",
+    "position_of",
+    "required_stations",
+    "resolved_joints",
+    "resolved_springs",
+    "resolved_supports",
+    "same",
+    "sides",
+]
+
+Sides: TypeAlias = tuple[tuple[AnyPlace, AnyPlace | None], tuple[Floats, Floats]]
+
+
+def find(model: ModelDescription, text: str) -> AnyPlace:
+    """The place that `text` names.
+
+    Raises:
+        RefusedError: there is none.
+    """
+    return find_place(text, model.rods, model.bodies)
+
+
+def position_of(model: ModelDescription, place: AnyPlace) -> tuple[Floats, Floats]:
+    """Position (3,) and frame (3, 3) of a place in the reference shape."""
+    if isinstance(place, BodyPlace):
+        body = model.bodies[place.body]
+        return body.position(place.point), body.frame()
+    position, frame = model.rods[place.rod].frames([place.s])
+    return position[0], frame[0]
+
+
+def is_located(place: AnyPlace | None) -> bool:
+    """Whether a place tells where a joint is: a body without a named point does not, nor does the ground."""
+    return isinstance(place, Place) or (place is not None and place.point is not None)
+
+
+def sides(model: ModelDescription, a: str, b: str) -> Sides:
+    """The two places of a joint or bushing, and where it sits on each side in the reference shape.
+
+    At a body without a named point, and at the ground, it sits where the other side is.
+
+    Args:
+        model: what the places belong to.
+        a: place.
+        b: place, or "ground".
+    """
+    first, second = find(model, a), None if b == GROUND else find(model, b)
+    at_first = position_of(model, first)[0]
+    at_second = at_first if second is None else position_of(model, second)[0]
+    if is_located(first) and not is_located(second):
+        at_second = at_first
+    elif is_located(second) and not is_located(first):
+        at_first = at_second
+    return (first, second), (at_first, at_second)
+
+
+def resolved_supports(model: ModelDescription) -> list[ResolvedSupport]:
+    """The supports with their places and axes, in order."""
+    resolved = []
+    for index, support in enumerate(model.supports):
+        place = find(model, support.at)
+        resolved.append(support.resolve(f"supports[{index}]", place, position_of(model, place)[1]))
+    return resolved
+
+
+def resolved_joints(model: ModelDescription) -> list[ResolvedJoint]:
+    """The joints with their places and axes, in order."""
+    return [
+        joint.resolve(f"joints[{index}]", *sides(model, *joint.ends))
+        for index, joint in enumerate(model.joints)
+    ]
+
+
+def resolved_springs(model: ModelDescription) -> list[ResolvedSpring]:
+    """The springs with their places and axes, in order."""
+    resolved = []
+    for index, spring in enumerate(model.springs):
+        path = f"springs[{index}]"
+        if isinstance(spring, Spring):
+            resolved.append(spring.resolve(path, *sides(model, *spring.ends)))
+        elif isinstance(spring, LineSpring):
+            first = find(model, spring.at)
+            second = find(model, spring.to) if isinstance(spring.to, str) else None
+            end = np.array(spring.to) if second is None else position_of(model, second)[0]
+            resolved.append(spring.resolve(path, (first, second), (position_of(model, first)[0], end)))
+    return resolved
+
+
+def joined_places(model: ModelDescription) -> list[tuple[AnyPlace, ...]]:
+    """The groups of places that attachments join into one node each, in the order of their first mention."""
+    groups: list[list[AnyPlace]] = []
+    for attachment in model.attachments:
+        joined = [find(model, attachment.a), find(model, attachment.b)]
+        for group in [group for group in groups if any(same(model, p, q) for p in group for q in joined)]:
+            groups.remove(group)
+            joined = group + [p for p in joined if not any(same(model, p, q) for q in group)]
+        groups.append(joined)
+    return [tuple(group) for group in groups]
+
+
+def same(model: ModelDescription, a: AnyPlace, b: AnyPlace) -> bool:
+    """Whether two places are the same station of the same rod, or on the same body."""
+    if isinstance(a, BodyPlace) or isinstance(b, BodyPlace):
+        return isinstance(a, BodyPlace) and isinstance(b, BodyPlace) and a.body == b.body
+    return a.rod == b.rod and abs(a.s - b.s) <= ROUND_OFF * model.rods[a.rod].length
+
+
+def one_node(model: ModelDescription, a: AnyPlace, b: AnyPlace, groups: list[tuple[AnyPlace, ...]]) -> bool:
+    """Whether two places move as one rigid piece: the same place, or joined by attachments (`groups`)."""
+    return same(model, a, b) or any(
+        any(same(model, a, p) for p in group) and any(same(model, b, p) for p in group) for group in groups
+    )
+
+
+def required_stations(model: ModelDescription, name: str) -> tuple[float, ...]:
+    """Arc lengths at which an element of the rod must end, increasing, without near-duplicates."""
+    rod = find_rod(name, model.rods, model.bodies)
+    stations = [0.0, rod.length, *rod.section_breaks]
+    texts = [support.at for support in model.supports]
+    texts += [text for attachment in model.attachments for text in (attachment.a, attachment.b)]
+    texts += [text for joint in model.joints for text in joint.ends if text != GROUND]
+    for spring in model.springs:
+        texts += [text for text in spring.ends if text != GROUND]
+    for load in model.loads:
+        if isinstance(load, Force | Moment):
+            texts.append(load.at)
+        elif isinstance(load, DistributedForce | DistributedMoment) and load.rod == name:
+            stations += [station_on(rod, s, name) for s in (load.from_s, load.to_s) if s is not None]
+    places = [find(model, text) for text in texts]
+    stations += [place.s for place in places if isinstance(place, Place) and place.rod == name]
+    kept: list[float] = []
+    for s in sorted(stations):
+        if not kept or s - kept[-1] > ROUND_OFF * rod.length:
+            kept.append(s)
+    return (*kept[:-1], rod.length)
