@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from viscorod.mechanics.callback import call
 from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.joint_coordinates import GEOMETRY, add_turning, coordinate, place_of
 from viscorod.typing import Floats, Integers
@@ -180,6 +181,41 @@ def hold_coordinates(
                 acting = force[i, c] if final else carried[i, c]
             if acting != 0.0:
                 scatter_force(c, nodes, gradient, acting, internal[i])
+
+
+@part
+def add_frozen_springs(
+    nodes: Integers,
+    place: Integers,
+    gradients: Floats,
+    force: Floats,
+    carried: Floats,
+    internal: Floats,
+) -> None:
+    """Add what the forces of springs exceed the carried ones by, along frozen ``gradients (c, 12)``."""
+    for i in range(internal.shape[0]):
+        for c in range(place.shape[0]):
+            if place[c] < 0 and force[i, c] != carried[i, c]:
+                scatter_force(c, nodes, gradients[c], force[i, c] - carried[i, c], internal[i])
+
+
+@part
+def carry_springs(
+    nodes: Integers,
+    place: Integers,
+    A: Floats,
+    P: Floats,
+    change: Floats,
+    rate: Floats,
+    force: Floats,
+    carried: Floats,
+) -> None:
+    """Carry the forces of springs along increments ``change (s, n, 6)`` and their rates, with frozen operators."""
+    for i in range(carried.shape[0]):
+        for c in range(place.shape[0]):
+            if place[c] < 0:
+                moved = along(c, nodes, A[c], change[i]) + along(c, nodes, P[c], rate[i])
+                carried[i, c] = force[i, c] + moved
 
 
 @part

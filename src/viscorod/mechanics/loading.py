@@ -11,6 +11,29 @@ from viscorod.mechanics.strain import element_poses, gauss_point, half_products
 from viscorod.typing import Floats, Integers
 
 
+@part
+def add_levers(lever: Floats, q: Floats, with_tangent: bool, external: Floats, block: Floats) -> None:
+    """Add the moment of dead forces at arms to ``external (6,)``, and its derivative, negative, to ``block (6, 6)``.
+
+    Args:
+        lever: sum of arms (body axes) times forces (global axes) ``(3, 3)`` [N m]; q: quaternion of the node.
+    """
+    R = np.empty((3, 3))
+    N = np.empty((3, 3))  # arms times forces in body axes
+    rotation_matrix(q, R)
+    for b in range(3):
+        for c in range(3):
+            N[b, c] = lever[b, 0] * R[0, c] + lever[b, 1] * R[1, c] + lever[b, 2] * R[2, c]
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        external[3 + a] += N[b, c] - N[c, b]
+        if with_tangent:
+            # forces turn back in body axes, N[b] x theta
+            block[3 + a, 3 + a] -= N[b, b] + N[c, c]
+            block[3 + a, 3 + b] += N[b, a]
+            block[3 + a, 3 + c] += N[c, a]
+
+
 @kernel
 def add_nodal_loads(
     nodes: Integers,
@@ -18,6 +41,7 @@ def add_nodal_loads(
     dead: Floats,
     following: Floats,
     gravity: Floats,
+    levers: Floats,
     mass: Floats,
     with_tangent: bool,
     external: Floats,
@@ -32,6 +56,7 @@ def add_nodal_loads(
         dead: wrenches in global axes ``(n, 6)`` [N, N m]; following: in body axes ``(n, 6)``.
         gravity: acceleration, global axes [m/s^2], acting on the nodal ``mass`` ``(n, 6, 6)``, off-centre mass
             included.
+        levers: sums of arms (body axes) times dead forces that act there (global axes) ``(n, 3, 3)`` [N m], or no rows.
         external: ``(n, 6)``, body components, added to.
         blocks: of the matrix ``(b, 6, 6)`` (see ``geometric.assemble``); diagonal: those of the nodes ``(n,)``.
     """
@@ -50,6 +75,8 @@ def add_nodal_loads(
             block[:, :] = 0.0
             add_skew(f, -1.0, block[0:3, 3:6])
             add_skew(m, -1.0, block[3:6, 3:6])
+        if levers.shape[0] > 0:
+            add_levers(levers[k], q[k], with_tangent, external[k], block)
         if heavy:
             rotate_back(q[k], gravity, g)
             for i in range(6):

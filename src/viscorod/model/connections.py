@@ -30,6 +30,7 @@ __all__ = [
     "is_located",
     "joined_places",
     "position_of",
+    "required_breaks",
     "required_stations",
     "resolved_joints",
     "resolved_springs",
@@ -142,21 +143,25 @@ def one_node(model: ModelDescription, a: AnyPlace, b: AnyPlace, groups: list[tup
     )
 
 
+def required_breaks(model: ModelDescription) -> list[Place]:
+    """Places at which elements must end, whatever the mesh: supports, attachments, joints, springs."""
+    texts = [support.at for support in model.supports]
+    texts += [text for attachment in model.attachments for text in (attachment.a, attachment.b)]
+    texts += [text for joint in model.joints for text in joint.ends if text != GROUND]
+    texts += [text for spring in model.springs for text in spring.ends if text != GROUND]
+    return [place for place in (find(model, text) for text in texts) if isinstance(place, Place)]
+
+
 def required_stations(model: ModelDescription, name: str) -> tuple[float, ...]:
     """Arc lengths at which an element of the rod must end, increasing, without near-duplicates."""
     rod = find_rod(name, model.rods, model.bodies)
     stations = [0.0, rod.length, *rod.section_breaks]
-    texts = [support.at for support in model.supports]
-    texts += [text for attachment in model.attachments for text in (attachment.a, attachment.b)]
-    texts += [text for joint in model.joints for text in joint.ends if text != GROUND]
-    for spring in model.springs:
-        texts += [text for text in spring.ends if text != GROUND]
+    places: list[AnyPlace] = [*required_breaks(model)]
     for load in model.loads:
         if isinstance(load, Force | Moment):
-            texts.append(load.at)
+            places.append(find(model, load.at))
         elif isinstance(load, DistributedForce | DistributedMoment) and load.rod == name:
             stations += [station_on(rod, s, name) for s in (load.from_s, load.to_s) if s is not None]
-    places = [find(model, text) for text in texts]
     stations += [place.s for place in places if isinstance(place, Place) and place.rod == name]
     kept: list[float] = []
     for s in sorted(stations):

@@ -126,6 +126,7 @@ class GeometricSystem:
                 loads.dead,
                 loads.following,
                 loads.gravity,
+                loads.levers,
                 problem.mass,
                 tangent,
                 self.external,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -89,8 +89,8 @@ class JointSet:
             groups.setdefault(len(members), []).append(members)
         return [np.array(group, dtype=np.int64) for group in groups.values()]
 
-    def placed(self, pattern: Pattern, nodes: int) -> Joints:
-        """Return the arrays with the numbers of their blocks in a pattern."""
+    def placed(self, pattern: Pattern, nodes: int) -> JointSet:
+        """Return these joints with the numbers of their blocks in a pattern."""
         a = self.arrays
         slots, up, down = (np.full(array.shape, -1, dtype=np.int64) for array in (a.slots, a.up, a.down))
         for c in range(self.count):
@@ -101,7 +101,7 @@ class JointSet:
                     slots[c, i, k] = pattern.slot(n, o)
                 if a.place[c] >= 0:
                     up[c, i], down[c, i] = pattern.slot(n, row), pattern.slot(row, n)
-        return a._replace(slots=slots, up=up, down=down)
+        return replace(self, arrays=a._replace(slots=slots, up=up, down=down))
 
 
 def joint_set(
@@ -125,7 +125,7 @@ def joint_set(
         carrier = GROUND if part.b is None else node_of(part.b)
         moved = node_of(part.a)
         ends.append((carrier, moved))
-        seat = _Seat.of(carrier, part.at_b, moved, part.at_a, positions, quaternions)
+        seat = _Seat.of(carrier, _seated(part), moved, part.at_a, positions, quaternions)
         if isinstance(part, ResolvedJoint):
             found += _of_joint(number, part, seat)
         else:
@@ -176,6 +176,16 @@ def joint_set(
         motions=tuple((c, x.motion) for c, x in enumerate(found) if x.motion is not None),
         laws=tuple(laws),
     )
+
+
+def _seated(part: ResolvedJoint | ResolvedSpring) -> Floats:
+    """Return the point of b that free displacements of a are measured from: they are 0 in the reference shape."""
+    if part.kind == "line":
+        return part.at_b
+    held = part.held if isinstance(part, ResolvedJoint) else ()
+    along = part.frame.T @ (part.at_a - part.at_b)
+    free = np.array([0.0 if word in held else 1.0 for word in MOTIONS[:3]])
+    return np.asarray(part.at_b + part.frame @ (free * along))
 
 
 @dataclass(frozen=True)

@@ -24,12 +24,13 @@ class ActiveStation:
 
 @dataclass
 class LoadState:
-    """All loads at one time; ``nodes`` lists those that carry any nodal load."""
+    """All loads at one time; ``nodes`` lists those that carry any nodal load; ``levers`` as in ``add_nodal_loads``."""
 
     nodes: Integers
     dead: Floats
     following: Floats
     gravity: Floats
+    levers: Floats
     stations: list[ActiveStation] = field(default_factory=list)
 
     @property
@@ -43,10 +44,11 @@ class ExternalLoads:
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
+        self.offset = any(load.arms.any() for load in problem.nodal_loads)
         self._factors: tuple[float, ...] | None = None
         self._state: LoadState | None = None
         self.last: LoadState = LoadState(
-            np.empty(0, dtype=np.int64), np.empty((0, 6)), np.empty((0, 6)), np.zeros(3)
+            np.empty(0, dtype=np.int64), np.empty((0, 6)), np.empty((0, 6)), np.zeros(3), np.empty((0, 3, 3))
         )
 
     def at(self, t: float, before: bool = False, scale: float = 1.0) -> LoadState:
@@ -68,23 +70,26 @@ class ExternalLoads:
                 continue
             part, element, shape = self.locate(load.rod, s)
             stations.append(ActiveStation(part, element, shape, factor * load.dead, factor * load.following))
-        self.last = LoadState(state.nodes, state.dead, state.following, state.gravity, stations)
+        self.last = LoadState(state.nodes, state.dead, state.following, state.gravity, state.levers, stations)
         return self.last
 
     def _nodal(self, factors: tuple[float, ...]) -> LoadState:
         n = self.problem.size
         dead, following, gravity = np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3)
+        levers = np.zeros((n if self.offset else 0, 3, 3))
         for factor, load in zip(factors, self.problem.nodal_loads, strict=True):
             if factor == 0.0:
                 continue
             np.add.at(dead, load.nodes, factor * load.dead)
             np.add.at(following, load.nodes, factor * load.following)
             gravity += factor * load.gravity
+            if load.arms.any():
+                np.add.at(levers, load.nodes, factor * load.arms[:, :, None] * load.dead[:, None, :3])
         if gravity.any():
             nodes = np.arange(n, dtype=np.int64)
         else:
             nodes = np.flatnonzero(dead.any(axis=1) | following.any(axis=1)).astype(np.int64)
-        return LoadState(nodes, dead, following, gravity)
+        return LoadState(nodes, dead, following, gravity, levers)
 
     def locate(self, rod: int, s: float) -> tuple[int, int, Floats]:
         """Return element set, element and basis values ``(m,)`` at arc length ``s`` [m] of a rod."""

@@ -13,6 +13,7 @@ from viscorod.errors import Problem as Fault
 from viscorod.mechanics.attachment import link_map
 from viscorod.mechanics.basis import gauss, gauss_table, lobatto
 from viscorod.mechanics.quaternion import conjugate, from_matrices, matrices, product
+from viscorod.model.any_body import AnyBody
 from viscorod.model.rod import Rod
 from viscorod.model.section import MaterialSection
 from viscorod.model.stiffness_section import StiffnessSection
@@ -49,9 +50,11 @@ class Mesh:
     """All rods divided and joined.
 
     ``shared[i][k]`` is the node of station k of rod i and ``links[i][k]`` its attachment (or -1), see ``ElementSet``.
+    The first nodes are those of the rigid bodies.
     """
 
     rods: tuple[RodMesh, ...]
+    bodies: tuple[AnyBody, ...]
     shared: tuple[Integers, ...]
     links: tuple[Integers, ...]
     positions: Floats
@@ -138,20 +141,22 @@ def _distribute(spans: Floats, total: int) -> Integers:
     return counts
 
 
-def join(rods: list[RodMesh], attachments: list[tuple[tuple[int, int], tuple[int, int]]]) -> Mesh:
-    """Number the nodes rod by rod; attached stations share one node with a constant relative pose.
+def join(rods: list[RodMesh], bodies: list[AnyBody], attachments: list[tuple[int, int]]) -> Mesh:
+    """Number the nodes, bodies first, then rod by rod; what is attached shares one node with a constant relative pose.
 
     Args:
-        rods: divided rods.
-        attachments: pairs of (rod, station).
+        rods: divided rods; bodies: rigid bodies.
+        attachments: pairs of numbers: bodies, then the stations of all rods.
     """
-    first = np.cumsum([0, *(len(mesh.s) for mesh in rods)])
+    first = len(bodies) + np.cumsum([0, *(len(mesh.s) for mesh in rods)])
     total = int(first[-1])
-    positions = np.concatenate([mesh.positions for mesh in rods])
-    quaternions = np.concatenate([mesh.quaternions for mesh in rods])
+    centres = np.array([body.position() for body in bodies]).reshape(-1, 3)
+    frames = np.array([body.frame() for body in bodies]).reshape(-1, 3, 3)
+    positions = np.concatenate([centres, *(mesh.positions for mesh in rods)])
+    quaternions = np.concatenate([from_matrices(frames), *(mesh.quaternions for mesh in rods)])
     root = np.arange(total)
-    for (a, i), (b, j) in attachments:
-        low, high = sorted((root[first[a] + i], root[first[b] + j]))
+    for a, b in attachments:
+        low, high = sorted((root[a], root[b]))
         root[root == high] = low
     keep, number = np.unique(root, return_inverse=True)
     links = -np.ones(total, dtype=np.int64)
@@ -164,6 +169,7 @@ def join(rods: list[RodMesh], attachments: list[tuple[tuple[int, int], tuple[int
         turns.append(product(back, quaternions[k]))
     return Mesh(
         rods=tuple(rods),
+        bodies=tuple(bodies),
         shared=tuple(np.ascontiguousarray(number[first[i] : first[i + 1]]) for i in range(len(rods))),
         links=tuple(np.ascontiguousarray(links[first[i] : first[i + 1]]) for i in range(len(rods))),
         positions=np.ascontiguousarray(positions[keep]),
@@ -171,12 +177,6 @@ def join(rods: list[RodMesh], attachments: list[tuple[tuple[int, int], tuple[int
         link_positions=np.array(offsets).reshape(-1, 3),
         link_quaternions=np.array(turns).reshape(-1, 4),
     )
-
-
-def couplings(mesh: Mesh) -> Pattern:
-    """Return the pattern of all matrices: the nodes of an element couple with each other."""
-    elements = (element_nodes(nodes, m.order) for m, nodes in zip(mesh.rods, mesh.shared, strict=True))
-    return Pattern.of(len(mesh.positions), elements)
 
 
 def element_nodes(nodes: Integers, order: int) -> Integers:
@@ -202,20 +202,25 @@ class SectionTable:
         self._index: dict[bytes, int] = {}
         self.stiffness: list[Floats] = []
         self.damping: list[Floats] = []
+        self.held: list[Floats] = []
 
-    def add(self, stiffness: Floats, damping: Floats) -> int:
-        """Return the index of a pair of matrices."""
-        key = stiffness.tobytes() + damping.tobytes()
+    def add(self, stiffness: Floats, damping: Floats, held: Floats) -> int:
+        """Return the index of a pair of matrices without what ``held (6,)`` marks: multipliers give those forces."""
+        key = stiffness.tobytes() + damping.tobytes() + held.tobytes()
         if key not in self._index:
             self._index[key] = len(self.stiffness)
-            self.stiffness.append(stiffness)
-            self.damping.append(damping)
+            free = np.outer(1.0 - held, 1.0 - held)
+            self.stiffness.append(free * stiffness)
+            self.damping.append(free * damping)
+            self.held.append(held)
         return self._index[key]
 
 
 def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], Floats]:
     """Element arrays grouped by order, and the nodal masses ``(n, 6, 6)`` lumped at the Gauss-Lobatto nodes."""
     mass = np.zeros((len(mesh.positions), 6, 6))
+    for node, body in enumerate(mesh.bodies):
+        mass[node] = body.mass_matrix()
     sets = []
     for order in sorted({m.order for m in mesh.rods}):
         table = SectionTable()
@@ -234,16 +239,17 @@ def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], 
             widths = np.empty((len(start), order))
             lumped = np.empty((len(start), order + 1, 6, 6))
             middle = start + half
+            held = np.array(rod_mesh.rod.constrained_strains, dtype=float)
             if isinstance(rod_mesh.rod.section, MaterialSection | StiffnessSection):
                 C, D, M = rod_mesh.rod.matrices_at(0.0)
-                section[:] = table.add(C, D)
+                section[:] = table.add(C, D, held)
                 widths[:] = rod_mesh.rod.section_at(0.0).half_width or 0.0
                 lumped[:] = half[:, None, None, None] * lumps[:, None, None] * M
             else:
                 for e in range(len(start)):
                     for g in range(order):
                         s = middle[e] + half[e] * points[g]
-                        section[e, g] = table.add(*rod_mesh.rod.matrices_at(s)[:2])
+                        section[e, g] = table.add(*rod_mesh.rod.matrices_at(s)[:2], held)
                         widths[e, g] = rod_mesh.rod.section_at(s).half_width or 0.0
                     for k in range(order + 1):
                         # just inside the element: the section may change at its end
@@ -276,6 +282,7 @@ def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], 
                 half_widths=joined["width"],
                 stiffness=np.array(table.stiffness),
                 damping=np.array(table.damping),
+                held=np.array(table.held),
             )
         )
     return tuple(sets), mass

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from viscorod.mechanics.held_strains import HeldStrains
 from viscorod.model.time_function import TimeFunction
+from viscorod.solve.joint_set import JointSet
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.typing import Floats, Integers
 
@@ -19,6 +21,7 @@ class ElementSet:
     """All elements of one polynomial order, as arrays for the kernels (see ``mechanics.geometric.assemble``).
 
     ``slots (elements, m, m)`` are the matrix blocks between the nodes of an element, of the problem's pattern.
+    ``held (sections, 6)`` marks strains that multipliers hold; stiffness and damping have no rows and columns there.
     ``half_widths (elements, points)`` [m] are the largest distances of the section from the centre line, 0 if unknown.
     """
 
@@ -36,6 +39,7 @@ class ElementSet:
     half_widths: Floats
     stiffness: Floats
     damping: Floats
+    held: Floats
 
     @property
     def damped(self) -> bool:
@@ -80,12 +84,16 @@ class SupportSet:
 
 @dataclass(frozen=True)
 class NodalLoad:
-    """Dead (global) and following (body) wrenches on some nodes with one time factor; or gravity."""
+    """Dead (global) and following (body) wrenches on some nodes with one time factor; or gravity.
+
+    Dead forces act at ``arms (k, 3)`` from the nodes, node axes [m].
+    """
 
     nodes: Integers
     dead: Floats
     following: Floats
     gravity: Floats
+    arms: Floats
     factor: TimeFactor
 
 
@@ -111,6 +119,15 @@ class Stations:
 
 
 @dataclass(frozen=True)
+class Bodies:
+    """Mass centres and named points of rigid bodies: names, nodes ``(k,)``, arms in node axes ``(k, 3)`` [m]."""
+
+    names: tuple[str, ...]
+    nodes: Integers
+    arms: Floats
+
+
+@dataclass(frozen=True)
 class Problem:
     """Everything an analysis needs, in arrays; nodes are numbered rod by rod.
 
@@ -119,6 +136,10 @@ class Problem:
         mass: nodal inertia in body axes ``(n, 6, 6)`` [kg, kg m, kg m^2].
         link_positions, link_quaternions: constant poses of rigidly attached rod ends in the frame of the shared node.
         pattern: blocks of all matrices; their first rows are those of the nodes.
+        bodies: names of the rigid bodies and of their points, and where these are.
+        joints: coordinates of joints and springs; held: strains that multipliers hold.
+        multipliers: block rows of multipliers, after those of the nodes; first those of joints.
+        interiors: nodes within elements, element by element, that couple with nothing outside.
         initial_strain: strains ``(6,)`` at t = 0 by arc length [m], of the rods (by index) that have any.
         initial_twist: body twists at t = 0 for given poses, ``(r, q) -> (n, 6)``.
         length: size of the model [m], the measure of "small" for displacements.
@@ -136,6 +157,11 @@ class Problem:
     link_positions: Floats
     link_quaternions: Floats
     pattern: Pattern
+    bodies: Bodies
+    joints: JointSet
+    held: HeldStrains
+    multipliers: int
+    interiors: tuple[Integers, ...]
     supports: SupportSet
     nodal_loads: tuple[NodalLoad, ...]
     station_loads: tuple[StationLoad, ...]
@@ -151,3 +177,8 @@ class Problem:
     def size(self) -> int:
         """Number of nodes."""
         return len(self.positions)
+
+    @property
+    def constrained(self) -> bool:
+        """Whether there are joints, springs or held strains."""
+        return self.joints.count > 0 or len(self.held.place) > 0

@@ -26,7 +26,9 @@ class Actions:
     def __init__(self, system: System, supports: SupportState, body: Body, stages: int) -> None:
         self.system, self.supports, self.body = system, supports, body
         self.loads = ExternalLoads(system.problem)
-        self.given = Given.of(stages, body, max(1, len(system.problem.station_loads)))
+        self.given = Given.of(
+            stages, body, max(1, len(system.problem.station_loads)), offset=self.loads.offset
+        )
         self._no_blocks = np.zeros((0, 6, 6))
         self._written: list[LoadState | None] = [None] * stages
 
@@ -47,6 +49,7 @@ class Actions:
         given.acting[i] = 1.0 if len(loads.nodes) else 0.0
         if len(loads.nodes):
             given.dead[i], given.following[i], given.gravity[i] = loads.dead, loads.following, loads.gravity
+            given.levers[i] = loads.levers
         if self.system.problem.station_loads:
             given.element[i] = -1
             for k, load in enumerate(loads.stations):
@@ -81,6 +84,7 @@ class Actions:
                 loads.dead,
                 loads.following,
                 loads.gravity,
+                loads.levers,
                 body.mass,
                 tangent,
                 external,

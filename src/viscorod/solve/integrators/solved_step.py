@@ -240,7 +240,8 @@ def try_step(
     ) = body
     block_rows, block_columns, diagonal = pattern[0], pattern[1], pattern[4]
     target, rate_target, given_r, given_q, given_twist, given_rate = given[:6]
-    acting, dead, following, gravity, at_element, shape, point_dead, point_following, end_r, end_q = given[6:]
+    acting, dead, following, gravity, levers, at_element, shape, point_dead, point_following = given[6:15]
+    end_r, end_q = given[15:]
     X, r, q, twist, acceleration, internal, external, force, residual, reaction = stages[:10]
     strain, strain_rate, S, sigma, held_power = stages[10:]
     A_tableau, D, T, T_inverse, eigenvalue, weights = (
@@ -308,6 +309,7 @@ def try_step(
             dead,
             following,
             gravity,
+            levers,
             at_element,
             shape,
             point_dead,

@@ -78,7 +78,8 @@ class Given(NamedTuple):
     Attributes:
         target, rate: prescribed values of the supports and their rates ``(s, m, 6)``.
         r, q, twist, twist_rate: prescribed motion of completely held supports ``(s, m, ...)``.
-        acting: 1 where nodal loads act; dead, following ``(s, n, 6)``; gravity ``(s, 3)``.
+        acting: 1 where nodal loads act; dead, following ``(s, n, 6)``; gravity ``(s, 3)``; levers: of dead forces at
+            arms ``(s, n, 3, 3)``, no nodes if there are none.
         element: elements with concentrated loads ``(s, loads)``, -1 if none; their basis values ``shape`` and wrenches.
         end_r, end_q: poses of completely held supports at the end of the step, if that is no stage.
     """
@@ -93,6 +94,7 @@ class Given(NamedTuple):
     dead: Floats
     following: Floats
     gravity: Floats
+    levers: Floats
     element: Integers
     shape: Floats
     point_dead: Floats
@@ -101,8 +103,8 @@ class Given(NamedTuple):
     end_q: Floats
 
     @classmethod
-    def of(cls, stages: int, body: Body, loads: int) -> Given:
-        """Allocate for a number of stages and of concentrated loads; supports stand still."""
+    def of(cls, stages: int, body: Body, loads: int, *, offset: bool) -> Given:
+        """Allocate for a number of stages and of concentrated loads; ``offset``: any dead force acts at an arm."""
         s, n, m = stages, len(body.mass), len(body.nodes)
         return cls(
             target=np.zeros((s, m, 6)),
@@ -115,6 +117,7 @@ class Given(NamedTuple):
             dead=np.zeros((s, n, 6)),
             following=np.zeros((s, n, 6)),
             gravity=np.zeros((s, 3)),
+            levers=np.zeros((s, n if offset else 0, 3, 3)),
             element=np.full((s, loads), -1, dtype=np.int64),
             shape=np.zeros((s, loads, body.elements.nodes.shape[1])),
             point_dead=np.zeros((s, loads, 6)),

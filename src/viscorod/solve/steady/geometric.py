@@ -213,6 +213,7 @@ class GeometricSteady:
                 loads.dead,
                 loads.following,
                 loads.gravity,
+                loads.levers,
                 self.problem.mass,
                 tangent,
                 external,
