@@ -8,6 +8,7 @@ import pytest
 from viscorod.cases.case import Case, case_from_dict, load_case, parse_case
 from viscorod.cases.shipped import shipped_case, shipped_cases
 from viscorod.errors import InputError
+from viscorod.model.body import Body
 from viscorod.model.description import ModelDescription
 from viscorod.model.material import KelvinVoigt, Material
 from viscorod.model.place import Place
@@ -373,3 +374,73 @@ def test_messages_begin_with_the_file(tmp_path):
     assert str(caught.value) == (
         f"{path}: materials.rubber.density: -1: outside what is allowed; give a number > 0"
     )
+
+
+PARTS = """
+[bodies.plate]
+mass = 2.0
+inertia = [1, 1, 2]
+centre = [2, 0, 0]
+points = { corner = [1, 0, 0] }
+
+[[joints]]
+kind = "revolute"
+a = "plate.corner"
+b = "beam.end"
+axis = [0, 0, 1]
+
+[[springs]]
+at = "plate"
+stiffness = { ux = 1.0 }
+
+[equilibrium]
+"""
+
+
+def test_bodies_joints_and_springs():
+    text = changed(
+        ("[equilibrium]", PARTS), ('material = "rubber"', 'material = "rubber"\nconstraints = "kirchhoff"')
+    )
+    case = parse_case(text)
+    model = ModelDescription()
+    model.add("beam", case.description.rods["beam"])
+    model.add("plate", Body(2.0, (1, 1, 2), centre=(2, 0, 0), points={"corner": (1, 0, 0)}))
+    model.clamp("beam.start")
+    model.force("beam.end", (0, 1, 0))
+    model.revolute("plate.corner", "beam.end", (0, 0, 1))
+    model.spring("plate", stiffness={"ux": 1.0})
+    expected = model.to_dict()
+    assert case.description.to_dict() == expected
+    assert case.description.rods["beam"].constraints == ("kirchhoff",)
+    assert case.model(ModelDescription).to_dict() == expected
+    assert case_from_dict(case.to_dict()).to_dict() == case.to_dict()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where", "text"),
+    [
+        ("mass = 2.0", "mass = -2.0", "bodies.plate.mass", "> 0"),
+        ("mass = 2.0", "maas = 2.0", "bodies.plate.maas", "did you mean mass"),
+        ("mass = 2.0", 'mass = 2.0\nshape = "bax"', "bodies.plate.shape", "did you mean 'box'"),
+        ("inertia = [1, 1, 2]", "inertia = [1, 1, 3]", "bodies.plate.inertia", "3 > 1 + 1"),
+        ("[bodies.plate]", "[bodies.beam]", "bodies.beam", "already a rod of this name"),
+        ("[bodies.plate]", "[bodies.ground]", "bodies.ground", "give another name"),
+        ("[bodies.plate]", "[[bodies]]", "bodies", "[bodies.NAME]"),
+        ('"revolute"', '"revolut"', "joints[0].kind", "did you mean 'revolute'"),
+        ("axis = ", "axes = ", "joints[0].axes", "did you mean axis"),
+        ('b = "beam.end"', 'b = "baem.end"', "joints[0].b", "did you mean 'beam'"),
+        ('at = "plate"', 'at = "plate.tip"', "springs[0].at", "its points are corner"),
+        ("[[springs]]", "[[spring]]", "spring", "did you mean springs"),
+        ("stiffness = { ux = 1.0 }", "stiffness = { ux = true }", "springs[0].stiffness.ux", "number"),
+        (
+            'material = "rubber"',
+            'material = "rubber"\nconstraints = "x"',
+            "rods.beam.constraints",
+            "give 'unsh",
+        ),
+    ],
+)
+def test_one_wrong_thing_of_an_assembly_is_told_with_its_path(old, new, where, text):
+    found = problems(changed(("[equilibrium]", PARTS)).replace(old, new, 1))
+    assert where in found
+    assert text in found[where]

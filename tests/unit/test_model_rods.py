@@ -152,3 +152,42 @@ def test_refused(build, path, text):
     (problem,) = caught.value.problems
     assert problem.where == path
     assert problem.instead
+
+
+@pytest.mark.parametrize(
+    ("given", "held"),
+    [
+        ((), ""),
+        ("unshearable", "110000"),
+        ("inextensible", "001000"),
+        ("kirchhoff", "111000"),
+        (["unshearable", "twist"], "110001"),
+        (["bend_2"], "000010"),
+        (("kirchhoff", "bend_1", "bend_2", "twist"), "111111"),
+    ],
+)
+def test_constraints(given, held):
+    rod = straight(SQUARE, constraints=given)
+    assert rod.constrained_strains == tuple(bit == "1" for bit in held.ljust(6, "0"))
+    arc = Rod.arc((0, 0, 0), (1, 0, 0), (0, 1, 0), 2.0, 0.5, section=MATRIX, constraints=given)
+    assert arc.constraints == rod.constraints
+
+
+def test_constraints_in_a_table():
+    assert straight(SQUARE, constraints="kirchhoff").to_dict()["constraints"] == ["kirchhoff"]
+    assert "constraints" not in straight(SQUARE).to_dict()
+
+
+@pytest.mark.parametrize(
+    ("given", "where", "text"),
+    [
+        ("kirchoff", "Rod.constraints", "did you mean 'kirchhoff'"),
+        (["unshearable", "shear1"], r"Rod.constraints\[1\]", "did you mean 'shear_1'"),
+        (["twist", "twist"], r"Rod.constraints\[1\]", "the same constraint twice"),
+        ([3], r"Rod.constraints\[0\]", "no such constraint"),
+        (True, "Rod.constraints", "a word or a list of words"),
+    ],
+)
+def test_constraints_that_are_none(given, where, text):
+    with pytest.raises(InputError, match=f"{where}: .*{text}"):
+        straight(SQUARE, constraints=given)

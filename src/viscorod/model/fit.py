@@ -54,17 +54,17 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Prob
                 "linear dynamics need supports that stay where they are",
                 "leave it out, or take dynamics = 'nonlinear'",
             )
-    if settings.formulation == "intrinsic":
+    if settings.dynamics == "linear":
+        why, instead = "linear dynamics have no {}", "leave it out, or take formulation = 'geometric'"
+        yield from _joints(model, why.format("joints"), instead)
+        yield from _springs(model, why.format("springs"), instead)
+        yield from _constraints(model, why.format("constrained strains"), instead)
+    elif settings.formulation == "intrinsic":
         why, instead = (
             "the intrinsic formulation has no {}",
             "leave it out, or take formulation = 'geometric'",
         )
         yield from _joints(model, why.format("joints"), instead)
-        yield from _constraints(model, why.format("constrained strains"), instead)
-    if settings.dynamics == "linear":
-        why, instead = "linear dynamics have no {}", "leave it out, or take dynamics = 'nonlinear'"
-        yield from _joints(model, why.format("joints"), instead)
-        yield from _springs(model, why.format("springs"), instead)
         yield from _constraints(model, why.format("constrained strains"), instead)
     if model.strains and settings.initial == "equilibrium":
         yield Problem(
