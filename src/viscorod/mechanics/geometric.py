@@ -30,6 +30,7 @@ from viscorod.mechanics.lanes import (
     MAP_ROWS,
     NODE_ROWS,
     POINT_ROWS,
+    conjugate_section_forces,
     forces_on,
     interpolate,
     rates,
@@ -100,8 +101,10 @@ def assemble(
     section: Integers,
     stiffness: Floats,
     damping: Floats,
+    held: Floats,
     coupled: bool,
     damped: bool,
+    constrained: bool,
     reference: Floats,
     stress: Floats,
     r: Floats,
@@ -130,6 +133,7 @@ def assemble(
         section: index of the section at every Gauss point ``(elements, points)``.
         stiffness, damping: section matrices C and D ``(sections, 6, 6)``; ``coupled`` False takes them as diagonal,
             ``damped`` False skips D.
+        held: marks strains whose section force is the stress ``(sections, 6)``; ``constrained`` False: there are none.
         reference: strains of the unstressed shape ``(elements, points, 6)``.
         stress: section force used in the geometric stiffness (the mixed iterate) ``(elements, points, 6)``.
         r, q, twist: nodal positions, unit quaternions and body twists; ``moving`` False means that all twists vanish.
@@ -188,6 +192,15 @@ def assemble(
         if viscous:
             rates(count, point, node, maps)
         section_forces(count, coupled, viscous, C, D, point)
+        if constrained:
+            for lane in range(count):
+                of = section[element[lane], place[lane]]
+                for i in range(6):
+                    if held[of, i] != 0.0:
+                        point[0, AT_FORCE + i, lane] = (
+                            point[0, AT_STRESS + i, lane] / point[0, AT_WEIGHT, lane]
+                        )
+        conjugate_section_forces(count, point)
         for lane in range(count):
             at, of = element[lane], place[lane]
             for i in range(6):

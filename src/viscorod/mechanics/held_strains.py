@@ -97,14 +97,12 @@ def add_held_strains(
     for h in range(element.shape[0]):
         e, number = element[h], place[h]
         row = 6 * point[h] + component[h]
-        stiff = square = largest = 0.0
+        stiff = largest = 0.0
         for k in range(orders[e] + 1):
             for j in range(6):
-                b = B[e, row, 6 * k + j]
-                stiff += abs(K[diagonal[nodes[e, k]], j, j]) * b * b
-                square += b * b
-                largest = max(largest, abs(b))
-        size = stiff / (square * largest) if stiff > 0.0 and math.isfinite(stiff) else 1.0
+                stiff = max(stiff, abs(K[diagonal[nodes[e, k]], j, j]))
+                largest = max(largest, abs(B[e, row, 6 * k + j]))
+        size = stiff / largest if stiff > 0.0 and math.isfinite(stiff) else 1.0
         scale[number] = size
         for k in range(orders[e] + 1):
             for j in range(6):

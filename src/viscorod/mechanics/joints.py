@@ -119,6 +119,62 @@ def measure(
         rate[c] = along(c, nodes, gradient, twist)
 
 
+@kernel
+def joint_forces(
+    joints: Joints,
+    address: int,
+    buffer: Floats,
+    near: Floats,
+    target: Floats,
+    multiplier: Floats,
+    carried: Floats,
+    r: Floats,
+    q: Floats,
+    twist: Floats,
+    value: Floats,
+    rate: Floats,
+    force: Floats,
+    energy: Floats,
+    power: Floats,
+    gap: Floats,
+    internal: Floats,
+) -> None:
+    """Do what :func:`hold_coordinates` does, for Python, with the present forces of springs.
+
+    The values are those of the last state.
+    """
+    nodes, kind, geometry, place, stiffness, damping, rest, law, _, _, _ = joints
+    gradient = np.empty(12)
+    hold_coordinates(
+        nodes,
+        kind,
+        geometry,
+        place,
+        stiffness,
+        damping,
+        rest,
+        law,
+        address,
+        buffer,
+        near,
+        target,
+        multiplier,
+        carried,
+        True,
+        r,
+        q,
+        twist,
+        gradient,
+        value,
+        rate,
+        force,
+        energy,
+        power,
+        gap,
+        internal,
+    )
+
+
 @part
 def hold_coordinates(
     nodes: Integers,
@@ -140,6 +196,7 @@ def hold_coordinates(
     q: Floats,
     twist: Floats,
     gradient: Floats,
+    value: Floats,
     rate: Floats,
     force: Floats,
     energy: Floats,
@@ -155,28 +212,29 @@ def hold_coordinates(
         multiplier: ``(s, places)``; carried: forces of springs carried along the iteration ``(s, c)``.
         final: springs act with their present forces instead.
         r, q, twist: ``(s, n, ...)``; gradient: scratch ``(12,)``.
+        value: output ``(c,)``, of the last state.
         rate, force: outputs ``(s, c)``; energy, power: outputs ``(s,)``, stored [J] and dissipated [W].
         gap: ``(s, places)``, written for held coordinates; internal: ``(s, n, 6)``, added to.
     """
     for i in range(internal.shape[0]):
         energy[i] = power[i] = 0.0
         for c in range(kind.shape[0]):
-            value = gradient_of(c, nodes, kind, geometry, r[i], q[i], near[c], gradient)
+            at = gradient_of(c, nodes, kind, geometry, r[i], q[i], near[c], gradient)
+            value[c] = at
             rate[i, c] = along(c, nodes, gradient, twist[i])
             if place[c] >= 0:
                 force[i, c] = multiplier[i, place[c]]
-                gap[i, place[c]] = value - target[i, c]
+                gap[i, place[c]] = at - target[i, c]
                 acting = force[i, c]
             else:
                 if law[c] < 0:
-                    stretch = value - rest[c]
+                    stretch = at - rest[c]
                     force[i, c] = stiffness[c] * stretch + damping[c] * rate[i, c]
                     energy[i] += 0.5 * stiffness[c] * stretch * stretch
                     power[i] += damping[c] * rate[i, c] * rate[i, c]
                 else:
-                    obey(address, buffer, law[c], value, rate[i, c])
+                    obey(address, buffer, law[c], at, rate[i, c])
                     force[i, c] = buffer[0]
-                    energy[i] += buffer[3]
                     power[i] += buffer[4]
                 acting = force[i, c] if final else carried[i, c]
             if acting != 0.0:
@@ -224,7 +282,7 @@ def obey(address: int, buffer: Floats, law: int, value: float, rate: float) -> N
 
     Args:
         address: of the callback; law: number of the functions; value, rate: of the coordinate.
-        buffer: ``(5,)``, receives force, its derivatives by value and rate, stored energy [J], dissipated power [W].
+        buffer: ``(5,)``, receives force, its derivatives by value and rate, 0, dissipated power [W].
     """
     buffer[0], buffer[1], buffer[2] = law, value, rate
     call(address, buffer.ctypes, buffer.shape[0])
@@ -336,14 +394,12 @@ def add_rate_change(
 
 @part
 def scale_of(c: int, nodes: Integers, gradient: Floats, diagonal: Integers, K: Floats) -> float:
-    """Return the stiffness of the nodes along a coordinate, over the gradient's size; 1 where there is none."""
-    stiff = square = largest = 0.0
+    """Return the largest stiffness of the nodes over the gradient's size; 1 where there is none."""
+    stiff = largest = 0.0
     for side in range(2):
         n = nodes[c, side]
         if n >= 0:
             for i in range(6):
-                g = gradient[6 * side + i]
-                stiff += abs(K[diagonal[n], i, i]) * g * g
-                square += g * g
-                largest = max(largest, abs(g))
-    return stiff / (square * largest) if stiff > 0.0 and math.isfinite(stiff) else 1.0
+                stiff = max(stiff, abs(K[diagonal[n], i, i]))
+                largest = max(largest, abs(gradient[6 * side + i]))
+    return stiff / largest if stiff > 0.0 and math.isfinite(stiff) else 1.0

@@ -154,7 +154,7 @@ def flat_rates(point: Floats, lane: int) -> Flat:
 
 @lane_kernel
 def section_forces(count: int, coupled: bool, viscous: bool, C: Floats, D: Floats, point: Floats) -> None:
-    """``S = C eps + D eps_t`` and the weighted conjugate forces; rows of ``AT_STRAIN`` come as minus the reference."""
+    """``S = C eps + D eps_t``; rows of ``AT_STRAIN`` come as minus the reference."""
     for i in range(6):
         for lane in range(count):
             point[0, AT_STRAIN + i, lane] += point[0, AT_V + i, lane]
@@ -175,6 +175,11 @@ def section_forces(count: int, coupled: bool, viscous: bool, C: Floats, D: Float
                     if viscous:
                         for lane in range(count):
                             point[0, AT_FORCE + i, lane] += D[i, j, lane] * point[0, AT_RATE + j, lane]
+
+
+@lane_kernel
+def conjugate_section_forces(count: int, point: Floats) -> None:
+    """Weighted conjugate forces of the section forces."""
     for lane in range(count):
         weight = point[0, AT_WEIGHT, lane]
         Fc, Fy, Fb = conjugate_forces(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics.attachment import link_map, map_columns, map_rows
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.rotation import add_skew, rotate_back, rotation_matrix
 from viscorod.mechanics.strain import element_poses, gauss_point, half_products
 from viscorod.typing import Floats, Integers

@@ -130,8 +130,8 @@ def _supports(model: ModelDescription, placement: Placement) -> SupportSet:
     for index, support in enumerate(model.resolved_supports()):
         spot = placement.spot(support.place)
         assert spot is not None  # places of supports are element ends
-        held = len(support.held) == len(MOTIONS) and not support.motion
-        if np.abs(spot.arm).max() > 1e-9 * length and not held:
+        still = len(support.held) == len(MOTIONS) and not support.motion
+        if np.abs(spot.arm).max() > 1e-9 * length and not still:
             raise InputError(
                 Fault(
                     f"{support.path}.at",

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
+from scipy import sparse
 
 from viscorod.mechanics import geometric, loading
 from viscorod.mechanics.basis import lobatto
+from viscorod.mechanics.held_strains import HeldStrains
 from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.lanes import LANES
 from viscorod.mechanics.linearised import Operators, collect
+from viscorod.solve.constraints import Constraints
 from viscorod.solve.element_forces import ElementForces, GeometricForces
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.loads import LoadState
@@ -46,6 +51,15 @@ class _Part:
         )
         self.damped = elements.damped
         self.coupled = elements.coupled
+        self.constrained = bool(elements.held.any())
+        self.held_at = tuple(np.zeros(0, dtype=np.int64) for _ in range(3))  # elements, points, components
+        self.place, self.weight = np.zeros(0, dtype=np.int64), np.zeros(0)
+
+    def hold(self, held: HeldStrains, first: int) -> None:
+        """Note which strains of this set are held; the set's elements count from ``first`` on."""
+        mine = (held.element >= first) & (held.element < first + len(self.elements.nodes))
+        self.held_at = held.element[mine] - first, held.point[mine], held.component[mine]
+        self.place, self.weight = held.place[mine], held.weight[mine]
 
 
 class GeometricSystem:
@@ -56,6 +70,7 @@ class GeometricSystem:
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
+        self.constraints = Constraints(problem)
         self.internal: Floats = np.zeros((problem.size, 6))
         self.external: Floats = np.zeros((problem.size, 6))
         self.matrix = Matrix(problem.pattern, problem.length)
@@ -64,6 +79,11 @@ class GeometricSystem:
         self._no_map = np.zeros((problem.size, 6, 6))
         self._no_blocks = np.zeros((0, 6, 6))
         self._no_operator = np.zeros((0, 1, 6, 6, LANES))
+        self._operators: Operators | None = None
+        first = 0
+        for part in self.parts:
+            part.hold(problem.held, first)
+            first += len(part.elements.nodes)
         self._order, self._positions = self._gauss_positions()
 
     def _gauss_positions(self) -> tuple[Integers, GaussPositions]:
@@ -107,18 +127,22 @@ class GeometricSystem:
             self.matrix.clear()
         if rate_matrix is not None:
             rate_matrix.clear()
+        rates = self._no_map if rate_map is None else rate_map
+        rate_blocks = self._no_blocks if rate_matrix is None else rate_matrix.blocks
+        first = 0
         for part in self.parts:
-            self._add_elements(
-                part,
-                part.stress,
-                state,
-                moving,
-                self._no_map if rate_map is None else rate_map,
-                tangent,
-                blocks,
-                self._no_blocks if rate_matrix is None else rate_matrix.blocks,
-                self._no_operator,
+            part.stress[part.held_at] = state.multiplier[part.place] / part.weight
+            strain_operator = (
+                np.empty_like(part.operator) if tangent and part.constrained else self._no_operator
             )
+            self._add_elements(
+                part, part.stress, state, moving, rates, tangent, blocks, rate_blocks, strain_operator
+            )
+            if tangent and part.constrained:
+                self._collect(part, first, strain_operator, self._own_operators())
+            first += len(part.elements.nodes)
+        if self.constraints.active:
+            self._add_constraints(state, rates, blocks, rate_blocks, tangent=tangent, moving=moving)
         if len(loads.nodes):
             loading.add_nodal_loads(
                 loads.nodes,
@@ -151,6 +175,76 @@ class GeometricSystem:
                 e.slots[load.element],
             )
 
+    def _own_operators(self) -> Operators:
+        if self._operators is None:
+            self._operators = Operators.of(self.elements())
+        return self._operators
+
+    def _add_constraints(
+        self, state: State, rate_map: Floats, K: Floats, C: Floats, *, tangent: bool, moving: bool
+    ) -> None:
+        """Add joints, springs and held strains, whose elements are assembled."""
+        constraints = self.constraints
+        for part in self.parts:
+            constraints.gap[part.place] = part.strain[part.held_at]
+        twist = state.twist if moving else np.zeros_like(state.twist)
+        constraints.add_forces(state.r, state.q, twist, state.multiplier, self.internal)
+        if tangent:
+            constraints.add_tangent(
+                state.r, state.q, twist, rate_map, K, C, moving=moving, held=self._held_rows()
+            )
+
+    def _held_rows(self) -> tuple[Integers, Integers, Floats] | None:
+        if not any(part.constrained for part in self.parts):
+            return None
+        elements = self._all
+        return elements.order, elements.nodes, self._own_operators().strain
+
+    def residual(self) -> Floats:
+        """See :class:`~viscorod.solve.system.System`."""
+        unbalanced: Floats = self.internal - self.external
+        if not self.constraints.active:
+            return unbalanced
+        gaps = self.constraints.scale * self.constraints.gap
+        return np.concatenate([unbalanced, gaps.reshape(-1, 6)])
+
+    def constraint_gradients(self, state: State) -> sparse.csr_array:
+        """See :class:`~viscorod.solve.system.System`."""
+        problem, constraints = self.problem, self.constraints
+        rows, columns, values = [], [], []
+        still = np.zeros_like(state.twist)
+        if constraints.joints.count:
+            constraints.add_forces(state.r, state.q, still, state.multiplier, np.zeros_like(self.internal))
+            gradients = constraints.gradients_at(state.r, state.q)
+            for c in np.flatnonzero(constraints.is_held):
+                for side, n in enumerate(constraints.arrays.nodes[c]):
+                    if n >= 0:
+                        rows.append(np.full(6, constraints.arrays.place[c]))
+                        columns.append(6 * n + np.arange(6))
+                        values.append(gradients[c, 6 * side : 6 * side + 6])
+        held = problem.held
+        if len(held.place):
+            none = LoadState(
+                np.zeros(0, dtype=np.int64), *(np.zeros((0, 6)),) * 2, np.zeros(3), np.zeros((0, 3, 3))
+            )
+            self.assemble(state, none, None, tangent=True, moving=False)
+            B, elements = self._own_operators().strain, self._all
+            for h, (e, place) in enumerate(zip(held.element, held.place, strict=True)):
+                m = int(elements.order[e]) + 1
+                rows.append(np.full(6 * m, place))
+                columns.append((6 * elements.nodes[e, :m, None] + np.arange(6)).ravel())
+                values.append(B[e, 6 * held.point[h] + held.component[h], : 6 * m])
+        shape = (6 * problem.multipliers, 6 * problem.size)
+        flat = [np.concatenate(parts) for parts in (values, rows, columns)]
+        whole = sparse.coo_array((flat[0], (flat[1], flat[2])), shape=shape).tocsr()
+        return sparse.csr_array(whole[constraints.used])
+
+    def multiplier_change(self, increment: Floats) -> Floats:
+        """See :class:`~viscorod.solve.system.System`."""
+        change = increment[self.problem.size :].ravel() * self.constraints.scale
+        change[self.constraints.idle] = 0.0
+        return change
+
     def _add_elements(
         self,
         part: _Part,
@@ -178,8 +272,10 @@ class GeometricSystem:
             e.section,
             e.stiffness,
             e.damping,
+            e.held,
             part.coupled,
             part.damped,
+            part.constrained,
             part.reference,
             stress,
             state.r,
@@ -219,20 +315,39 @@ class GeometricSystem:
                 C,
                 strain_operator,
             )
-            collect(
-                first,
-                e.nodes,
-                e.links,
-                self.problem.link_positions,
-                self.problem.link_quaternions,
-                e.section,
-                e.damping,
-                part.damped,
-                strain_operator,
-                part.operator,
-                *operators,
-            )
+            self._collect(part, first, strain_operator, operators)
             first += count
+        if self.constraints.active:
+            moving = np.ascontiguousarray(turning)
+            self.constraints.add_tangent(
+                state.r,
+                state.q,
+                state.twist,
+                moving,
+                K,
+                C,
+                moving=True,
+                held=(self._all.order, self._all.nodes, operators.strain)
+                if len(self.problem.held.place)
+                else None,
+            )
+
+    def _collect(self, part: _Part, first: int, strain_operator: Floats, operators: Operators) -> None:
+        """Write the operators of one element set, whose elements count from ``first`` on."""
+        e = part.elements
+        collect(
+            first,
+            e.nodes,
+            e.links,
+            self.problem.link_positions,
+            self.problem.link_quaternions,
+            e.section,
+            e.damping,
+            part.damped,
+            strain_operator,
+            part.operator,
+            *operators,
+        )
 
     def carry_stress(self, increment: Floats) -> None:
         """See :class:`~viscorod.solve.system.System`."""
@@ -259,7 +374,7 @@ class GeometricSystem:
         for part in self.parts:
             e = part.elements
             total += geometric.elastic_energy(e.weights, e.half_lengths, e.section, e.stiffness, part.strain)
-        return total
+        return total + self.constraints.energy
 
     def viscous_loss(self, duration: float) -> float:
         """See :class:`~viscorod.solve.system.System`."""
@@ -271,7 +386,7 @@ class GeometricSystem:
                     e.weights, e.half_lengths, e.section, e.damping, part.strain, part.earlier, duration
                 )
             part.earlier[:] = part.strain
-        return total
+        return total + self.constraints.loss(duration)
 
     def gauss_points(self) -> GaussPoints:
         """See :class:`~viscorod.solve.system.System`."""
@@ -298,6 +413,10 @@ class GeometricSystem:
     def gauss_positions(self) -> GaussPositions:
         """See :class:`~viscorod.solve.system.System`."""
         return self._positions
+
+    @cached_property
+    def _all(self) -> Elements:
+        return self.elements()
 
     def elements(self) -> Elements:
         """See :class:`~viscorod.solve.system.System`."""
@@ -355,7 +474,9 @@ class GeometricSystem:
         stations = self.problem.stations
         at = np.flatnonzero(stations.nodes == node)
         if len(at) == 0:
-            return f"node {node}"
+            bodies = self.problem.bodies
+            names = [name for name, n in zip(bodies.names, bodies.nodes, strict=True) if n == node]
+            return f"body '{names[0]}'" if names else f"node {node}"
         rod = int(stations.rod[at[0]])
         s = float(stations.s[at[0]])
         starts = np.sort(np.concatenate([p.elements.start[p.elements.rod == rod] for p in self.parts]))

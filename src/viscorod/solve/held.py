@@ -53,9 +53,14 @@ def held_strains(sets: tuple[ElementSet, ...], pattern: Pattern, nodes: int, fir
     if not found:
         return HeldStrains.none()
     element_, point_, component_, place_, weight_ = zip(*found, strict=True)
-    whole = (np.array(a, dtype=np.int64) for a in (element_, point_, component_, place_))
     return HeldStrains(
-        *whole, np.array(weight_), np.array(up, dtype=np.int64), np.array(down, dtype=np.int64)
+        np.array(element_, dtype=np.int64),
+        np.array(point_, dtype=np.int64),
+        np.array(component_, dtype=np.int64),
+        np.array(place_, dtype=np.int64),
+        np.array(weight_),
+        np.array(up, dtype=np.int64),
+        np.array(down, dtype=np.int64),
     )
 
 

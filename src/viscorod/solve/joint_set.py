@@ -120,7 +120,8 @@ def joint_set(
     """
     ends: list[tuple[int, int]] = []
     found: list[Coordinate] = []
-    for number, part in enumerate([*joints, *springs]):
+    parts: list[ResolvedJoint | ResolvedSpring] = [*joints, *springs]
+    for number, part in enumerate(parts):
         # motions are those of the part's a relative to its b, so b carries the axes
         carrier = GROUND if part.b is None else node_of(part.b)
         moved = node_of(part.a)
@@ -142,7 +143,8 @@ def joint_set(
             blocks += 1
         place[c] = 6 * row[coordinate.joint] + taken[coordinate.joint]
         taken[coordinate.joint] += 1
-    law, laws = np.full(count, -1, dtype=np.int64), []
+    law = np.full(count, -1, dtype=np.int64)
+    laws: list[tuple[Law, Law, float]] = []
     numbers = np.zeros((3, count))
     for c, coordinate in enumerate(found):
         if callable(coordinate.stiffness) or callable(coordinate.damping):
@@ -166,7 +168,7 @@ def joint_set(
     )
     lengths = np.isin(arrays.kind, (kinds.TRANSLATION, kinds.DISTANCE))
     return JointSet(
-        names=tuple(part.label for part in [*joints, *springs]),
+        names=tuple(part.label for part in parts),
         joint=np.array([c.joint for c in found], dtype=np.int64),
         words=tuple(c.word for c in found),
         arrays=arrays,

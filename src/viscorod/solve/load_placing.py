@@ -107,18 +107,18 @@ def _travel(load: MovingForce, length: float) -> tuple[TimeFactor, TimeFactor]:
     Whether it acts is decided by which of its passages over the rod's ends a time lies between, not by the rounding of
     its arc length there.
     """
-    passages = passages(load, length)
-    if not passages:
+    ends = passages(load, length)
+    if not ends:
         return load.arc_length, load.factor
-    middles = [0.5 * (a + b) for a, b in pairwise(passages)]
-    samples = [passages[0] - 1.0, *middles, passages[-1] + 1.0]
+    middles = [0.5 * (a + b) for a, b in pairwise(ends)]
+    samples = [ends[0] - 1.0, *middles, ends[-1] + 1.0]
     on_rod = [0.0 <= load.arc_length(t) <= length for t in samples]
 
     def position(t: float, before: bool) -> float:
         return min(max(load.arc_length(t, before), 0.0), length)
 
     def factor(t: float, before: bool) -> float:
-        acts = on_rod[(bisect_left if before else bisect_right)(passages, t)]
+        acts = on_rod[(bisect_left if before else bisect_right)(ends, t)]
         return load.factor(t, before) if acts else 0.0
 
     return position, factor

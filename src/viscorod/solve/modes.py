@@ -60,16 +60,22 @@ def linearise(
     """Linearise about the equilibrium ``state`` (at rest) under ``scale`` times the loads at time ``t`` [s]."""
     system, problem = solver.system, solver.system.problem
     stiffness = solver.tangent(state, t, before=before, scale=scale)
-    basis = solver.supports.free_basis(state)
+    basis = solver.basis(state)
     n = problem.size
-    resting = State(state.r, state.q, np.zeros((n, 6)))
+    resting = State(state.r, state.q, np.zeros((n, 6)), state.multiplier)
     loads = solver.loads.at(t, before, scale)
     damping_matrix = Matrix(problem.pattern)
     system.assemble(resting, loads, None, tangent=True, moving=False, rate_matrix=damping_matrix)
     damping = sparse.csr_array(basis.T @ damping_matrix.sparse() @ basis)
     mass = sparse.csr_array(basis.T @ sparse.block_diag(list(problem.mass), format="csr") @ basis)
     # displacements over the length of the model are comparable with rotations, whatever the unit of length
-    unit = sparse.diags_array(np.where(solver.supports.free_rows() % 6 < 3, problem.length, 1.0))
+    constrained = system.constraints.rows > 0  # the basis takes care of that then
+    lengths = (
+        np.ones(basis.shape[1])
+        if constrained
+        else np.where(solver.supports.free_rows() % 6 < 3, problem.length, 1.0)
+    )
+    unit = sparse.diags_array(lengths)
     return Linearisation(
         sparse.csr_array(unit @ stiffness @ unit),
         sparse.csr_array(unit @ damping @ unit),

@@ -11,6 +11,7 @@ from scipy import sparse
 from viscorod.mechanics.rotation import retract
 from viscorod.solve.loads import ExternalLoads
 from viscorod.solve.newton import Convergence, NewtonReport, Outcome, SingularMatrixError, worst_node
+from viscorod.solve.null_space import null_space
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
 
@@ -106,19 +107,20 @@ class StaticSolver:
         system, supports = self.system, self.supports
         problem = system.problem
         supports.update(t, before, scale)
+        system.constraints.update(t, before, scale)
         loads = self.loads.at(t, before, scale)
         convergence = Convergence(problem.length, self.tolerance, self.iterations)
         count, size = 0, 0.0
 
         def report(outcome: Outcome) -> NewtonReport:
-            imbalance, node = worst_node(supports.unbalanced(residual), problem.length)
+            imbalance, node = worst_node(supports.unbalanced(residual)[: problem.size], problem.length)
             return NewtonReport(outcome, count, size, imbalance, node)
 
         while True:
             system.assemble(state, loads, None, tangent=True, moving=False)
-            residual = system.internal - system.external
+            residual = system.residual()
             if not np.isfinite(residual).all():
-                bad = int(np.flatnonzero(~np.isfinite(residual).all(axis=1))[0])
+                bad = min(int(np.flatnonzero(~np.isfinite(residual).all(axis=1))[0]), problem.size - 1)
                 return NewtonReport(Outcome.NOT_FINITE, count, size, np.inf, bad)
             supports.impose(state, residual, system.matrix, tangent=True)
             try:
@@ -127,11 +129,12 @@ class StaticSolver:
                 return replace(report(Outcome.SINGULAR), node=error.row // 6)
             increment = system.matrix.solve(-residual)
             count += 1
-            verdict, size = convergence.judge(increment, count)
+            verdict, size = convergence.judge(increment[: problem.size], count)
             if verdict is Outcome.NOT_FINITE:
                 return report(Outcome.SINGULAR)
             retract(state.r, state.q, increment, state.r, state.q)
             system.carry_stress(increment)
+            state.multiplier += system.multiplier_change(increment)
             if verdict is None:
                 continue
             if verdict is Outcome.CONVERGED:
@@ -141,15 +144,17 @@ class StaticSolver:
     def _restore(self, state: State, t: float, *, before: bool, scale: float) -> None:
         """Evaluate forces and reactions at ``state`` and take its section forces as stress iterate."""
         self.supports.update(t, before, scale)
+        self.system.constraints.update(t, before, scale)
         self.system.assemble(state, self.loads.at(t, before, scale), None, tangent=False, moving=False)
         self.system.reset_stress()
-        residual = self.system.internal - self.system.external
+        self.system.constraints.settle()
+        residual = self.system.residual()
         self.supports.impose(state, residual, self.system.matrix, tangent=False)
 
     def tangent(
         self, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0
     ) -> sparse.csc_array:
-        """Return the tangent stiffness at an equilibrium, restricted to the motions that the supports leave free.
+        """Return the tangent stiffness at an equilibrium, restricted to the motions of :meth:`basis`.
 
         At an equilibrium of a conservative system it is symmetric; the number of its negative eigenvalues counts the
         directions in which the equilibrium is unstable.
@@ -157,7 +162,25 @@ class StaticSolver:
         system, supports = self.system, self.supports
         self._restore(state, t, before=before, scale=scale)
         system.assemble(state, self.loads.at(t, before, scale), None, tangent=True, moving=False)
-        residual = system.internal - system.external
+        residual = system.residual()
         supports.impose(state, residual, system.matrix, tangent=True)
-        basis = supports.free_basis(state)
-        return (system.matrix.sparse() @ basis)[supports.free_rows()]
+        size = 6 * system.problem.size
+        whole = system.matrix.sparse()[:size, :size]
+        stiffness = (whole @ supports.free_basis(state))[supports.free_rows()]
+        free = self._unconstrained(state)
+        return stiffness if free is None else sparse.csc_array(free.T @ stiffness @ free)
+
+    def basis(self, state: State) -> sparse.csc_array:
+        """Return a basis of the body increments that supports, joints and held strains allow ``(6 n, free)``."""
+        basis, free = self.supports.free_basis(state), self._unconstrained(state)
+        return basis if free is None else sparse.csc_array(basis @ free)
+
+    def _unconstrained(self, state: State) -> sparse.csc_array | None:
+        """Combinations of the motions that supports leave free, which constraints allow; None without constraints."""
+        constraints, supports = self.system.constraints, self.supports
+        if constraints.rows == 0:
+            return None
+        # displacements over the length of the model are comparable with rotations
+        unit = sparse.diags_array(np.where(supports.free_rows() % 6 < 3, self.system.problem.length, 1.0))
+        gradients = self.system.constraint_gradients(state) @ supports.free_basis(state) @ unit
+        return sparse.csc_array(unit @ sparse.csc_array(null_space(gradients)))

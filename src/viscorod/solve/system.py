@@ -7,10 +7,11 @@ nothing of strains or interpolation. A formulation implements this class once an
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+from scipy import sparse
 
 from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.linearised import Operators
@@ -20,29 +21,37 @@ from viscorod.solve.problem import Problem
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
+    from viscorod.solve.constraints import Constraints
     from viscorod.solve.element_forces import ElementForces
 
 
 @dataclass
 class State:
-    """Poses ``r (n, 3)``, ``q (n, 4)`` and body twists ``(n, 6)`` of all nodes."""
+    """Poses ``r (n, 3)``, ``q (n, 4)`` and body twists ``(n, 6)`` of all nodes, and multipliers, six to a block row."""
 
     r: Floats
     q: Floats
     twist: Floats
+    multiplier: Floats = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def reference(cls, problem: Problem) -> State:
         """Return the reference shape at rest."""
-        return cls(problem.positions.copy(), problem.quaternions.copy(), np.zeros((problem.size, 6)))
+        return cls(
+            problem.positions.copy(),
+            problem.quaternions.copy(),
+            np.zeros((problem.size, 6)),
+            np.zeros(6 * problem.multipliers),
+        )
 
     def copy(self) -> State:
         """Return an independent copy."""
-        return State(self.r.copy(), self.q.copy(), self.twist.copy())
+        return State(self.r.copy(), self.q.copy(), self.twist.copy(), self.multiplier.copy())
 
     def set(self, other: State) -> None:
         """Take over the values of ``other``."""
         self.r[:], self.q[:], self.twist[:] = other.r, other.q, other.twist
+        self.multiplier[:] = other.multiplier
 
 
 @dataclass(frozen=True)
@@ -69,6 +78,7 @@ class System(Protocol):
     """What a formulation offers; all nodal forces are in body components ``(n, 6)``."""
 
     problem: Problem
+    constraints: Constraints
     internal: Floats
     external: Floats
     matrix: Matrix
@@ -101,8 +111,17 @@ class System(Protocol):
         collocation methods only.
         """
 
+    def residual(self) -> Floats:
+        """Return the unbalanced forces of the last assembly, and the gaps that multipliers must close ``(N, 6)``."""
+
     def carry_stress(self, increment: Floats) -> None:
-        """Move the stress iterate along a Newton increment ``(n, 6)`` (mixed Newton)."""
+        """Move the stress iterate along a Newton increment of the nodes ``(N, 6)`` (mixed Newton)."""
+
+    def constraint_gradients(self, state: State) -> sparse.csr_array:
+        """Return the derivatives of all gaps (held coordinates, held strains) by body increments ``(rows, 6 n)``."""
+
+    def multiplier_change(self, increment: Floats) -> Floats:
+        """Return the change of the multipliers that an increment ``(N, 6)`` contains, in their units."""
 
     def reset_stress(self) -> None:
         """Take the section forces of the last assembly as stress iterate."""

@@ -1,0 +1,214 @@
+"""Joints, springs and held strains of a problem in action: targets in time, forces, gaps and drift."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.held_strains import add_held_strains
+from viscorod.mechanics.joints import add_joint_tangent, joint_forces, measure
+from viscorod.solve.laws import NUMBERS, Laws
+from viscorod.solve.problem import Problem
+from viscorod.typing import Floats, Integers
+
+
+class JointState(NamedTuple):
+    """Values [m, rad], rates and forces [N, N m] of all coordinates of joints ``(c,)``.
+
+    A force is what the joint exerts on its first place along (about) the coordinate.
+    """
+
+    value: Floats
+    rate: Floats
+    force: Floats
+
+
+class Constraints:
+    """What couples nodes beside elements.
+
+    Attributes:
+        target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
+        near: values ``(c,)`` that angles are to be near.
+        gap: what multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.joints, self.held = problem.joints, problem.held
+        self.arrays = problem.joints.arrays
+        c, places = self.joints.count, 6 * problem.multipliers
+        self.active = problem.constrained
+        self.laws = Laws(self.joints.laws)
+        self.buffer = np.zeros(NUMBERS)
+        self.near, self.target, self.target_rate = np.zeros(c), np.zeros(c), np.zeros(c)
+        self.gap, self.scale = np.zeros(places), np.ones(places)
+        self.gradients, self.A, self.P = np.zeros((c, 12)), np.zeros((c, 12)), np.zeros((c, 12))
+        self.force, self.rate, self.value = np.zeros(c), np.zeros(c), np.zeros(c)
+        self.energy = self.power = 0.0
+        self._stiffness, self._damping = self.arrays.stiffness.copy(), self.arrays.damping.copy()
+        self._earlier = np.zeros(c)
+        self.is_held = self.arrays.place >= 0
+        self._first_gap = self._gaps_of_reference()
+        taken = np.zeros(places, dtype=bool)
+        taken[self.arrays.place[self.is_held]] = True
+        taken[self.held.place] = True
+        self.idle: Integers = np.flatnonzero(~taken)
+        self.used: Integers = np.flatnonzero(taken)
+        self.target[:] = self._first_gap
+        self.unit = np.ones(places)
+        self.unit[self.arrays.place[self.is_held]] = self.joints.unit[self.is_held]
+
+    def _gaps_of_reference(self) -> Floats:
+        """Values of held coordinates in the reference shape: what is not closed there ``(c,)``."""
+        problem = self.problem
+        still = np.zeros((problem.size, 6))
+        value, rate = np.zeros(self.joints.count), np.zeros(self.joints.count)
+        measure(
+            *self.arrays[:3],
+            problem.positions,
+            problem.quaternions,
+            still,
+            self.near,
+            value,
+            rate,
+            self.gradients,
+        )
+        value[~self.is_held] = 0.0
+        return value
+
+    @property
+    def rows(self) -> int:
+        """Number of conditions that multipliers enforce."""
+        return len(self.used)
+
+    def gradients_at(self, r: Floats, q: Floats) -> Floats:
+        """Return the gradients of all coordinates ``(c, 12)``."""
+        value, rate, out = (
+            np.zeros(self.joints.count),
+            np.zeros(self.joints.count),
+            np.zeros((self.joints.count, 12)),
+        )
+        measure(*self.arrays[:3], r, q, np.zeros((len(r), 6)), self.near, value, rate, out)
+        return out
+
+    def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
+        """Evaluate motors at time ``t`` [s]; ``scale`` below 1 leaves gaps of the reference shape open in part."""
+        if self.joints.count == 0:
+            return
+        self.target[:] = (1.0 - scale) * self._first_gap
+        for c, motion in self.joints.motions:
+            self.target[c] = scale * motion.value(t, before)
+            self.target_rate[c] = scale * motion.rate(t, before)
+        self.near[self.is_held] = self.target[self.is_held]
+
+    def add_forces(self, r: Floats, q: Floats, twist: Floats, multiplier: Floats, internal: Floats) -> None:
+        """Add the forces of joints and springs in one state to ``internal (n, 6)``; measure all coordinates."""
+        if self.joints.count == 0:
+            return
+        a = self.arrays
+        rate, force = np.zeros((1, self.joints.count)), np.zeros((1, self.joints.count))
+        energy, power = np.zeros(1), np.zeros(1)
+        joint_forces(
+            a,
+            self.laws.callback.address,
+            self.buffer,
+            self.near,
+            self.target[None],
+            multiplier[None],
+            force,
+            r[None],
+            q[None],
+            twist[None],
+            self.value,
+            rate,
+            force,
+            energy,
+            power,
+            self.gap[None],
+            internal[None],
+        )
+        self.laws.callback.check()
+        self.force, self.rate = force[0], rate[0]
+        self.energy, self.power = float(energy[0]), float(power[0])
+        for c in np.flatnonzero(a.law >= 0):
+            self.energy += self.laws.energy(int(a.law[c]), float(self.value[c]))
+
+    def settle(self) -> None:
+        """Take the present values as those that angles stay near."""
+        free = ~self.is_held
+        self.near[free] = self.value[free]
+
+    def add_tangent(
+        self,
+        r: Floats,
+        q: Floats,
+        twist: Floats,
+        rate_map: Floats,
+        K: Floats,
+        C: Floats,
+        *,
+        moving: bool,
+        held: tuple[Integers, Integers, Floats] | None,
+    ) -> None:
+        """Add to the blocks ``K`` (and ``C``, see ``add_joint_tangent``) after :meth:`add_forces` in the same state.
+
+        Args:
+            held: orders and nodes of all elements and the change of their strains, see ``add_held_strains``.
+        """
+        pattern, n = self.problem.pattern, self.problem.size
+        a = self.arrays
+        for c in np.flatnonzero(a.law >= 0):
+            self.buffer[:3] = a.law[c], self.value[c], self.rate[c]
+            self.laws.slopes(self.buffer)
+            self._stiffness[c], self._damping[c] = self.buffer[1], self.buffer[2]
+        diagonal = pattern.diagonal
+        if self.joints.count:
+            add_joint_tangent(
+                a,
+                r,
+                q,
+                twist,
+                self.near,
+                self.force,
+                self._stiffness,
+                self._damping,
+                moving,
+                rate_map,
+                diagonal,
+                self.scale,
+                K,
+                C,
+                self.gradients,
+                self.A,
+                self.P,
+            )
+        if held is not None:
+            orders, nodes, B = held
+            add_held_strains(self.held, orders, nodes, diagonal, B, self.scale, K)
+        for place in self.idle:
+            K[diagonal[n + place // 6], place % 6, place % 6] = 1.0
+
+    def state(self) -> JointState:
+        """Return what was measured last."""
+        return JointState(self.value.copy(), self.rate.copy(), -self.force)
+
+    def loss(self, duration: float) -> float:
+        """Return the energy [J] lost to dampers since the last call, ``duration`` [s] ago; 0 starts counting anew.
+
+        The mean rate of the step stands for the rate, as for sections.
+        """
+        total = 0.0
+        if duration > 0.0:
+            rate = (self.value - self._earlier) / duration
+            total = (
+                float(np.sum(np.where(self.arrays.law < 0, self.arrays.damping, 0.0) * rate**2)) * duration
+            )
+            for c in np.flatnonzero(self.arrays.law >= 0):
+                total += self.laws.power(int(self.arrays.law[c]), float(rate[c])) * duration
+        self._earlier[:] = self.value
+        return total
+
+    def motor_power(self) -> float:
+        """Return the power [W] that motors put in, in the state of the last measurement."""
+        return -float(np.sum(self.force[self.is_held] * self.target_rate[self.is_held]))
