@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from viscorod.mechanics.held_strains import add_held_strains
+from viscorod.mechanics.internal_force import Elements, ElementWork, Points, internal_forces
 from viscorod.mechanics.joints import add_joint_tangent, joint_forces, measure
 from viscorod.solve.laws import NUMBERS, Laws
 from viscorod.solve.problem import Problem
 from viscorod.typing import Floats, Integers
+
+if TYPE_CHECKING:
+    from viscorod.solve.system import State
 
 
 class JointState(NamedTuple):
@@ -27,18 +31,23 @@ class JointState(NamedTuple):
 class Constraints:
     """What couples nodes beside elements.
 
+    Args:
+        problem: what they belong to; elements: all of its elements.
+
     Attributes:
         target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
         near: values ``(c,)`` that angles are to be near.
         gap: what multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, elements: Elements) -> None:
         self.problem = problem
         self.joints, self.held = problem.joints, problem.held
         self.arrays = problem.joints.arrays
         c, places = self.joints.count, 6 * problem.multipliers
         self.active = problem.constrained
+        self.elements = elements
+        self._points: Points | None = None
         self.laws = Laws(self.joints.laws)
         self.buffer = np.zeros(NUMBERS)
         self.near, self.target, self.target_rate = np.zeros(c), np.zeros(c), np.zeros(c)
@@ -91,6 +100,37 @@ class Constraints:
         )
         measure(*self.arrays[:3], r, q, np.zeros((len(r), 6)), self.near, value, rate, out)
         return out
+
+    def rate_gaps(self, state: State) -> Floats:
+        """Return the rates of all gaps ``(places,)`` [1/s and units of the gaps], 0 where velocities are allowed."""
+        out = np.zeros_like(self.gap)
+        c = self.joints.count
+        if c:
+            value, rate = np.zeros(c), np.zeros(c)
+            gradients = np.zeros((c, 12))
+            measure(*self.arrays[:3], state.r, state.q, state.twist, self.near, value, rate, gradients)
+            out[self.arrays.place[self.is_held]] = (rate - self.target_rate)[self.is_held]
+        if len(self.held.place):
+            if self._points is None:
+                self._points = Points.of(self.elements, 1)
+            points, (order, width) = self._points, self.elements.nodes.shape
+            del order
+            work, force = ElementWork.of(width - 1), np.zeros((1, *state.twist.shape))
+            internal_forces(
+                self.elements, state.r[None], state.q[None], state.twist[None], points, work, force
+            )
+            held = self.held
+            out[held.place] = points.strain_rate[0, held.element, held.point, held.component]
+        return out
+
+    def speed(self, state: State) -> float:
+        """Return the largest velocity [m/s], or angular velocity times the length, of a state or of motors."""
+        length = self.problem.length
+        fastest = max(
+            float(np.abs(state.twist[:, :3]).max()), length * float(np.abs(state.twist[:, 3:]).max())
+        )
+        driven = float(np.abs(self.target_rate).max(initial=0.0)) * length
+        return max(fastest, driven, 1e-300) / length
 
     def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
         """Evaluate motors at time ``t`` [s]; ``scale`` below 1 leaves gaps of the reference shape open in part."""
@@ -188,6 +228,20 @@ class Constraints:
             add_held_strains(self.held, orders, nodes, diagonal, B, self.scale, K)
         for place in self.idle:
             K[diagonal[n + place // 6], place % 6, place % 6] = 1.0
+
+    def add_rows(
+        self, r: Floats, q: Floats, K: Floats, held: tuple[Integers, Integers, Floats] | None
+    ) -> None:
+        """Add the rows and columns of multipliers, and nothing else, to the blocks ``K``."""
+        c, n = self.joints.count, self.problem.size
+        none, arrays = np.zeros(c), self.arrays
+        saved = self.force, self._stiffness, self._damping
+        self.force, self._stiffness, self._damping = none, none, none
+        self.arrays = arrays._replace(law=np.full(c, -1, dtype=np.int64))
+        still, empty = np.zeros((n, 6)), np.zeros((0, 6, 6))
+        self.add_tangent(r, q, still, np.zeros((n, 6, 6)), K, empty, moving=False, held=held)
+        self.arrays = arrays
+        self.force, self._stiffness, self._damping = saved
 
     def state(self) -> JointState:
         """Return what was measured last."""

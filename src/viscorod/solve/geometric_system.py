@@ -16,7 +16,7 @@ from viscorod.mechanics.linearised import Operators, collect
 from viscorod.solve.constraints import Constraints
 from viscorod.solve.element_forces import ElementForces, GeometricForces
 from viscorod.solve.linear.matrix import Matrix
-from viscorod.solve.loads import LoadState
+from viscorod.solve.loads import NO_LOADS, LoadState
 from viscorod.solve.problem import ElementSet, Problem
 from viscorod.solve.system import GaussPoints, GaussPositions, State
 from viscorod.typing import Floats, Integers
@@ -70,7 +70,6 @@ class GeometricSystem:
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
-        self.constraints = Constraints(problem)
         self.internal: Floats = np.zeros((problem.size, 6))
         self.external: Floats = np.zeros((problem.size, 6))
         self.matrix = Matrix(problem.pattern, problem.length)
@@ -80,6 +79,7 @@ class GeometricSystem:
         self._no_blocks = np.zeros((0, 6, 6))
         self._no_operator = np.zeros((0, 1, 6, 6, LANES))
         self._operators: Operators | None = None
+        self.constraints = Constraints(problem, self._all)
         first = 0
         for part in self.parts:
             part.hold(problem.held, first)
@@ -200,6 +200,17 @@ class GeometricSystem:
         elements = self._all
         return elements.order, elements.nodes, self._own_operators().strain
 
+    def assemble_mass(self, state: State) -> None:
+        """See :class:`~viscorod.solve.system.System`."""
+        problem, constraints, matrix = self.problem, self.constraints, self.matrix
+        held = None
+        if len(problem.held.place):
+            self.assemble(state, NO_LOADS, None, tangent=True, moving=False)
+            held = self._held_rows()
+        matrix.clear()
+        matrix.blocks[problem.pattern.diagonal[: problem.size]] = np.swapaxes(problem.mass, 1, 2)
+        constraints.add_rows(state.r, state.q, matrix.blocks, held)
+
     def residual(self) -> Floats:
         """See :class:`~viscorod.solve.system.System`."""
         unbalanced: Floats = self.internal - self.external
@@ -211,29 +222,25 @@ class GeometricSystem:
     def constraint_gradients(self, state: State) -> sparse.csr_array:
         """See :class:`~viscorod.solve.system.System`."""
         problem, constraints = self.problem, self.constraints
-        rows, columns, values = [], [], []
-        still = np.zeros_like(state.twist)
-        if constraints.joints.count:
-            constraints.add_forces(state.r, state.q, still, state.multiplier, np.zeros_like(self.internal))
-            gradients = constraints.gradients_at(state.r, state.q)
-            for c in np.flatnonzero(constraints.is_held):
-                for side, n in enumerate(constraints.arrays.nodes[c]):
-                    if n >= 0:
-                        rows.append(np.full(6, constraints.arrays.place[c]))
-                        columns.append(6 * n + np.arange(6))
-                        values.append(gradients[c, 6 * side : 6 * side + 6])
-        held = problem.held
+        held, arrays = problem.held, constraints.arrays
+        mine = np.flatnonzero(constraints.is_held)
+        gradients = constraints.gradients_at(state.r, state.q)[mine].reshape(-1, 2, 6)
+        nodes = arrays.nodes[mine]
+        present = nodes >= 0
+        rows = [np.repeat(np.broadcast_to(arrays.place[mine][:, None], nodes.shape)[present], 6)]
+        columns = [(6 * nodes[present][:, None] + np.arange(6)).ravel()]
+        values = [gradients[present].ravel()]
         if len(held.place):
-            none = LoadState(
-                np.zeros(0, dtype=np.int64), *(np.zeros((0, 6)),) * 2, np.zeros(3), np.zeros((0, 3, 3))
-            )
-            self.assemble(state, none, None, tangent=True, moving=False)
+            self.assemble(state, NO_LOADS, None, tangent=True, moving=False)
             B, elements = self._own_operators().strain, self._all
-            for h, (e, place) in enumerate(zip(held.element, held.place, strict=True)):
-                m = int(elements.order[e]) + 1
-                rows.append(np.full(6 * m, place))
-                columns.append((6 * elements.nodes[e, :m, None] + np.arange(6)).ravel())
-                values.append(B[e, 6 * held.point[h] + held.component[h], : 6 * m])
+            own = np.repeat(
+                np.arange(elements.nodes.shape[1]) <= elements.order[held.element][:, None], 6, axis=1
+            )
+            found = B[held.element, 6 * held.point + held.component]
+            at = (6 * elements.nodes[held.element][:, :, None] + np.arange(6)).reshape(found.shape)
+            rows.append(np.broadcast_to(held.place[:, None], found.shape)[own])
+            columns.append(at[own])
+            values.append(found[own])
         shape = (6 * problem.multipliers, 6 * problem.size)
         flat = [np.concatenate(parts) for parts in (values, rows, columns)]
         whole = sparse.coo_array((flat[0], (flat[1], flat[2])), shape=shape).tocsr()

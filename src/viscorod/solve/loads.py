@@ -39,6 +39,11 @@ class LoadState:
         return len(self.nodes) == 0 and not self.stations
 
 
+NO_LOADS = LoadState(
+    np.empty(0, dtype=np.int64), np.empty((0, 6)), np.empty((0, 6)), np.zeros(3), np.empty((0, 3, 3))
+)
+
+
 class ExternalLoads:
     """Evaluates the loads of a problem; nodal sums are kept while the time factors stay the same."""
 
@@ -47,9 +52,7 @@ class ExternalLoads:
         self.offset = any(load.arms.any() for load in problem.nodal_loads)
         self._factors: tuple[float, ...] | None = None
         self._state: LoadState | None = None
-        self.last: LoadState = LoadState(
-            np.empty(0, dtype=np.int64), np.empty((0, 6)), np.empty((0, 6)), np.zeros(3), np.empty((0, 3, 3))
-        )
+        self.last: LoadState = NO_LOADS
 
     def at(self, t: float, before: bool = False, scale: float = 1.0) -> LoadState:
         """Return the loads at time ``t`` [s] times ``scale``; ``before`` takes the limit from the left at jumps."""

@@ -36,7 +36,7 @@ def dependent_rows(gradients: sparse.csr_array) -> Integers:
     rows, size = _unit_rows(gradients)
     if len(rows) == 0:
         return np.zeros(0, dtype=np.int64)
-    R = np.linalg.qr(rows.T, mode="r")
+    R = scipy.linalg.qr(rows.T, mode="r")[0]
     found: list[int] = []
     # R has one column per row; a column is independent if it reaches below the rows that earlier ones reach
     reached = 0

@@ -111,6 +111,9 @@ class System(Protocol):
         collocation methods only.
         """
 
+    def assemble_mass(self, state: State) -> None:
+        """Fill ``matrix`` with the mass and the rows and columns of multipliers at ``state``."""
+
     def residual(self) -> Floats:
         """Return the unbalanced forces of the last assembly, and the gaps that multipliers must close ``(N, 6)``."""
 

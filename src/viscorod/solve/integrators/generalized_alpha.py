@@ -28,6 +28,7 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.loads import ExternalLoads, LoadState
 from viscorod.solve.newton import Convergence, Outcome, SingularMatrixError, worst_node
+from viscorod.solve.projection import project_twists, start_consistently
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
 from viscorod.solve.time_step import start_step
@@ -130,11 +131,14 @@ class GeneralizedAlpha:
         system, supports = self.system, self.supports
         mass = system.problem.mass
         supports.update(t, False)
+        system.constraints.update(t)
         supports.prescribe(state)
         supports.project_twists(state)
+        start_consistently(system, supports, state)
         system.assemble(state, self.loads.at(t), None, tangent=False, moving=True)
         system.reset_stress()
-        residual = system.internal - system.external
+        system.constraints.settle()
+        residual = system.residual()
         supports.add_inertia(state, residual)
         supports.impose(state, residual, system.matrix, tangent=False)
         self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
@@ -207,7 +211,8 @@ class GeneralizedAlpha:
         slope = self._trial[0].slope
         error = slope**2 * np.einsum("nij,nj->ni", self.system.problem.mass, error)
         error[self.supports.set.nodes] *= 1.0 - self.supports.set.fixed
-        error = self.system.matrix.solve(error)
+        gaps = np.zeros((self.system.problem.multipliers, 6))
+        error = self.system.matrix.solve(np.concatenate([error, gaps]))[: len(error)]
         size = np.abs(error) / ([self.system.problem.length] * 3 + [1.0] * 3)
         node, component = divmod(int(np.argmax(size)), 6)
         return report._replace(error=float(size.max()) / self.step_tolerance, node=node, component=component)
@@ -246,7 +251,8 @@ class GeneralizedAlpha:
 
     def _work_rate(self) -> float:
         """Present power of loads and moving supports [W]."""
-        return float(np.sum(self.system.external * self.state.twist)) + self.supports.power()
+        loads = float(np.sum(self.system.external * self.state.twist))
+        return loads + self.supports.power() + self.system.constraints.motor_power()
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
@@ -276,7 +282,7 @@ class GeneralizedAlpha:
         )
         return [
             (
-                before.blend(after, part, State(r[k], q[k], twist[k]), self.system),
+                before.blend(after, part, State(r[k], q[k], twist[k], new.multiplier), self.system),
                 part * self.work,
                 part * self.loss,
             )
@@ -287,6 +293,7 @@ class GeneralizedAlpha:
         """Solve the balance at time ``t`` for the poses reached by ``increment`` (predicted) from the last state."""
         system, supports, old = self.system, self.supports, self.state
         supports.update(t, before)
+        system.constraints.update(t, before)
         loads = self.loads.at(t, before)
         increment[self._held] = 0.0
         new = old.copy()
@@ -302,7 +309,8 @@ class GeneralizedAlpha:
             count += 1
             verdict, size = convergence.judge(change, count)
             if verdict not in (None, Outcome.CONVERGED):
-                imbalance, node = worst_node(supports.unbalanced(residual), system.problem.length)
+                unbalanced = supports.unbalanced(residual)[: system.problem.size]
+                imbalance, node = worst_node(unbalanced, system.problem.length)
         self.evaluations += count
         self.factorisations += count
         self.jacobians += count
@@ -333,6 +341,8 @@ class GeneralizedAlpha:
         self.supports.impose(new, residual, system.matrix, tangent=True)
         system.matrix.factorise()
         change = system.matrix.solve(-residual)
+        new.multiplier += system.multiplier_change(change)
+        change = np.ascontiguousarray(change[: system.problem.size])
         add_mapped(self._map, change, 1.0 / relation.slope, increment)
         system.carry_stress(change)
         return residual, change
@@ -346,7 +356,7 @@ class GeneralizedAlpha:
 
     def _residual(self, new: State, relation: Relation, *, tangent: bool) -> Floats:
         system = self.system
-        residual: Floats = system.internal - system.external
+        residual = system.residual()
         inertia.add_momentum_rate(
             system.problem.mass,
             new.r,
@@ -367,6 +377,7 @@ class GeneralizedAlpha:
         system, supports, new = self.system, self.supports, solution.state
         system.assemble(new, self.loads.last, None, tangent=False, moving=True)
         system.reset_stress()
+        system.constraints.settle()
         supports.impose(new, self._residual(new, relation, tangent=False), system.matrix, tangent=False)
         momentum = np.empty_like(self._momentum)
         self.kinetic = inertia.momenta(system.problem.mass, new.r, new.q, new.twist, momentum)
@@ -377,15 +388,17 @@ class GeneralizedAlpha:
         self.t = end
 
     def _settle(self) -> None:
-        """Make the velocities of partly supported nodes exactly those of their supports."""
-        if len(self.supports.partial):
+        """Make the velocities of partly supported and of joined nodes exactly those that are allowed."""
+        if len(self.supports.partial) or self.system.constraints.rows:
             state = self.state
             self.supports.project_twists(state)
+            project_twists(self.system, state)
             mass = self.system.problem.mass
             self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
 
     def _undo(self) -> None:
         """Put system and supports back to the last accepted state."""
         self.supports.update(self.t, False)
+        self.system.constraints.update(self.t)
         self.system.assemble(self.state, self.loads.at(self.t), None, tangent=False, moving=True)
         self.system.reset_stress()
