@@ -14,7 +14,7 @@ from numba import types
 from numba.extending import get_cython_function_address
 from numpy.typing import NDArray
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, part
 from viscorod.typing import Floats, Integers
 
 Bytes: TypeAlias = NDArray[np.uint8]
@@ -57,7 +57,7 @@ def factorise(band: Floats, integers: Integers) -> int:
     return int(integers[n + 4])
 
 
-@kernel
+@part
 def solve(band: Floats, integers: Integers, letter: Bytes, b: Floats) -> None:
     """Solve with factors in place, ``b`` of their type; ``letter`` is a copy of ``NO_TRANSPOSE``."""
     n = band.shape[0]

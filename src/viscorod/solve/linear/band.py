@@ -5,8 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from viscorod.mechanics.compiled import kernel, part
 from viscorod.solve import lapack
@@ -123,6 +121,12 @@ def narrow_order(pattern: Pattern) -> tuple[Integers, int]:
     """
     identity = np.arange(pattern.size, dtype=np.int64)
     given = _reach(pattern, identity)
+    # whatever comes first couples with so many others, all of them after it
+    if given < np.diff(pattern.starts).min():
+        return identity, given
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import reverse_cuthill_mckee
+
     graph = csr_array((np.ones(len(pattern.rows)), pattern.rows, pattern.starts), (pattern.size,) * 2)
     place = np.empty_like(identity)
     place[reverse_cuthill_mckee(graph, symmetric_mode=True)] = identity

@@ -29,12 +29,12 @@ def own_axis(problem: Problem, state: State, centre: Floats) -> Floats:
 
 
 def bent(
-    solver: StaticSolver, problem: Problem, elements: Elements, root: int
+    solver: StaticSolver, problem: Problem, elements: Elements, root: int, way: float
 ) -> tuple[State, Floats, float, float]:
     """Return a rod bent in its slowest elastic bending mode.
 
     The strains of the mode are laid out from the node ``root`` on: displaced nodes would stretch the rod, which is
-    stiff against that.
+    stiff against that. ``way``, 1 or -1, is that of the bending.
 
     Returns:
         poses, strains ``(e, points, 6)``, frequency [rad/s] and elastic energy [J] of the mode.
@@ -50,7 +50,7 @@ def bent(
         moved = np.abs(shape[:, :3]).max()
         if moved > 0.05 * problem.length * np.abs(shape[:, 3:]).max():  # not one of pure twisting
             break
-    amplitude = DEFLECTION * problem.length / moved
+    amplitude = way * DEFLECTION * problem.length / moved
     rates = StrainRates(elements, problem.size)
     strain = np.zeros_like(elements.reference)
     strain[rates.used] = amplitude * (rates.unstrained @ shape.ravel())

@@ -71,8 +71,11 @@ class Search:
             equations = self._from_reference(target)
             found = path.follow(equations, kind, target, self.effort, 0.0)
         else:
-            equations, elastic = self._from_mode()
-            found, (low, high) = path.along_branch(equations, kind, target, elastic, self.effort)
+            for way in (1.0, -1.0):  # a mode has no sign, but a curved rod may stay bent one way only
+                equations, elastic = self._from_mode(way)
+                found, (low, high) = path.along_branch(equations, kind, target, elastic, self.effort)
+                if np.isfinite(low):
+                    break
             if not found:
                 raise SolveError(self._no_bent(kind, target, low, high))
         if not found:
@@ -130,9 +133,11 @@ class Search:
             self._require_own_axis(state, turning)
         return self._equations(state, None, turning, float(rate))
 
-    def _from_mode(self) -> tuple[GeometricSteady | IntrinsicSteady, float]:
+    def _from_mode(self, way: float) -> tuple[GeometricSteady | IntrinsicSteady, float]:
         """Bent in the slowest elastic mode, turning about the axis of the least inertia; and the elastic energy."""
-        state, strain, frequency, elastic = guess.bent(self.solver, self.problem, self.elements, self.joint)
+        state, strain, frequency, elastic = guess.bent(
+            self.solver, self.problem, self.elements, self.joint, way
+        )
         centre = self._centre(state)
         turning = Turning(guess.own_axis(self.problem, state, centre), centre)
         return self._equations(state, strain, turning, frequency), elastic
