@@ -81,19 +81,24 @@ def equilibrium(
     return Pose(crank, rB, rC, n, m, angles, float(np.abs(values).max())), x
 
 
-def path(cranks: Array, *, tilt: float = TILT, steps: int = 6, stride: float = 0.02) -> list[Pose]:
-    """Follow the equilibria from the unstressed mechanism through the crank angles, in steps of at most ``stride``."""
+def path(
+    cranks: Array, *, tilt: float = TILT, steps: int = 6, fine: int = 16, stride: float = 0.02
+) -> list[Pose]:
+    """Follow the equilibria from the unstressed mechanism through the crank angles, in steps of at most ``stride``.
+
+    Bars are integrated in ``steps`` intervals on the way and in ``fine`` ones at the angles asked for.
+    """
     x, rate, last, poses = np.zeros(8), np.zeros(8), 0.0, []
     for crank in cranks:
         while True:
             ahead = float(np.clip(crank - last, -stride, stride))
-            pose, new = equilibrium(last + ahead, x + ahead * rate, tilt=tilt, steps=steps)
+            _, new = equilibrium(last + ahead, x + ahead * rate, tilt=tilt, steps=steps)
             if ahead:
                 rate = (new - x) / ahead
             x, last = new, last + ahead
             if abs(crank - last) < 1e-13:
                 break
-        poses.append(pose)
+        poses.append(equilibrium(crank, x, tilt=tilt, steps=fine)[0])
     return poses
 
 

@@ -104,8 +104,9 @@ def four_bar_table() -> None:
             "B, C: places in m; force: in the bars, of the outer part on the inner one, N; motor: torque on the "
             "crank, N m;",
             "angle_B, angle_C: relative rotations at the joints, angle_D: of CD about z, in (-pi, pi], rad.",
-            "No mesh; residuals of joint equations below 1e-10. At the two stretched positions (crank -1.57 and -4.71)",
-            "the branch changes from parallel to crossed and back; forces rise steeply there.",
+            "Bars by Runge-Kutta of order 4 in 16 intervals: errors below 1e-8 m and 1e-3 N.",
+            "At the two stretched positions (crank -1.57 and -4.71) the branch changes from parallel to crossed and",
+            "back; forces rise steeply there.",
             "dynamic_place (m) and dynamic_force (N): largest difference of a component from Exudyn with inertia, "
             "16 + 32 + 16 elements, 2 ms, spectral radius 0.7;",
             f"its own mesh (8 + 16 + 8) changes the places by {np.median(meshes[:, :6].max(axis=1)):.0e} m (median), "
