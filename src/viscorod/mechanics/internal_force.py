@@ -66,11 +66,11 @@ class Points(NamedTuple):
     stress: Floats
 
     @classmethod
-    def of(cls, elements: Elements, states: int) -> Points:
-        """Allocate, with the section force as the stress."""
+    def of(cls, elements: Elements, states: int, *, carried: bool = False) -> Points:
+        """Allocate, with the section force as the stress unless this is ``carried`` on its own."""
         shape = (states, *elements.reference.shape)
         force = np.zeros(shape)
-        return cls(np.zeros(shape), np.zeros(shape), force, force)
+        return cls(np.zeros(shape), np.zeros(shape), force, np.zeros(shape) if carried else force)
 
 
 class ElementWork(NamedTuple):

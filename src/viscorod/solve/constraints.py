@@ -170,9 +170,12 @@ class Constraints:
         )
         self.laws.callback.check()
         self.force, self.rate = force[0], rate[0]
-        self.energy, self.power = float(energy[0]), float(power[0])
-        for c in np.flatnonzero(a.law >= 0):
-            self.energy += self.laws.energy(int(a.law[c]), float(self.value[c]))
+        self.energy, self.power = float(energy[0]) + self.function_energy(), float(power[0])
+
+    def function_energy(self) -> float:
+        """Return the energy [J] of springs that are Python functions, at the values measured last."""
+        law = self.arrays.law
+        return sum(self.laws.energy(int(law[c]), float(self.value[c])) for c in np.flatnonzero(law >= 0))
 
     def settle(self) -> None:
         """Take the present values as those that angles stay near."""

@@ -55,9 +55,16 @@ class GeometricForces:
 
     def evaluate(self, state: State, points: Points, internal: Floats) -> None:
         """See :class:`ElementForces`."""
-        internal_forces(
-            self.elements, state.r[None], state.q[None], state.twist[None], points, self._work, internal[None]
-        )
+        where = state.r[None], state.q[None], state.twist[None]
+        internal_forces(self.elements, *where, points, self._work, internal[None])
+        held = self.system.problem.held
+        if len(held.place):
+            # once more, with the multipliers as the section forces that no law gives
+            points.stress[:] = points.section_force
+            forces = state.multiplier[held.place] / held.weight
+            points.stress[0, held.element, held.point, held.component] = forces
+            internal_forces(self.elements, *where, points, self._work, internal[None])
+            points.section_force[0, held.element, held.point, held.component] = forces
 
     def linearise(
         self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats

@@ -324,20 +324,6 @@ class GeometricSystem:
             )
             self._collect(part, first, strain_operator, operators)
             first += count
-        if self.constraints.active:
-            moving = np.ascontiguousarray(turning)
-            self.constraints.add_tangent(
-                state.r,
-                state.q,
-                state.twist,
-                moving,
-                K,
-                C,
-                moving=True,
-                held=(self._all.order, self._all.nodes, operators.strain)
-                if len(self.problem.held.place)
-                else None,
-            )
 
     def _collect(self, part: _Part, first: int, strain_operator: Floats, operators: Operators) -> None:
         """Write the operators of one element set, whose elements count from ``first`` on."""

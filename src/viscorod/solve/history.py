@@ -11,6 +11,7 @@ from viscorod.mechanics.attachment import link_map
 from viscorod.mechanics.inertia import kinetic_energy
 from viscorod.mechanics.quaternion import product
 from viscorod.mechanics.rotation import rotate_rows
+from viscorod.solve.constraints import JointState
 from viscorod.solve.problem import Problem
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
@@ -111,7 +112,7 @@ class Snapshot(NamedTuple):
     Attributes:
         state: nodal poses and twists; strain, strain_rate, section_force: at the Gauss points in order ``(m, 6)``.
         reaction: global wrenches of the supports ``(supports, 6)``.
-        kinetic, elastic: energies [J].
+        kinetic, elastic: energies [J]; joints: their coordinates, None if there are none.
     """
 
     state: State
@@ -121,6 +122,7 @@ class Snapshot(NamedTuple):
     reaction: Floats
     kinetic: float
     elastic: float
+    joints: JointState | None = None
 
     @classmethod
     def of(cls, state: State, system: System, supports: SupportState, kinetic: float = 0.0) -> Snapshot:
@@ -134,6 +136,7 @@ class Snapshot(NamedTuple):
             supports.global_reactions(state),
             kinetic,
             system.elastic_energy(),
+            system.constraints.state(),
         )
 
     def blend(self, end: Snapshot, part: float, state: State, system: System) -> Snapshot:
@@ -153,6 +156,14 @@ class Snapshot(NamedTuple):
             mix(self.reaction, end.reaction),
             kinetic_energy(system.problem.mass, state.twist),
             0.0,
+            self._blended_joints(end, part),
+        )
+
+    def _blended_joints(self, end: Snapshot, part: float) -> JointState | None:
+        if self.joints is None or end.joints is None:
+            return None
+        return JointState(
+            *((1.0 - part) * a + part * b for a, b in zip(self.joints, end.joints, strict=True))
         )
 
 

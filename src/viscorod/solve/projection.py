@@ -7,10 +7,14 @@ the last step later on, whose rows may be some steps old; so it is repeated unti
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
+from viscorod.solve.constraints import Constraints
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
+from viscorod.typing import Floats
 
 TOLERANCE = 1e-12
 """Rate of a constraint, over that of the fastest node, that passes for none."""
@@ -26,7 +30,8 @@ def start_consistently(system: System, supports: SupportState, state: State) -> 
     constraints = system.constraints
     if constraints.rows == 0:
         return
-    if np.abs(constraints.rate_gaps(state)).max() <= TOLERANCE * constraints.speed(state):
+    gap = np.abs(constraints.rate_gaps(state)) / constraints.unit
+    if gap.max() <= TOLERANCE * constraints.speed(state):
         return
     system.assemble_mass(state)
     residual = np.zeros((system.problem.pattern.size, 6))
@@ -35,18 +40,31 @@ def start_consistently(system: System, supports: SupportState, state: State) -> 
     project_twists(system, state)
 
 
-def project_twists(system: System, state: State) -> None:
-    """Remove what the velocities of ``state`` lack, with the factors of the system's matrix."""
-    constraints, n = system.constraints, system.problem.size
+def project_twists(system: System, state: State) -> float:
+    """Do what :func:`project` does with the factors of the system's matrix."""
+    return project(system.constraints, state, system.matrix.solve)
+
+
+def project(constraints: Constraints, state: State, solve: Callable[[Floats], Floats]) -> float:
+    """Remove what the velocities of ``state`` lack.
+
+    Args:
+        solve: with a factorised matrix that has the rows of the constraints, for ``(N, 6)``.
+
+    Returns:
+        what is left, over the velocity of the fastest node.
+    """
     if constraints.rows == 0:
-        return
-    last = np.inf
+        return 0.0
+    problem, last = constraints.problem, np.inf
+    n = problem.size
     for _ in range(MOST):
         gap = constraints.rate_gaps(state)
-        size = float(np.abs(gap).max())
-        if size <= TOLERANCE * constraints.speed(state) or size > 0.9 * last:
+        size = float((np.abs(gap) / constraints.unit).max()) / constraints.speed(state)
+        if size <= TOLERANCE or size > 0.9 * last:
             break
         last = size
-        right = np.zeros((system.problem.pattern.size, 6))
+        right = np.zeros((problem.pattern.size, 6))
         right[n:] = -(constraints.scale * gap).reshape(-1, 6)
-        state.twist += system.matrix.solve(right)[:n]
+        state.twist += solve(right)[:n]
+    return size

@@ -20,6 +20,7 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators import iteration, jacobian
 from viscorod.solve.integrators.actions import Actions
 from viscorod.solve.integrators.contract import StepReport
+from viscorod.solve.integrators.linked import Linked
 from viscorod.solve.integrators.predictor import Predictor
 from viscorod.solve.integrators.records import Records
 from viscorod.solve.integrators.solved_step import try_step
@@ -27,6 +28,7 @@ from viscorod.solve.integrators.stage_data import Body, Ends, Matrices, Stages, 
 from viscorod.solve.integrators.stage_systems import StageSystems
 from viscorod.solve.integrators.tableau import Tableau
 from viscorod.solve.newton import Outcome
+from viscorod.solve.projection import start_consistently
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
 from viscorod.solve.time_step import start_step
@@ -72,14 +74,15 @@ class Collocation:
         self.actions = Actions(system, supports, body, stages)
         self.stages = Stages.of(stages, body)
         self.predictor = Predictor(body, self.stages, tableau)
+        self.linked = Linked(system.constraints, tableau) if problem.constrained else None
         self.recorded = Records(
-            body, self.actions.given, self.stages, tableau, supports, system.gauss_places()
+            body, self.actions.given, self.stages, tableau, supports, system.gauss_places(), self.linked
         )
         self.ends: Ends | None = None
         self.matrices = Matrices.of(body)
         self.systems = StageSystems(body, system.matrix.scales, tableau)
         self.scratch = Work.of(body, stages)
-        self._points = Points.of(body.elements, 1)  # at t
+        self._points = Points.of(body.elements, 1, carried=len(problem.held.place) > 0)  # at t
         self._stress = np.zeros(body.elements.reference.shape)  # at t
         self._force = np.zeros((problem.size, 6))  # what accelerates the nodes at t
         self._end_rate = np.zeros((problem.size, 6))  # of the twists at t
@@ -100,6 +103,10 @@ class Collocation:
         supports.update(t, False)
         supports.prescribe(state)
         supports.project_twists(state)
+        if self.linked is not None:
+            self.system.constraints.update(t)
+            start_consistently(self.system, supports, state)
+            self.linked.forget()
         self._settle(t, state, before=False)
         self.predictor.forget()
         self._rate = 1.0
@@ -120,6 +127,8 @@ class Collocation:
         if h != self._factor_step and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         self.predictor.predict(self.state, self._stress, h)
+        if self.linked is not None:
+            self.linked.predict(h)
         code, count, size, rate, unknown, error, worst = try_step(*self.step_arguments(h))
         self.evaluations += (count + (code == iteration.CONVERGED)) * len(self.tableau.nodes)
         self._end = end
@@ -133,7 +142,9 @@ class Collocation:
         if not self._fresh_jacobian:
             self._have_jacobian = False
             return self.attempt(end, before=before).after(count)
-        imbalance = float(np.abs(self.stages.residual).max())
+        if self.linked is not None:
+            self.system.constraints.laws.callback.check()
+        imbalance = float(np.abs(self.stages.residual[:, : len(self.body.mass)]).max())
         return StepReport(_OUTCOME[code], count, size, imbalance, node, 0.0, rate, component)
 
     def step_arguments(self, h: float) -> tuple[Any, ...]:
@@ -154,6 +165,7 @@ class Collocation:
             self.ends,
             self.scratch,
             self.forces.motion,
+            None if self.linked is None else self.linked.links,
             self.newton_tolerance,
             self.iterations,
             self._rate,
@@ -202,18 +214,27 @@ class Collocation:
         """Evaluate loads and prescribed motions at all stages of the step to ``end``."""
         for i, c in enumerate(self.tableau.nodes):
             last = i == self._last
-            self.actions.prepare(i, end if last else self.t + c * (end - self.t), before=before and last)
+            t = end if last else self.t + c * (end - self.t)
+            self.actions.prepare(i, t, before=before and last)
+            if self.linked is not None:
+                self.linked.prepare(i, t, before=before and last)
 
     def _arrive(self) -> None:
         """Make the last stage the new state."""
         stages, last = self.stages, self._last
-        self.state = State(stages.r[last].copy(), stages.q[last].copy(), stages.twist[last].copy())
+        self.state = State(
+            stages.r[last].copy(), stages.q[last].copy(), stages.twist[last].copy(), self.state.multiplier
+        )
         self._force[:], self._stress[:] = stages.force[last], stages.stress[last]
         self.forces.arrive(stages.strain[last])
         self._reaction[:] = stages.reaction[last]
         if len(self.supports.partial):
             self.actions.move_supports(self._end, before=True)
             self.supports.project_twists(self.state)
+        if self.linked is not None:
+            self.system.constraints.update(self._end, True)
+            h = self._end - self.t
+            self.elastic += self.linked.arrive(self.state, h, self.systems.solve_real, stage=True)
         self._end_rate = stages.acceleration[last].copy()
         self.kinetic = self.recorded.arrive(self.state, self.elastic)
 
@@ -228,6 +249,10 @@ class Collocation:
         self.t, self.state = t, state
         internal, external = self.scratch.vector, self.scratch.change
         self.forces.evaluate(state, points, internal)
+        constraints = self.system.constraints
+        if self.linked is not None:
+            constraints.add_forces(state.r, state.q, state.twist, state.multiplier, internal)
+            self.linked.begin(state)
         external.fill(0.0)
         self.actions.add_loads(t, state, external, before=before)
         self.evaluations += 1
@@ -242,7 +267,7 @@ class Collocation:
         self.kinetic = inertia.kinetic_energy(body.mass, state.twist)
         elastic, dissipated = np.empty((2, 1))  # not the powers of the last step, which states between need
         energies(body.elements, points.strain, points.strain_rate, elastic, dissipated)
-        self.elastic = float(elastic[0])
+        self.elastic = float(elastic[0]) + constraints.energy
         self._reaction[:] = supports.reaction
         self._stress[:] = points.stress[0]
         self.recorded.settle(state, points, supports.global_reactions(state), self.kinetic, self.elastic)
@@ -254,6 +279,8 @@ class Collocation:
         matrices.K.fill(0.0)
         matrices.C.fill(0.0)
         self.forces.linearise(state, self._turning, self._stress, matrices.operators, matrices.K, matrices.C)
+        if self.linked is not None:
+            self.linked.linearise(state, self._turning, body.elements, matrices)
         self.actions.add_load_stiffness(self.t, state, self.scratch.vector, matrices.K)
         matrices.mass[:] = body.mass
         jacobian.add_inertia(

@@ -36,6 +36,8 @@ class Midpoint(Collocation):
         h = end - self.t
         given, supports = self.actions.given, self.supports
         self.actions.prepare(0, self.t + 0.5 * h, before=False)
+        if self.linked is not None:
+            self.linked.prepare_end(self.t, end, before=before)
         if not supports.moving:
             return
         supports.update(self.t, False)
@@ -73,13 +75,16 @@ class Midpoint(Collocation):
         ends, stages = self.ends, self.stages
         twist = 2.0 * stages.twist[0] - self.state.twist
         self.forces.reflect(stages.strain[0])
-        state = State(ends.r[0].copy(), ends.q[0].copy(), twist)
+        state = State(ends.r[0].copy(), ends.q[0].copy(), twist, self.state.multiplier)
         c = self.supports.complete
         if self.supports.moving and len(c):
             state.twist[self.supports.set.nodes[c]] = self._end_twist
         supports = self.supports
         if supports.moving:
             supports.update(self._end, True)
+        if self.linked is not None:
+            self.system.constraints.update(self._end, True)
+            self.linked.arrive(state, self._end - self.t, self.systems.solve_real, stage=False)
         self._settle(self._end, state, before=True, acceleration=stages.acceleration[0])
 
     def _settle(self, t: float, state: State, *, before: bool, acceleration: Floats | None = None) -> None:

@@ -8,6 +8,7 @@ from viscorod.mechanics import supports as support_kernels
 from viscorod.mechanics.internal_force import Points
 from viscorod.mechanics.interpolation import interpolate
 from viscorod.solve.history import Snapshot
+from viscorod.solve.integrators.linked import Linked
 from viscorod.solve.integrators.readings import read_between, read_end
 from viscorod.solve.integrators.stage_data import Body, Given, Stages
 from viscorod.solve.integrators.tableau import Tableau
@@ -22,6 +23,7 @@ class Records:
     Args:
         body, given, stages, tableau: of the method; supports: correct what is interpolated where they hold in part.
         places: where the Gauss points of the results are in the arrays of the stages, flattened.
+        linked: joints, if there are any.
 
     Attributes:
         snapshot: everything at the present time; strain: largest shear or stretch there.
@@ -37,10 +39,12 @@ class Records:
         tableau: Tableau,
         supports: SupportState,
         places: Integers,
+        linked: Linked | None,
     ) -> None:
         self.body, self.given, self.stages, self.tableau = body, given, stages, tableau
         self.supports = supports
         self._places = places
+        self.linked = linked
         self.strain = 0.0
         self._fields = np.empty((3, len(places), 6))
         self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
@@ -59,6 +63,7 @@ class Records:
     def leave(self, state: State) -> None:
         """Keep what states between need of the ``state`` at the start of an accepted step, and of its stages."""
         self._start = (state, self._fields, self.snapshot.reaction)
+        self._joints = self.snapshot.joints
         b, stages = self.body, self.stages
         self._reactions = np.empty(stages.reaction.shape)
         support_kernels.reaction_wrenches(
@@ -83,7 +88,8 @@ class Records:
 
     def _take(self, state: State, reaction: Floats, kinetic: float, elastic: float) -> None:
         strain, rate, force = self._fields
-        self.snapshot = Snapshot(state, strain, rate, force, reaction, kinetic, elastic)
+        joints = None if self.linked is None else self.linked.state()
+        self.snapshot = Snapshot(state, strain, rate, force, reaction, kinetic, elastic, joints)
 
     def _read(self, state: State, strain: Floats, rate: Floats, force: Floats) -> float:
         """Bring the last stage of Gauss-point fields into the order of results; return the kinetic energy [J]."""
@@ -135,7 +141,7 @@ class Records:
             q,
             twist,
         )
-        states = [State(*fields) for fields in zip(r, q, twist, strict=True)]
+        states = [State(*fields, new.multiplier) for fields in zip(r, q, twist, strict=True)]
         if self.supports.moving and self.body.partly:
             for state, part in zip(states, parts, strict=True):
                 self.supports.correct(state, t - (1.0 - part) * h)
@@ -162,5 +168,6 @@ class Records:
             energies,
         )
         kinetic, work, loss = energies.tolist()
-        snapshots = map(Snapshot, states, *points, reaction, kinetic, [0.0] * count)
+        joints = [None] * count if self.linked is None else self.linked.between(self._joints, states, parts)
+        snapshots = map(Snapshot, states, *points, reaction, kinetic, [0.0] * count, joints)
         return list(zip(snapshots, work, loss, strict=True))

@@ -5,15 +5,26 @@ from __future__ import annotations
 import math
 
 from viscorod.mechanics.compiled import kernel, part
+from viscorod.mechanics.held_strains import give_stress, keep_stress, strain_gaps
 from viscorod.mechanics.inertia import balance
 from viscorod.mechanics.internal_force import Points, conserve_energy, energies, internal_forces
 from viscorod.mechanics.intrinsic import StrainMotion, stage_forces
+from viscorod.mechanics.joints import add_frozen_springs, carry_springs, hold_coordinates
 from viscorod.mechanics.linearised import add_frozen_forces, carry_stress
 from viscorod.mechanics.motion import move_stages, place_stages
 from viscorod.mechanics.supports import lacking_motion
 from viscorod.solve.integrators import stages as over
 from viscorod.solve.integrators.energy_step import hold_ends, reach_end
 from viscorod.solve.integrators.iteration import CONVERGED, GOING, SLOW, judge
+from viscorod.solve.integrators.links import (
+    GAP,
+    Links,
+    add_gaps,
+    add_motors,
+    end_gaps,
+    largest_gap,
+    move_multipliers,
+)
 from viscorod.solve.integrators.stage_data import Body, Ends, Factors, Given, Matrices, Stages, Work
 from viscorod.solve.integrators.tableau import Tableau
 from viscorod.solve.linear.band import solve
@@ -111,7 +122,9 @@ def add_damping(rows: Integers, columns: Integers, C: Floats, rate: Floats, out:
 
 @part
 def scale_free(nodes: Integers, fixed: Floats, rows: Floats, out: Floats, right: Floats) -> None:
-    """Write the right side ``(6 N,)``: the scaled ``out (n, 6)``, zero at held components."""
+    """Write the right side ``(6 N,)``: the scaled ``out (n, 6)``, zero at held components and for multipliers."""
+    for i in range(6 * out.shape[0], right.shape[0]):
+        right[i] = 0.0
     for k in range(out.shape[0]):
         for a in range(6):
             right[6 * k + a] = rows[6 * k + a] * out[k, a]
@@ -197,6 +210,7 @@ def try_step(
     ends: Ends | None,
     work: Work,
     motion: StrainMotion | None,
+    links: Links | None,
     tolerance: float,
     limit: int,
     known_rate: float,
@@ -211,6 +225,7 @@ def try_step(
     Args:
         ends: for the midpoint rule; None for the others, whose code then lacks what it needs.
         motion: strains as states of their own (intrinsic formulation); None: they follow from the poses.
+        links: joints, springs and held strains; None: there are none.
         r0, q0, twist0: start of the step; force0: what accelerates the nodes there ``(n, 6)``; h: step [s].
         tolerance: displacement over length, or rotation [rad]; limit: allowed iterations.
         known_rate: convergence rate of the last step, trusted in the first iteration (1 if unknown).
@@ -260,6 +275,13 @@ def try_step(
     slots = elements[14]
     points = Points(strain, strain_rate, S, sigma)
     several = X.shape[0] > 1
+    count_nodes = mass.shape[0]
+    if links is not None:
+        joint_nodes, kind, geometry, place, stiffness, damping, rest, law = links[:8]
+        at_strain, at_point, at_component, strain_place, point_weight = links[8:13]
+        address, buffer, near, gradients, joint_A, joint_P, link_scale, unit = links[13:21]
+        link_target, link_rate_target, link_end, multiplier, carried = links[21:26]
+        link_value, link_rate, link_force, link_energy, link_power, gap, gradient = links[26:]
     last = size = 0.0
     convergence = known_rate**0.8  # trusted less with every step that does not confirm it
     unknown = count = 0
@@ -274,6 +296,8 @@ def try_step(
             reach_end(
                 r0, q0, X, split, held, nodes, complete, end_r, end_q, change[0], rate[0], r1, q1, twist1
             )
+        if links is not None:
+            give_stress(at_strain, at_point, at_component, strain_place, point_weight, multiplier, sigma)
         if motion is None:
             internal_forces(elements, r, q, twist, points, scratch, internal)
             if ends is not None:
@@ -302,6 +326,55 @@ def try_step(
                 sigma,
                 internal,
             )
+        if links is not None:
+            keep_stress(at_strain, at_point, at_component, sigma, S)
+            strain_gaps(at_strain, at_point, at_component, strain_place, strain, gap)
+            hold_coordinates(
+                joint_nodes,
+                kind,
+                geometry,
+                place,
+                stiffness,
+                damping,
+                rest,
+                law,
+                address,
+                buffer,
+                near,
+                link_target,
+                multiplier,
+                carried,
+                final,
+                r,
+                q,
+                twist,
+                gradient,
+                link_value,
+                link_rate,
+                link_force,
+                link_energy,
+                link_power,
+                gap,
+                internal,
+            )
+            if ends is not None:
+                end_gaps(
+                    joint_nodes,
+                    kind,
+                    geometry,
+                    place,
+                    at_strain,
+                    at_point,
+                    at_component,
+                    strain_place,
+                    near,
+                    link_end,
+                    r1,
+                    q1,
+                    strain1,
+                    gradient,
+                    gap,
+                )
         over.evaluate_loads(
             loaded,
             mass,
@@ -327,6 +400,11 @@ def try_step(
             no_blocks,
         )
         balance(mass, twist, acceleration, internal, external, force, residual)
+        if links is not None:
+            # by the midpoint rule half of what is lacking at the end is lacking in the middle
+            add_gaps(gap, link_scale, 1.0 if ends is None else 0.5, count_nodes, residual)
+            if final and count < limit and largest_gap(gap, unit) > GAP:
+                code, final = GOING, False
         if final:
             over.held_power(nodes, complete, residual, twist, held_power)
         if final or partly:
@@ -335,6 +413,8 @@ def try_step(
             # projected as the Jacobian is: what stiff sections add here dwarfs all other forces
             over.clear(internal)
             add_frozen_forces(elements, B, S, sigma, internal)
+            if links is not None:
+                add_frozen_springs(joint_nodes, place, gradients, link_force, carried, internal)
             if partly:
                 for i in range(internal.shape[0]):
                     project_free(nodes, fixed, free_directions, vector, internal[i])
@@ -372,6 +452,9 @@ def try_step(
         move_stages(X, residual, split, held)
         over.differentiate(D, h, residual, rates)
         carry_stress(elements, A, P, residual, rates, S, sigma)
+        if links is not None:
+            move_multipliers(residual, link_scale, count_nodes, multiplier)
+            carry_springs(joint_nodes, place, joint_A, joint_P, residual, rates, link_force, carried)
         last = size
     largest, worst = 0.0, 0
     if code == CONVERGED:
@@ -403,6 +486,11 @@ def try_step(
             largest, worst = largest_error(scales, right, length, error)
         add_powers(nodes, fixed, complete, external, twist, held_power, reaction, rate_target, powers[0])
         energies(elements, strain, strain_rate, elastic, powers[1])
+        if links is not None:
+            add_motors(place, link_force, link_rate_target, powers[0])
+            for i in range(elastic.shape[0]):
+                elastic[i] += link_energy[i]
+                powers[1, i] += link_power[i]
     elif code == GOING:
         code = SLOW
     return code, count, size, convergence, unknown, largest, worst

@@ -160,7 +160,7 @@ class Stages(NamedTuple):
             internal=np.zeros((s, n, 6)),
             external=np.zeros((s, n, 6)),
             force=np.zeros((s, n, 6)),
-            residual=np.zeros((s, n, 6)),
+            residual=np.zeros((s, body.pattern.size, 6)),  # of nodes and multipliers
             reaction=np.zeros((s, len(body.nodes), 6)),
             strain=np.zeros(points),
             strain_rate=np.zeros(points),

@@ -48,6 +48,12 @@ class StageSystems:
             return False
         return True
 
+    def solve_real(self, right: Floats) -> Floats:
+        """Return the solution with the real matrix for ``right (N, 6)``."""
+        x = np.ascontiguousarray(right * self.factors.real_rows.reshape(right.shape))
+        self.real.solve(x)
+        return np.asarray(x * self.factors.scales.reshape(right.shape))
+
     def _combine(self, matrices: Matrices, mu: complex, rows: Floats, blocks: Floats) -> None:
         body, pattern = self.body, self.body.pattern
         jacobian.combine(

@@ -88,9 +88,9 @@ def impose(
 
 @part
 def clear_held(held: Floats, values: Floats) -> None:
-    """Set the rows of completely held nodes to zero in ``(s, n, 6)``."""
+    """Set the rows of completely held nodes to zero in ``(s, N, 6)``."""
     for i in range(values.shape[0]):
-        for k in range(values.shape[1]):
+        for k in range(held.shape[0]):
             if held[k] != 0.0:
                 for a in range(6):
                     values[i, k, a] = 0.0
@@ -199,7 +199,7 @@ def to_modes(
     """Write the right sides ``-T R`` of the real and the complex system, rows scaled.
 
     Args:
-        residual: ``(s, n, 6)``; T: ``to_modes`` of the method; rows, complex_rows: scales ``(6 N,)``.
+        residual: ``(s, N, 6)``; T: ``to_modes`` of the method; rows, complex_rows: scales ``(6 N,)``.
         real, pair: outputs ``(6 N,)``; methods of one stage have no complex pair.
     """
     for k in range(residual.shape[1]):
@@ -226,7 +226,7 @@ def to_changes(
     Args:
         real, pair: solutions ``(6 N,)``; T: ``to_stages`` of the method; scales: of the unknowns.
         length: displacements are measured in it; infinity is returned if any change is undefined.
-        change: output ``(s, n, 6)``, zero at nodes that are ``held (n,)``.
+        change: output ``(s, N, 6)``, zero at nodes that are ``held (n,)``; only the nodes' size counts.
     """
     largest, where = 0.0, 0
     for k in range(change.shape[1]):
@@ -237,6 +237,9 @@ def to_changes(
                 if change.shape[0] > 1:
                     value += T[i, 1] * pair[row].real + T[i, 2] * pair[row].imag
                 value *= scales[row]
+                if k >= held.shape[0]:
+                    change[i, k, a] = value
+                    continue
                 if held[k] != 0.0:
                     value = 0.0
                 change[i, k, a] = value
@@ -250,9 +253,9 @@ def to_changes(
 
 @part
 def differentiate(D: Floats, h: float, values: Floats, out: Floats) -> None:
-    """Write the rates ``sum_j d_ij values_j / h`` of stage values ``(s, n, 6)``."""
+    """Write the rates ``sum_j d_ij values_j / h`` of stage values ``(s, N, 6)`` of nodes, ``out (s, n, 6)``."""
     for i in range(values.shape[0]):
-        for k in range(values.shape[1]):
+        for k in range(out.shape[1]):
             for a in range(6):
                 total = 0.0
                 for j in range(values.shape[0]):

@@ -1,0 +1,144 @@
+"""Joints, springs and held strains of a collocation method, from step to step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from viscorod.mechanics.internal_force import Elements
+from viscorod.mechanics.joints import measure
+from viscorod.solve.constraints import Constraints, JointState
+from viscorod.solve.integrators.links import Links
+from viscorod.solve.integrators.stage_data import Matrices
+from viscorod.solve.integrators.tableau import Tableau
+from viscorod.solve.projection import project
+from viscorod.solve.system import State
+from viscorod.typing import Floats
+
+
+class Linked:
+    """Targets, predictions and records of the links of a run.
+
+    Args:
+        constraints: of the system that is integrated; tableau: the method.
+
+    Attributes:
+        links: for the compiled step.
+        drift: largest gap of positions over the length (or in rad, or strain) and of velocities over the fastest one,
+            so far.
+    """
+
+    def __init__(self, constraints: Constraints, tableau: Tableau) -> None:
+        self.constraints, self.tableau = constraints, tableau
+        self.links = Links.of(constraints, len(tableau.nodes))
+        self.drift = 0.0, 0.0
+        c = constraints.joints.count
+        self._multiplier = np.zeros(len(constraints.gap))  # at t
+        self._force = np.zeros(c)  # of all coordinates, at t
+        self._past: tuple[Floats, float] | None = None  # multipliers and forces of the last step, its length
+        self._start = JointState(np.zeros(c), np.zeros(c), np.zeros(c))
+
+    def prepare(self, i: int, t: float, *, before: bool) -> None:
+        """Evaluate motors at stage ``i``, at time ``t`` [s]."""
+        constraints, links = self.constraints, self.links
+        constraints.update(t, before)
+        links.target[i], links.target_rate[i] = constraints.target, constraints.target_rate
+
+    def prepare_end(self, t: float, end: float, *, before: bool) -> None:
+        """Evaluate motors at the end of a step of the midpoint rule, and their mean rates."""
+        constraints, links = self.constraints, self.links
+        constraints.update(t)
+        first = constraints.target.copy()
+        constraints.update(end, before)
+        links.end_target[:] = constraints.target
+        links.target_rate[0] = (constraints.target - first) / (end - t)
+
+    def forget(self) -> None:
+        """Begin anew: the last step says nothing about the next one."""
+        self._past = None
+
+    def predict(self, h: float) -> None:
+        """Write multipliers and spring forces of a step of ``h`` [s]: the last step's polynomials go on."""
+        links = self.links
+        now = np.concatenate([self._multiplier, self._force])
+        if self._past is None:
+            stages = np.broadcast_to(now, (len(links.multiplier), len(now)))
+        else:
+            known, length = self._past
+            weights = self.tableau.polynomials(1.0 + self.tableau.nodes * (h / length))
+            stages = known[0] + weights @ (known[1:] - known[0])
+        places = links.multiplier.shape[1]
+        links.multiplier[:], links.carried[:] = stages[:, :places], stages[:, places:]
+
+    def begin(self, state: State) -> None:
+        """Take over a state whose joints were measured just now."""
+        constraints = self.constraints
+        constraints.settle()
+        self._multiplier, self._force = state.multiplier.copy(), constraints.force.copy()
+        self._start = constraints.state()
+
+    def linearise(self, state: State, turning: Floats, elements: Elements, matrices: Matrices) -> None:
+        """Add the constraints to the matrices of the Jacobian, whose operators are known (see ``Collocation``)."""
+        constraints = self.constraints
+        constraints.add_forces(state.r, state.q, state.twist, state.multiplier, np.zeros_like(state.twist))
+        constraints.add_tangent(
+            state.r,
+            state.q,
+            state.twist,
+            turning,
+            matrices.K,
+            matrices.C,
+            moving=True,
+            held=(elements.order, elements.nodes, matrices.operators.strain)
+            if len(constraints.held.place)
+            else None,
+        )
+
+    def arrive(self, state: State, h: float, solve: Callable[[Floats], Floats], *, stage: bool) -> float:
+        """Take the end of a step of ``h`` [s]; return the energy [J] of springs that are Python functions.
+
+        Args:
+            state: at the end, whose velocities and multipliers are completed; solve: with the real matrix of the step.
+            stage: the end is the last stage, whose multipliers are known; else they are those of the middle.
+        """
+        constraints, links = self.constraints, self.links
+        now = np.concatenate([self._multiplier, self._force])
+        if len(self.tableau.nodes) > 1:
+            stages = np.concatenate([links.multiplier, links.force], axis=1)
+            self._past = np.concatenate([now[None], stages]), h
+        state.multiplier = links.multiplier[-1].copy()
+        position = float((np.abs(links.gap[-1]) / constraints.unit).max(initial=0.0))
+        velocity = project(constraints, state, solve)
+        self.drift = max(self.drift[0], position), max(self.drift[1], velocity)
+        if stage:
+            constraints.value, constraints.rate = links.value.copy(), links.rate[-1].copy()
+            constraints.force = links.force[-1].copy()
+            self.begin(state)
+        return constraints.function_energy()
+
+    def state(self) -> JointState:
+        """Return the joints at the present time."""
+        return self._start
+
+    def between(self, before: JointState, states: list[State], parts: Floats) -> list[JointState]:
+        """Return the joints in ``states`` at ``parts`` of the last step, which began with ``before``."""
+        constraints, links = self.constraints, self.links
+        c = constraints.joints.count
+        weights = self.tableau.polynomials(parts)
+        forces = before.force - weights @ (links.force + before.force)  # what joints exert has the other sign
+        found = []
+        for state, force in zip(states, forces, strict=True):
+            value, rate, gradients = np.zeros(c), np.zeros(c), np.zeros((c, 12))
+            measure(
+                *constraints.arrays[:3],
+                state.r,
+                state.q,
+                state.twist,
+                constraints.near,
+                value,
+                rate,
+                gradients,
+            )
+            found.append(JointState(value, rate, force))
+        return found
