@@ -12,7 +12,7 @@ from viscorod.model.description import ModelDescription
 from viscorod.model.fit import require_fit
 from viscorod.model.rod import Rod
 from viscorod.model.section import MaterialSection
-from viscorod.model.settings import EquilibriumSettings, SimulateSettings, SteadySettings
+from viscorod.model.settings import AnySettings, SimulateSettings, SteadySettings
 from viscorod.solve.discretise import discretise
 from viscorod.solve.geometric_system import GeometricSystem
 from viscorod.solve.modes import complex_modes, linearise, natural_frequencies
@@ -56,7 +56,7 @@ class CheckReport:
 
 
 def check(
-    model: ModelDescription, settings: SimulateSettings | EquilibriumSettings | SteadySettings | None = None
+    model: ModelDescription, settings: AnySettings | None = None
 ) -> CheckReport:
     """Validate a model, and the settings of an analysis of it, and describe it.
 
