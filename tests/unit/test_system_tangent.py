@@ -6,18 +6,10 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from assembled import Workplace
 from derivatives import slope_of
 from viscorod.mechanics import supports as kernels
-from viscorod.mechanics.rotation import inverse_motion_tangent, retract
-from viscorod.solve.discretise import discretise
-from viscorod.solve.geometric_system import GeometricSystem
-from viscorod.solve.integrators.generalized_alpha import GeneralizedAlpha, Relation
 from viscorod.solve.linear.matrix import Matrix
-from viscorod.solve.loads import ExternalLoads
-from viscorod.solve.support_state import SupportState
-from viscorod.solve.system import State
-
-TIME = 0.3
 
 
 def loaded_frame():
@@ -51,39 +43,6 @@ def loaded_frame():
     model.moving_force("b", (0.4, -0.3, 0.2), speed=1.0)
     model.force("a@0.33", (0.2, 0.1, -0.4))
     return model
-
-
-class Workplace:
-    def __init__(self, model, seed=3):
-        rng = np.random.default_rng(seed)
-        self.problem = discretise(model)
-        self.system = GeometricSystem(self.problem)
-        self.supports = SupportState(self.problem)
-        self.loads = ExternalLoads(self.problem).at(TIME)
-        self.supports.update(TIME)
-        n = self.problem.size
-        self.n = n
-        self.old = State(self.problem.positions.copy(), self.problem.quaternions.copy(), np.zeros((n, 6)))
-        retract(self.old.r, self.old.q, 0.2 * rng.normal(size=(n, 6)), self.old.r, self.old.q)
-        self.increment = 0.3 * rng.normal(size=(n, 6))
-        self.relation = Relation(7.0, rng.normal(size=(n, 6)), rng.normal(size=(n, 6)))
-        self.integrator = GeneralizedAlpha(self.system, self.supports)
-        self.integrator.state = self.old
-
-    def residual(self, increment, tangent=False):
-        """Balance of all nodes before supports; assembled matrix with ``tangent``."""
-        new = self.old.copy()
-        self.integrator._reach(new, increment, self.relation)
-        inverse_motion_tangent(increment, self.relation.slope, self.integrator._map)
-        self.system.assemble(new, self.loads, self.integrator._map, tangent=tangent, moving=True)
-        return new, self.integrator._residual(new, self.relation, tangent=tangent)
-
-    def moved(self, x):
-        """Increment after the body change ``x`` of the pose that ``self.increment`` reaches."""
-        T = np.empty((self.n, 6, 6))
-        # the derivative of the increment is T^-1; a finite x needs the exact composition
-        inverse_motion_tangent(self.increment, 1.0, T)
-        return self.increment + np.einsum("nij,nj->ni", T, x.reshape(self.n, 6))
 
 
 def test_residual_and_tangent_with_inertia_and_all_loads():

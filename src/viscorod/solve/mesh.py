@@ -90,7 +90,7 @@ def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> Rod
             Fault(
                 f"rods.{name}.elements",
                 str(rod.elements),
-                "too few: elements must end where sections change and at supports and attachments",
+                "too few: elements must end where sections change and at supports, attachments and joints",
                 f"give at least {len(spans)}, or leave it out",
             )
         )
