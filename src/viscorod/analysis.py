@@ -14,6 +14,7 @@ import numpy as np
 from viscorod.errors import InputError, SolveError
 from viscorod.mechanics import geometric, intrinsic
 from viscorod.mechanics.compiled import announce_compilation, announce_formulation
+from viscorod.mechanics.held_strains import add_held_strains
 from viscorod.mechanics.joints import joint_forces
 from viscorod.model.description import ModelDescription
 from viscorod.model.settings import PathSettings, SimulateSettings
@@ -79,7 +80,7 @@ class Workplace:
         problem = discretise(model)
         announce_compilation(geometric.assemble)
         if problem.constrained:
-            announce_formulation(joint_forces)
+            announce_formulation(joint_forces if problem.joints.count else add_held_strains)
         system = FORMULATIONS[formulation, damping](problem)
         supports = SupportState(problem)
         require_independent(system, supports)
@@ -124,7 +125,13 @@ class Workplace:
 
     def path(self, settings: PathSettings, progress: Progress | None, attrs: dict[str, Any]) -> Equilibrium:
         """Follow a path of equilibria; see ``Model.path``."""
-        self._require_held(self.static.loads.at(0.0, True, 1.0))
+        loads = self.static.loads.at(0.0, True, 1.0)
+        self.supports.update(0.0, True)
+        if loads.none and not self.supports.target.any():
+            raise InputError(
+                "no path to follow: no load and no prescribed motion acts at t = 0; add a load without until"
+            )
+        self._require_held(loads)
         unit = abs(settings.target or 1.0)
         follower = PathFollower(self.static, unit)
         history = self.history
@@ -168,13 +175,15 @@ class Workplace:
 
     def _displacement(self, settings: PathSettings) -> Callable[[PathPoint], float]:
         """How far a displacement is from that at which a path is to end, of the model's length."""
-        assert settings.place is not None and settings.axis is not None and settings.displacement is not None
+        assert settings.place is not None
+        assert settings.axis is not None
+        assert settings.displacement is not None
         problem, reader = self.problem, StationReader(self.problem)
         start = reader.read(problem.positions, problem.quaternions, np.zeros((problem.size, 6)))[0]
         stations = problem.stations
-        site = Sites.of(np.array(problem.rods)[stations.rod], stations.s, problem.rod_orders[stations.rod]).at(
-            settings.place
-        )
+        site = Sites.of(
+            np.array(problem.rods)[stations.rod], stations.s, problem.rod_orders[stations.rod]
+        ).at(settings.place)
         component, wanted = AXES.index(settings.axis), settings.displacement
 
         def lacking(point: PathPoint) -> float:
@@ -185,7 +194,9 @@ class Workplace:
 
     def _path_failure(self, path: Path) -> str:
         reached = self.history.instant[-1] if self.history.instant else 0.0
-        text = f"The path was followed to {reached:.6g} of the loads, {path.count} points: {path.outcome.value}."
+        text = (
+            f"The path was followed to {reached:.6g} of the loads, {path.count} points: {path.outcome.value}."
+        )
         if path.outcome is Outcome.POINTS:
             return f"{text} What to try: {path.outcome.advice(static=True)}."
         where = self._where(path.report) if path.report is not None else ""

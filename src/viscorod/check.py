@@ -55,9 +55,7 @@ class CheckReport:
     unknowns: int
 
 
-def check(
-    model: ModelDescription, settings: AnySettings | None = None
-) -> CheckReport:
+def check(model: ModelDescription, settings: AnySettings | None = None) -> CheckReport:
     """Validate a model, and the settings of an analysis of it, and describe it.
 
     Raises:

@@ -160,7 +160,9 @@ class PathSettings(Described):
 
     load_factor: OptionalNumber = None
     place: Annotated[str | None, PlainValidator(optional(word))] = None
-    axis: Annotated[Literal["x", "y", "z"] | None, PlainValidator(optional(one_of("x", "y", "z").func))] = None
+    axis: Annotated[Literal["x", "y", "z"] | None, PlainValidator(optional(one_of("x", "y", "z").func))] = (
+        None
+    )
     displacement: OptionalNumber = None
     turns: Annotated[int | None, PlainValidator(optional(whole_number(1, 1000)))] = None
     points: Annotated[int, PlainValidator(whole_number(2, 100_000))] = 200

@@ -19,7 +19,7 @@ SMALLEST = 1e-6
 """Smallest distance between points, as a part of the largest."""
 SHARPEST_TURN = 0.9
 """Cosine of the largest angle between a step and the path at its end: beyond it the step may have left the path."""
-LARGEST_GAP = 3.0
+LARGEST_GAP = 2.0
 """Largest distance between two points over the difference of their distances from a third one before them."""
 HALVINGS = 24
 """How often the step is halved that contains a limit point or a bifurcation."""
@@ -40,7 +40,8 @@ class PathPoint(NamedTuple):
 
     Attributes:
         state, factor: where it is; forward: unit direction in which the path goes on.
-        unstable: number of negative eigenvalues of the tangent stiffness; iterations: Newton iterations to get there.
+        unstable: number of negative eigenvalues of the tangent stiffness, -1 if not counted; iterations: of Newton's
+            method to get there.
         change: all of the increments since the point before it.
     """
 
@@ -124,10 +125,11 @@ class PathFollower:
         if load_factor is not None:
             endings = [*endings, lambda point: point.factor - load_factor]
         begin = -1.0 if load_factor is not None and load_factor < 0.0 else 1.0
-        at = self._point(state, 0.0, Direction(np.zeros_like(state.twist), begin), 0)
-        if at is None:
+        start = self._point(state, 0.0, Direction(np.zeros_like(state.twist), begin), 0)
+        if start is None:
             path.outcome = Outcome.SINGULAR
             return path
+        at = self._counted(start)
         self._record(at, on_point)
         step = 0.25 * largest
         while path.count < points:
@@ -139,6 +141,7 @@ class PathFollower:
                     path.outcome = path.report.outcome if path.report is not None else Outcome.SINGULAR
                     return path
                 continue
+            reached = self._counted(reached)
             ended = self._ended(at, reached, step, endings, load_factor)
             passed = self._passed(at, ended or reached, step)
             if passed is None:
@@ -157,7 +160,9 @@ class PathFollower:
             self._record(at, on_point)
             if ended:
                 return path
-            step = min(step * (1.5 if reached.iterations <= 5 else 0.7 if reached.iterations > 8 else 1.0), largest)
+            step = min(
+                step * (1.5 if reached.iterations <= 5 else 0.7 if reached.iterations > 8 else 1.0), largest
+            )
         path.outcome = Outcome.POINTS
         return path
 
@@ -203,9 +208,7 @@ class PathFollower:
 
     def _point(self, state: State, factor: float, gone: Direction, iterations: int) -> PathPoint | None:
         """Complete a point, to which the path came by ``gone``; None if the tangent stiffness is singular there."""
-        unstable = negative_eigenvalues(
-            self.static.tangent(state, self.t, before=self.before, scale=factor)
-        )
+        self.static.restore(state, self.t, before=self.before, scale=factor)
         try:
             _, per_factor = self._solve(state, factor)
         except SingularMatrixError:
@@ -215,9 +218,14 @@ class PathFollower:
         if not np.isfinite(size):
             return None
         size = np.copysign(size, self._inner(forward, gone))
-        return PathPoint(
-            state, factor, Direction(forward.increment / size, 1.0 / size), unstable, iterations, gone
-        )
+        return PathPoint(state, factor, Direction(forward.increment / size, 1.0 / size), -1, iterations, gone)
+
+    def _counted(self, point: PathPoint) -> PathPoint:
+        """Count the negative eigenvalues at a point."""
+        if point.unstable >= 0:
+            return point
+        tangent = self.static.tangent(point.state, self.t, before=self.before, scale=point.factor)
+        return point._replace(unstable=negative_eigenvalues(tangent))
 
     def _ended(
         self,
@@ -239,7 +247,7 @@ class PathFollower:
             exact = end.state.copy()
             if self.static.newton(exact, self.t, before=self.before, scale=load_factor).converged:
                 end = self._point(exact, load_factor, end.change, end.iterations) or end
-        return end
+        return self._counted(end)
 
     def _zero(self, at: PathPoint, reached: PathPoint, step: float, ending: Ending) -> PathPoint:
         """Find where ``ending`` vanishes within a step, by the rule of false position (Illinois)."""
@@ -277,14 +285,18 @@ class PathFollower:
             )
             if limit is None:
                 return None
-            found.append((limit, path.limit_points))
+            found.append((self._counted(limit), path.limit_points))
         if abs(more) > int(turned):  # at a limit point one eigenvalue changes its sign, no bifurcation
-            crossed = self._change(at, reached, step, lambda point: point.unstable == at.unstable)
+            crossed = self._change(
+                at, reached, step, lambda point: self._counted(point).unstable == at.unstable
+            )
             if crossed is not None and found and abs(crossed.factor - found[0][0].factor) < 1e-6 * self.unit:
-                crossed = self._change(at, reached, step, lambda point: point.unstable != reached.unstable)
+                crossed = self._change(
+                    at, reached, step, lambda point: self._counted(point).unstable != reached.unstable
+                )
             if crossed is None:
                 return None
-            found.append((crossed, path.bifurcations))
+            found.append((self._counted(crossed), path.bifurcations))
         return sorted(found, key=lambda pair: self._inner(at.forward, pair[0].change))
 
     def _change(
@@ -297,7 +309,11 @@ class PathFollower:
         """
         low, high, last, after = 0.0, step, at, reached
         none = Direction(np.zeros_like(at.forward.increment), 0.0)
-        first, end, known = none, reached.change, step  # changes of the last two points, and how far the latter is
+        first, end, known = (
+            none,
+            reached.change,
+            step,
+        )  # changes of the last two points, and how far the latter is
         for halving in range(HALVINGS):
             middle = 0.5 * (low + high)
             point = self.step(at, middle)
@@ -310,7 +326,7 @@ class PathFollower:
             apart = Direction(end.increment - first.increment, end.factor - first.factor)
             if np.sqrt(self._inner(apart, apart)) > LARGEST_GAP * (known - low):
                 return None
-            if halving >= 8 and known - low > 0.1 * step:
+            if halving >= 10 and known - low > 0.01 * step:
                 return None
             if max(abs(last.forward.factor), abs(after.forward.factor)) * (high - low) < 1e-9 * self.unit:
                 break
