@@ -87,6 +87,7 @@ ROD = {
 
 TEXTS = {
     "number": "number",
+    "word": "text, in quotes",
     "positive": "number > 0",
     "vector": "3 numbers",
     "direction": "3 numbers, not all 0; any length",

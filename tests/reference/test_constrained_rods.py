@@ -1,7 +1,8 @@
 """Rods with constrained strains against limits, closed forms and the balance of angular momentum.
 
-The formulas of unshearable rods are those of D. Liu and X. Wang's variational principle for a special Cosserat rod:
-(60) and (62) the shear forces that the balance of angular momentum asks for, (63) the third component of that balance.
+The formulas of unshearable rods are those of D. Liu and C. H.-T. Wang, Variational principle for a special Cosserat rod:
+(60) and (62) the shear forces that the balance of angular momentum asks for, (63) the axial force, (67) what remains of
+that balance.
 """
 
 from __future__ import annotations
@@ -305,7 +306,7 @@ def polynomial(known, at):
 
 
 def contact_forces(elements, order, step=5e-3, tolerance=1e-8, damping=0.02):
-    """Recorded n1, n2, n3 at the Gauss points at 0.4 s, and n1, n2 and the rest of (63) from the motion.
+    """Recorded n1, n2, n3 at the Gauss points at 0.4 s, n1, n2 and the rest of (67) from the motion, v3.
 
     Angular velocities follow from those of the nodes by the element's polynomials, their rates by five-point
     differences in time, moments and their slopes by the polynomial through the Gauss points.
@@ -348,7 +349,7 @@ def curvature(model, s, step=1e-5):
 
 @pytest.mark.parametrize("damping", [0.02, 0.0])
 def test_contact_forces_of_liu_and_wang(damping):
-    """Multipliers against (60), (62) and (63), of moments with their viscous part: a three-dimensional motion.
+    """Multipliers against (60) and (62), and (67), of moments with their viscous part: a three-dimensional motion.
 
     Slopes of moments through p Gauss points have order p - 1, here 3; shear forces reach 2.6.
     """
@@ -373,7 +374,7 @@ def test_contact_forces_converge_with_the_step():
 
 
 def test_axial_force_of_an_unshearable_rod():
-    """n3 = K33 (v3 - 1) where nothing is damped; the shears vanish. Recorded between the steps, to 1e-7."""
+    """(63): n3 = K33 (v3 - 1) where nothing is damped; the shears vanish. Recorded between the steps, to 1e-7."""
     rows = contact_forces(4, 4, damping=0.0)
     assert rows[:, 2] == pytest.approx(2e3 * (rows[:, 6] - 1), abs=1e-6)
 
