@@ -137,7 +137,9 @@ class Workplace:
         if not motions:
             return
         self.system.assemble(State.reference(self.problem), loads, None, tangent=True, moving=False)
-        loose = undetermined(self.problem, self.system.external, self.system.matrix.sparse(), motions)
+        size = 6 * self.problem.size
+        stiffness = self.system.matrix.sparse()[:size, :size]  # without the rows of multipliers
+        loose = undetermined(self.problem, self.system.external, stiffness, motions)
         if loose:
             raise InputError(
                 "no static equilibrium: nothing holds the model against "

@@ -46,7 +46,7 @@ class CheckReport:
         sections: stiffness [N, N m^2] and retardation time [s] of every strain, at the start of every rod and
             where it changes; "held" in place of the stiffness of strains that the rod holds.
         bodies: name, mass [kg], principal inertia [kg m^2] of every rigid body.
-        joints: name, kind, places, motions that are free or driven, where it is [m], and its gap in the reference shape.
+        joints: name, kind, places, motions that are free or driven, where it is and its gap [m] in the reference shape.
         springs: name, kind, places, motions with stiffness and damping.
         frequencies: of the first small vibrations about the unloaded shape [Hz]; damping_ratios: of the same.
         warnings: doubts, one sentence each.
@@ -98,7 +98,10 @@ def check(
         nodes=n,
         unknowns=6 * n - int(problem.supports.fixed.sum()),
         bodies=[_body_row(name, body) for name, body in model.bodies.items()],
-        joints=[_joint_row(joint, given) for joint, given in zip(model.resolved_joints(), model.joints, strict=True)],
+        joints=[
+            _joint_row(joint, given)
+            for joint, given in zip(model.resolved_joints(), model.joints, strict=True)
+        ],
         springs=[
             _spring_row(spring, given)
             for spring, given in zip(model.resolved_springs(), model.springs, strict=True)

@@ -99,7 +99,11 @@ def check(
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", metavar="DIR", help="Folder for the picture [default: out/CASE]", show_default=False
+            "--output",
+            "-o",
+            metavar="DIR",
+            help="Folder for the picture [default: out/CASE]",
+            show_default=False,
         ),
     ] = None,
 ) -> None:

@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.drawing.labels import Labels
-from viscorod.drawing.loads import Arrows, arrows, gravity
+from viscorod.drawing.loads import arrows, gravity
 from viscorod.model.any_joint import ResolvedJoint
 from viscorod.model.any_support import ResolvedSupport
 from viscorod.model.connections import position_of
 from viscorod.model.description import ModelDescription
 from viscorod.model.motion_words import MOTIONS
 from viscorod.model.place import AnyPlace, BodyPlace
+from viscorod.model.spring import ResolvedSpring
 from viscorod.results.assemblies import zigzag
 from viscorod.results.shapes import View
 from viscorod.results.style import (
     BLUE,
     GREEN,
-    GREY,
     INK,
     LIGHT,
     ORANGE,
@@ -35,7 +35,6 @@ from viscorod.solve.discretise import discretise
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 MOST_NAMES = 12
@@ -97,9 +96,13 @@ class _Picture:
 
     def _seats(self) -> list[Floats]:
         """Points beside the rods that must be in the picture."""
-        bodies = [body.position(point) for body in self.model.bodies.values() for point in (None, *body.points)]
-        parts = [*self.joints, *self.springs]
-        return [np.array([p]) for p in (*bodies, *(part.at_a for part in parts), *(part.at_b for part in parts))]
+        bodies = [
+            body.position(point) for body in self.model.bodies.values() for point in (None, *body.points)
+        ]
+        parts: list[ResolvedJoint | ResolvedSpring] = [*self.joints, *self.springs]
+        return [
+            np.array([p]) for p in (*bodies, *(part.at_a for part in parts), *(part.at_b for part in parts))
+        ]
 
     def _reaches(self, points: Floats) -> list[Floats]:
         """Tips of arrows: loads across a plane are not seen in it."""
@@ -145,8 +148,13 @@ class _Picture:
         nodes = self.problem.positions[np.unique(self.problem.stations.nodes)]
         paper = self.view.on_paper(nodes)
         size = 3.2 if len(nodes) <= 60 else 1.6
-        style = {"markerfacecolor": "white", "markeredgecolor": BLUE, "markeredgewidth": 0.7, "zorder": 3}
-        self.axes.plot(*paper, "o", markersize=size, linestyle="none", label="node", **style)
+        dots: dict[str, Any] = {
+            "markerfacecolor": "white",
+            "markeredgecolor": BLUE,
+            "markeredgewidth": 0.7,
+            "zorder": 3,
+        }
+        self.axes.plot(*paper, "o", markersize=size, linestyle="none", label="node", **dots)
 
     def _bodies(self) -> None:
         bodies = self.model.bodies
@@ -163,17 +171,17 @@ class _Picture:
             style = {"color": GREEN, "markeredgecolor": "white", "zorder": 5}
             self._symbols(centre[None], "D", 9.0, "body", **style)
             if named:
-                self.labels.add(self.view.on_paper(centre[None])[:, 0], f"{name}, {body.total_mass():.3g} kg", GREEN)
+                self.labels.add(
+                    self.view.on_paper(centre[None])[:, 0], f"{name}, {body.total_mass():.3g} kg", GREEN
+                )
                 if len(body.points) <= 4:
-                    for point in body.points:
-                        self.labels.add(self.view.on_paper(body.position(point)[None])[:, 0], point, GREEN)
+                    for word in body.points:
+                        self.labels.add(self.view.on_paper(body.position(word)[None])[:, 0], word, GREEN)
 
     def _fixed_to_bodies(self) -> dict[str, list[Floats]]:
         """What is drawn as fixed to each body: its points, attached rod ends, and where joints and springs sit."""
         model = self.model
-        fixed = {
-            name: [body.position(point) for point in body.points] for name, body in model.bodies.items()
-        }
+        fixed = {name: [body.position(point) for point in body.points] for name, body in model.bodies.items()}
 
         def add(place: AnyPlace | None, point: Floats) -> None:
             if isinstance(place, BodyPlace):
@@ -184,7 +192,8 @@ class _Picture:
                 for other in group:
                     if not isinstance(other, BodyPlace):
                         add(place, position_of(model, other)[0])
-        for part in (*self.joints, *self.springs):
+        parts: list[ResolvedJoint | ResolvedSpring] = [*self.joints, *self.springs]
+        for part in parts:
             add(part.a, part.at_a)
             add(part.b, part.at_b)
         return fixed
@@ -197,7 +206,7 @@ class _Picture:
             if float(np.linalg.norm(ends[:, 1] - ends[:, 0])) > 0.02 * extent:
                 line = zigzag(ends, 0.02 * extent)
                 self.axes.plot(*line, color=PURPLE, linewidth=1.2, zorder=3, label=name)
-                self.labels.avoid((0.5 * (line[:, :-1] + line[:, 1:])))
+                self.labels.avoid(0.5 * (line[:, :-1] + line[:, 1:]))
                 self.labels.avoid(line)
                 if spring.b is None:
                     self._symbols(spring.at_b[None], "+", 8.0, "fixed point", color=INK, zorder=4)
@@ -250,7 +259,9 @@ class _Picture:
                 "markeredgewidth": 0.8 if rigid else 2.0,
                 "zorder": 7,
             }
-            self._symbols(point[None], "o", 14.0 if centred else 8.0, "rigid joint" if rigid else "joint", **style)
+            self._symbols(
+                point[None], "o", 14.0 if centred else 8.0, "rigid joint" if rigid else "joint", **style
+            )
             if len(self.joints) <= MOST_NAMES:
                 text = given.name or joint.kind
                 if joint.motion:
@@ -272,7 +283,12 @@ class _Picture:
             direction = joint.frame[:, k]
             if float(np.linalg.norm(self.view.projection @ direction)) < _SIDEWAYS:
                 name = label_once(self.axes, "axis across the paper")
-                style = {"color": _DARK_ORANGE, "zorder": 8, "linestyle": "none", "label": name}
+                style: dict[str, Any] = {
+                    "color": _DARK_ORANGE,
+                    "zorder": 8,
+                    "linestyle": "none",
+                    "label": name,
+                }
                 self.axes.plot(*self.view.on_paper(joint.at_a[None]), ".", markersize=4.0, **style)
                 continue
             ends = joint.at_a + reach * np.outer((-1.0, 1.0), direction)
@@ -349,7 +365,9 @@ class _Picture:
         )
         start = (1.12, 0.17)
         if float(np.linalg.norm(direction)) < _SIDEWAYS:
-            axes.annotate("into the paper", start, xycoords="axes fraction", ha="center", va="top", fontsize=SMALL)
+            axes.annotate(
+                "into the paper", start, xycoords="axes fraction", ha="center", va="top", fontsize=SMALL
+            )
             return
         middle = (1.12, 0.09)
         axes.annotate(

@@ -48,13 +48,14 @@ class Labels:
         """Write all labels, once everything else is drawn; what is in the way is what :meth:`avoid` was told."""
         from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-        figure = axes.figure
+        figure = axes.get_figure(root=True)
+        assert figure is not None
         figure.draw_without_rendering()  # settles the limits
         axes.set_xlim(axes.get_xlim())
         axes.set_ylim(axes.get_ylim())
         canvas = figure.canvas
         assert isinstance(canvas, FigureCanvasAgg)
-        renderer = canvas.get_renderer()
+        renderer = canvas.get_renderer()  # type: ignore[no-untyped-call]
         dot = figure.dpi / 72.0
         pixels = axes.transData.transform
         taken = pixels(np.concatenate([np.zeros((2, 0)), *self._taken], axis=1).T)
@@ -78,13 +79,20 @@ class Labels:
             best, chosen, box = np.inf, np.zeros(2), np.zeros(4)
             for rank, distance in enumerate(_DISTANCES):
                 for direction in _DIRECTIONS:
-                    shift = direction * (half + dot * distance / max(1.0, float(np.abs(direction).sum()) ** 0.5))
+                    shift = direction * (
+                        half + dot * distance / max(1.0, float(np.abs(direction).sum()) ** 0.5)
+                    )
                     low, high = at + shift - half, at + shift + half
                     lines = np.count_nonzero(np.all((taken > low) & (taken < high), axis=1))
                     crossed = np.count_nonzero(
-                        (boxes[:, 0] < high[0]) & (boxes[:, 2] > low[0]) & (boxes[:, 1] < high[1]) & (boxes[:, 3] > low[1])
+                        (boxes[:, 0] < high[0])
+                        & (boxes[:, 2] > low[0])
+                        & (boxes[:, 1] < high[1])
+                        & (boxes[:, 3] > low[1])
                     )
-                    outside = not (frame.x0 < low[0] and high[0] < frame.x1 and frame.y0 < low[1] and high[1] < frame.y1)
+                    outside = not (
+                        frame.x0 < low[0] and high[0] < frame.x1 and frame.y0 < low[1] and high[1] < frame.y1
+                    )
                     cost = 1.0 * lines + 300.0 * crossed + 300.0 * outside + 1.5 * rank
                     if cost < best:
                         best, chosen, box = cost, shift, np.concatenate([low, high])
@@ -98,5 +106,11 @@ class Labels:
                     tuple(label.point),
                     tuple(near / dot),
                     textcoords="offset points",
-                    arrowprops={"arrowstyle": "-", "color": GREY, "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 2.0},
+                    arrowprops={
+                        "arrowstyle": "-",
+                        "color": GREY,
+                        "linewidth": 0.6,
+                        "shrinkA": 0.0,
+                        "shrinkB": 2.0,
+                    },
                 )

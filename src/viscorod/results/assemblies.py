@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 TEETH = 6
 """Of a spring's zigzag."""
-WIDTH = 0.018
+WIDTH = 0.01
 """Height of the teeth as a part of the drawn size."""
 
 
@@ -69,7 +69,12 @@ class Assembly:
         return np.where(ground[..., None], self._arm, moved)
 
     def draw(
-        self, axes: Axes, view: View, positions: Floats, rotations: Floats, colour: str | tuple[float, ...] = INK
+        self,
+        axes: Axes,
+        view: View,
+        positions: Floats,
+        rotations: Floats,
+        colour: str | tuple[float, ...] = INK,
     ) -> None:
         """Draw bodies and joints in one state; see :meth:`draw_springs` for the rest."""
         for body in self.bodies:
@@ -107,7 +112,12 @@ class Assembly:
         )
 
     def draw_springs(
-        self, axes: Axes, view: View, positions: Floats, rotations: Floats, colour: str | tuple[float, ...] = INK
+        self,
+        axes: Axes,
+        view: View,
+        positions: Floats,
+        rotations: Floats,
+        colour: str | tuple[float, ...] = INK,
     ) -> None:
         """Draw the springs in one state."""
         springs = self.ends(positions, rotations)[~self._joint]
@@ -115,7 +125,7 @@ class Assembly:
         for side in springs:
             name = label_once(axes, "spring" if len(springs) == 1 else "springs")
             line = zigzag(view.on_paper(side), WIDTH * size)
-            axes.plot(*line, color=colour, linewidth=0.9, zorder=2, label=name)
+            axes.plot(*line, color=colour, linewidth=0.7, zorder=1.5, label=name)
 
 
 def zigzag(ends: Floats, width: float) -> Floats:

@@ -28,7 +28,8 @@ def unique(names: Sequence[str]) -> list[str]:
 
 def bodies_of_stations(problem: Problem, reader: StationReader) -> np.ndarray:
     """Return the name of the body that each station is part of, or is rigidly attached to; empty for none."""
-    names = dict(zip(problem.bodies.nodes.tolist(), (name.partition(".")[0] for name in problem.bodies.names)))
+    bodies = problem.bodies
+    names = {int(node): name.partition(".")[0] for node, name in zip(bodies.nodes, bodies.names, strict=True)}
     return np.array([names.get(node, "") for node in reader.nodes.tolist()])
 
 

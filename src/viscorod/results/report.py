@@ -216,7 +216,15 @@ def _joints(equilibrium: Equilibrium) -> str:
         scale = 1.0 if lengths[k] else size
         name = str(joint) if k == 0 or joint != data["joint"].values[k - 1] else ""
         held = "held" if data["joint_held"].values[k] else ""
-        rows.append((name, str(word), *_vector(value[k : k + 1], scale), *_vector(force[k : k + 1], largest * scale), held))
+        rows.append(
+            (
+                name,
+                str(word),
+                *_vector(value[k : k + 1], scale),
+                *_vector(force[k : k + 1], largest * scale),
+                held,
+            )
+        )
     return table(
         "Joints and springs: coordinates, and what acts along them on the first place",
         ("joint", "motion", "value [m, rad]", "force [N, N m]", ""),

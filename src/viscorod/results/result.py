@@ -106,8 +106,9 @@ class Result(ABC):
             name: of the joint or spring, by default its kind and places, such as "revolute arm.end - leg.start".
 
         Returns:
-            ``value`` [m or rad], ``rate`` and ``force`` [N or N m] ``(time, motion)``, or ``(load_factor, motion)``; motion
-            is the motion word, ``held`` tells which the joint or a motor holds. A force is what acts on a from the joint.
+            ``value`` [m or rad], ``rate`` and ``force`` [N or N m] ``(time, motion)``, or ``(load_factor, motion)``;
+            motion is the motion word, ``held`` tells which the joint or a motor holds. A force is what acts on a from
+            the joint. Held values are 0 to round-off at the ends of steps, and within the tolerance between.
 
         Raises:
             InputError: no such joint or spring.

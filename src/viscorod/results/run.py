@@ -114,7 +114,7 @@ class Run(Result):
         return hermite(u, position[k], position[k + 1], velocity[0], velocity[1])
 
     def rotations_at(self, time: float) -> Floats:
-        """Return the orientations of all stations at a time, quaternions ``(stations, 4)``; straight between records."""
+        """Return the orientations of all stations at a time, quaternions (stations, 4); straight between records."""
         known, rotation = self.time, np.asarray(self.data["rotation"].values, dtype=float)
         k = int(np.clip(np.searchsorted(known, time, side="right") - 1, 0, max(known.size - 2, 0)))
         if known.size == 1:

@@ -4,14 +4,14 @@ Everything a result says is derived from one ``xarray.Dataset`` with these varia
 all that a fresh run does. States are stored along ``time`` (kind "simulate"), ``load_factor`` (kind "equilibrium") or
 ``spin`` (kind "steady", one state).
 
-Stations are the nodes of the rods, by increasing arc length rod by rod, and after them the mass centres of rigid bodies,
-each followed by the body's named points: ``station_rod`` is the name of the body, or "plate.corner", with ``station_order``
-0. A joint or spring has a ``joint_coordinate`` for each motion that it holds, drives, springs or measures. Where a rod
-holds a strain, ``section_force`` is the reaction that holds it, and no energy is stored or lost there. Springs of
-joints are part of the elastic energy, their dampers of what is lost to viscosity, motors of the work from outside. Runs
-with joints or held strains have the attributes ``drift_position`` and ``drift_velocity``: the largest gap that was found
-between what these hold and the motion, over the size of the model (or in rad, or strain), and that of velocities
-over the fastest one, before it was removed.
+Stations are the nodes of the rods, by increasing arc length rod by rod, and after them the mass centres of rigid
+bodies, each followed by the body's named points: ``station_rod`` is the name of the body, or "plate.corner", with
+``station_order`` 0. A joint or spring has a ``joint_coordinate`` for each motion that it holds, drives, springs
+or measures. Where a rod holds a strain, ``section_force`` is the reaction that holds it, and no energy is stored
+or lost there. Springs of joints are part of the elastic energy, their dampers of what is lost to viscosity,
+motors of the work from outside. Runs with joints or held strains have the attributes ``drift_position`` and
+``drift_velocity``: the largest gap that was found between what these hold and the motion, over the size of the
+model (or in rad, or strain), and that of velocities over the fastest one, before it was removed.
 """
 
 from __future__ import annotations
@@ -62,9 +62,15 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "joint": ("", "joint or spring of the coordinate"),
     "joint_motion": ("", "motion word of the coordinate, of a relative to b along the joint's axes"),
     "joint_held": ("", "whether the joint or a motor holds the coordinate"),
-    "joint_value": ("m, rad", "coordinate of a joint or spring, from the reference shape; of a line its length"),
+    "joint_value": (
+        "m, rad",
+        "coordinate of a joint or spring, from the reference shape; of a line its length",
+    ),
     "joint_rate": ("m/s, rad/s", "rate of the coordinate"),
-    "joint_force": ("N, N m", "force or moment of the joint or spring on its first place, along the coordinate"),
+    "joint_force": (
+        "N, N m",
+        "force or moment of the joint or spring on its first place, along the coordinate",
+    ),
     "connection": ("", "joint or spring"),
     "connection_kind": ("", "joint or spring"),
     "connection_station": ("1", "stations that it connects, the carrier of its axes first, -1 the ground"),

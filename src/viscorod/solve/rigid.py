@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from viscorod.mechanics.joints import measure
 from viscorod.mechanics.quaternion import matrices
 from viscorod.solve.problem import Problem
 from viscorod.typing import Floats
@@ -23,7 +24,7 @@ _NAMES = (
 
 @dataclass(frozen=True)
 class FreeMotion:
-    """One rigid motion of an assembly that nothing holds; ``increments (n, 6)`` are the nodal body increments."""
+    """One motion of rigid pieces that nothing holds; ``increments (n, 6)`` are the nodal body increments."""
 
     text: str
     translation: bool
@@ -36,11 +37,21 @@ class FreeMotion:
 
 
 def free_motions(problem: Problem) -> list[FreeMotion]:
-    """Return the rigid motions of every connected assembly that the supports allow in the reference shape."""
+    """Return the motions that supports, joints and springs allow rigid assemblies in the reference shape.
+
+    What joints or springs connect moves together: as one, or as a mechanism.
+    """
     found: list[FreeMotion] = []
     assemblies, labels = _assemblies(problem)
     R = matrices(problem.quaternions)
-    for label in range(assemblies):
+    groups = _groups(problem, assemblies, labels)
+    for pieces in groups:
+        if len(pieces) > 1 or _linked(problem, labels, pieces).any():
+            found += _mechanisms(problem, labels, pieces, R)
+    alone = [
+        pieces[0] for pieces in groups if len(pieces) == 1 and not _linked(problem, labels, pieces).any()
+    ]
+    for label in alone:
         nodes = np.flatnonzero(labels == label)
         centre = problem.positions[nodes].mean(axis=0)
         name = _name(problem, nodes)
@@ -63,6 +74,97 @@ def free_motions(problem: Problem) -> list[FreeMotion]:
             increments[nodes, 3:] = np.einsum("nji,j->ni", R[nodes], w)
             still = float(np.abs(w).max()) * problem.length < 1e-6
             found.append(FreeMotion(f"{_describe(motion, centre, problem.length)}{name}", still, increments))
+    return found
+
+
+def _linked(problem: Problem, labels: np.ndarray, pieces: list[int]) -> np.ndarray:
+    """Tell which coordinates of joints, and of springs with a stiffness, are at one of some pieces."""
+    arrays = problem.joints.arrays
+    acts = (arrays.place >= 0) | (arrays.stiffness != 0.0) | (arrays.law >= 0)
+    at = np.isin(np.append(labels, -1)[arrays.nodes], pieces).any(axis=1)
+    return np.asarray(acts & at)
+
+
+def _groups(problem: Problem, assemblies: int, labels: np.ndarray) -> list[list[int]]:
+    """Assemblies that joints and springs connect."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    ends = np.append(labels, -1)[problem.joints.arrays.nodes]
+    a, b = ends[(ends >= 0).all(axis=1)].T
+    graph = csr_array((np.ones(len(a)), (a, b)), shape=(assemblies, assemblies))
+    count, group = connected_components(graph, directed=False)
+    return [np.flatnonzero(group == k).tolist() for k in range(count)]
+
+
+def _mechanisms(problem: Problem, labels: np.ndarray, pieces: list[int], R: Floats) -> list[FreeMotion]:
+    """Return the motions of pieces that joints or springs connect: those as one first, then the others."""
+    inside = np.flatnonzero(np.isin(labels, pieces))
+    centre = problem.positions[inside].mean(axis=0)
+    # nodal body increments per rigid motion (t, w length) of the node's piece about the common centre
+    moves = np.zeros((problem.size, 6, 6))
+    moves[:, :3, :3] = np.swapaxes(R, 1, 2)
+    moves[:, :3, 3:] = np.swapaxes(R, 1, 2) @ skew(centre - problem.positions) / problem.length
+    moves[:, 3:, 3:] = np.swapaxes(R, 1, 2) / problem.length
+    rows = [np.zeros((1, 6 * len(pieces)))]
+
+    def add(node: int, gradient: Floats, row: Floats) -> None:
+        k = pieces.index(int(labels[node]))
+        row[..., 6 * k : 6 * k + 6] += gradient @ moves[node]
+
+    for k, node in enumerate(problem.supports.nodes):
+        if labels[node] not in pieces:
+            continue
+        own = np.eye(3) if problem.supports.in_body[k] else problem.supports.axes[k].T @ R[node]
+        gradient = np.zeros((6, 6))
+        gradient[:3, :3], gradient[3:, 3:] = own, problem.length * own
+        held = np.zeros((6, 6 * len(pieces)))
+        add(int(node), gradient, held)
+        rows.append(held[problem.supports.fixed[k] > 0.0])
+    arrays = problem.joints.arrays
+    gradients, unit = np.zeros((problem.joints.count, 12)), problem.length / problem.joints.unit
+    still, (near, value, rate) = np.zeros((problem.size, 6)), np.zeros((3, problem.joints.count))
+    measure(
+        arrays.nodes,
+        arrays.kind,
+        arrays.geometry,
+        problem.positions,
+        problem.quaternions,
+        still,
+        near,
+        value,
+        rate,
+        gradients,
+    )
+    for c in np.flatnonzero(_linked(problem, labels, pieces)):
+        row = np.zeros((1, 6 * len(pieces)))
+        for side, node in enumerate(arrays.nodes[c]):
+            if node >= 0:
+                add(int(node), unit[c] * gradients[c : c + 1, 6 * side : 6 * side + 6], row)
+        rows.append(row)
+    conditions = np.concatenate(rows)
+    together = np.tile(np.eye(6), (len(pieces), 1))
+    as_one = _null_space(conditions @ together) if len(pieces) > 1 else _null_space(conditions)
+    _, values, basis = np.linalg.svd(conditions)
+    null = basis[int(np.count_nonzero(values > 1e-9)) :]
+    rigid = np.array([together @ motion for motion in as_one]).reshape(-1, 6 * len(pieces))
+    if len(rigid):
+        known, _ = np.linalg.qr(rigid.T)
+        null = null - (null @ known) @ known.T
+    _, values, basis = np.linalg.svd(null)
+    others = basis[: int(np.count_nonzero(values > 1e-6))]
+    found = []
+    for motion, one in [*((m, True) for m in rigid), *((m, False) for m in others)]:
+        increments = np.zeros((problem.size, 6))
+        parts = motion.reshape(-1, 6)
+        increments[inside] = np.einsum(
+            "nij,nj->ni", moves[inside], parts[np.searchsorted(pieces, labels[inside])]
+        )
+        moving = inside[np.abs(increments[inside]).max(axis=1) > 1e-6 * np.abs(increments).max()]
+        name = _name(problem, moving)
+        text = _describe(parts[0], centre, problem.length) if one else "a motion in the joints"
+        still_turn = one and float(np.abs(parts[0, 3:]).max()) < 1e-6
+        found.append(FreeMotion(f"{text}{name}", still_turn, increments))
     return found
 
 
@@ -96,7 +198,7 @@ def undetermined(
 
 
 def _assemblies(problem: Problem) -> tuple[int, np.ndarray]:
-    if len(problem.rods) == 1:
+    if len(problem.rods) == 1 and not problem.bodies.names:
         return 1, np.zeros(problem.size, dtype=np.int64)
     rows = np.concatenate([s.nodes[:, :-1].ravel() for s in problem.sets])
     cols = np.concatenate([s.nodes[:, 1:].ravel() for s in problem.sets])
@@ -109,10 +211,12 @@ def _assemblies(problem: Problem) -> tuple[int, np.ndarray]:
 
 
 def _name(problem: Problem, nodes: np.ndarray) -> str:
-    if len(problem.rods) == 1:
+    if len(problem.rods) == 1 and not problem.bodies.names:
         return ""
     inside = np.isin(problem.stations.nodes, nodes)
     rods = [problem.rods[i] for i in sorted(set(problem.stations.rod[inside].tolist()))]
+    bodies = problem.bodies
+    rods += [n for n, node in zip(bodies.names, bodies.nodes, strict=True) if "." not in n and node in nodes]
     shown = ", ".join(rods[:3]) + (", ..." if len(rods) > 3 else "")
     return f" of {shown}"
 
