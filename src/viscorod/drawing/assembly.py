@@ -297,6 +297,8 @@ class _Picture:
         for k in slides:
             ends = self.view.on_paper(joint.at_a + 1.3 * reach * np.outer((-1.0, 1.0), joint.frame[:, k]))
             self._arrow(ends[:, 0], ends[:, 1], ORANGE, style="<->")
+            name = label_once(self.axes, "direction of sliding")
+            self.axes.plot([], [], color=ORANGE, linewidth=1.4, label=name)
 
     def _loads(self) -> None:
         named = len(self.loads) <= MOST_NAMES
@@ -322,8 +324,14 @@ class _Picture:
             if len(load.points) > 1:
                 self.axes.plot(*ends, color=RED, linewidth=0.9, zorder=6)
                 self.labels.avoid(ends)
-            kind = "moment" if turning else "force"
-            self.axes.plot([], [], color=RED, linewidth=1.4, label=label_once(self.axes, kind))
+            kind, marker = ("moment", r"$\circlearrowleft$") if turning else ("force", ">")
+            line: dict[str, Any] = {
+                "color": RED,
+                "linewidth": 0.0 if turning else 1.4,
+                "marker": marker,
+                "markersize": 12.0 if turning else 6.0,
+            }
+            self.axes.plot([], [], label=label_once(self.axes, kind), **line)
             if named:
                 middle = len(load.points) // 2
                 self.labels.add(ends[:, middle], load.text, RED)
