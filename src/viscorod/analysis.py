@@ -202,6 +202,8 @@ class Workplace:
             "smallest_step_why": effort.smallest_why,
             "warnings": json.dumps(result.notes),
         }
+        if self.system.constraints.rows:
+            attrs["drift_position"], attrs["drift_velocity"] = integrator.drift
         if settings.formulation == "intrinsic" and settings.dynamics == "nonlinear":
             attrs["pose_gap"], attrs["rotation_gap"] = pose_gap(self.system, self.history)
         if result.outcome is Outcome.INTERRUPTED:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.results.assemblies import Assembly
 from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
 from viscorod.results.style import BLUE, SKY, TEXT, figure, legend_inside
 
@@ -20,7 +21,10 @@ def draw_shape(equilibrium: Equilibrium | Steady) -> Figure:
     """Return the figure of the reference shape, the load steps on the way and the equilibrium."""
     positions = equilibrium.field("position")
     reference = np.asarray(equilibrium.data["reference_position"].values, dtype=float)
-    view = View.of(np.concatenate([positions, reference[None]]))
+    rotations = np.asarray(equilibrium.data["rotation"].values, dtype=float)
+    assembly = Assembly(equilibrium)
+    ends = assembly.ends(positions[-1], rotations[-1]).reshape(-1, 3)
+    view = View.of(np.concatenate([*positions, reference, ends]))
     picture = figure(8.0, 6.4)
     if equilibrium.title:
         picture.suptitle(equilibrium.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
@@ -40,6 +44,9 @@ def draw_shape(equilibrium: Equilibrium | Steady) -> Figure:
     if turning:
         name = f"at {reached:.3g} rad/s"
     curves.draw(axes, view, positions[-1], color=BLUE, linewidth=2.4, label=name)
+    if not assembly.empty:
+        assembly.draw(axes, view, positions[-1], rotations[-1], BLUE)
+        assembly.draw_springs(axes, view, positions[-1], rotations[-1], BLUE)
     mark_supports(axes, view, equilibrium, positions[-1])
     view.finish(axes)
     legend_inside(axes)

@@ -189,6 +189,11 @@ class Collocation:
             self._have_jacobian = False
 
     @property
+    def drift(self) -> tuple[float, float]:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
+        return (0.0, 0.0) if self.linked is None else self.linked.drift
+
+    @property
     def strain(self) -> float:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         return self.recorded.strain

@@ -113,6 +113,7 @@ class GeneralizedAlpha:
         self.state = State.reference(system.problem)
         self.kinetic = self.elastic = self.work = self.loss = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
+        self.drift = 0.0, 0.0
         self._power = self._end = self._step = 0.0
         self._trial: tuple[Relation, Solution]
         self._start: tuple[State, Snapshot]
@@ -392,7 +393,10 @@ class GeneralizedAlpha:
         if len(self.supports.partial) or self.system.constraints.rows:
             state = self.state
             self.supports.project_twists(state)
-            project_twists(self.system, state)
+            constraints = self.system.constraints
+            position = float((np.abs(constraints.gap) / constraints.unit).max(initial=0.0))
+            velocity = project_twists(self.system, state)
+            self.drift = max(self.drift[0], position), max(self.drift[1], velocity)
             mass = self.system.problem.mass
             self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
 
