@@ -10,6 +10,7 @@ from viscorod.mechanics.held_strains import add_held_strains
 from viscorod.mechanics.internal_force import Elements, ElementWork, Points, internal_forces
 from viscorod.mechanics.joints import add_joint_tangent, joint_forces, measure
 from viscorod.solve.laws import NUMBERS, Laws
+from viscorod.solve.linear.matrix import unit_of
 from viscorod.solve.problem import Problem
 from viscorod.typing import Floats, Integers
 
@@ -37,6 +38,7 @@ class Constraints:
     Attributes:
         target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
         near: values ``(c,)`` that angles are to be near.
+        pace: how fast poses follow accelerations in the present matrix [1/s]: inertia counts with its square.
         gap: what multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
     """
 
@@ -46,6 +48,7 @@ class Constraints:
         self.arrays = problem.joints.arrays
         c, places = self.joints.count, 6 * problem.multipliers
         self.active = problem.constrained
+        self.pace = 0.0
         self.elements = elements
         self._points: Points | None = None
         self.laws = Laws(self.joints.laws)
@@ -192,12 +195,12 @@ class Constraints:
         C: Floats,
         *,
         moving: bool,
-        held: tuple[Integers, Integers, Floats] | None,
+        held: tuple[Integers, Floats] | None,
     ) -> None:
         """Add to the blocks ``K`` (and ``C``, see ``add_joint_tangent``) after :meth:`add_forces` in the same state.
 
         Args:
-            held: orders and nodes of all elements and the change of their strains, see ``add_held_strains``.
+            held: orders of all elements and the change of their strains, see ``add_held_strains``.
         """
         pattern, n = self.problem.pattern, self.problem.size
         a = self.arrays
@@ -206,6 +209,7 @@ class Constraints:
             self.laws.slopes(self.buffer)
             self._stiffness[c], self._damping[c] = self.buffer[1], self.buffer[2]
         diagonal = pattern.diagonal
+        stiff, length = self._stiffest(K), unit_of(self.problem.length)
         if self.joints.count:
             add_joint_tangent(
                 a,
@@ -218,7 +222,8 @@ class Constraints:
                 self._damping,
                 moving,
                 rate_map,
-                diagonal,
+                stiff,
+                length,
                 self.scale,
                 K,
                 C,
@@ -227,24 +232,34 @@ class Constraints:
                 self.P,
             )
         if held is not None:
-            orders, nodes, B = held
-            add_held_strains(self.held, orders, nodes, diagonal, B, self.scale, K)
+            orders, B = held
+            add_held_strains(self.held, orders, stiff, length, B, self.scale, K)
         for place in self.idle:
             K[diagonal[n + place // 6], place % 6, place % 6] = 1.0
 
+    def _stiffest(self, K: Floats) -> float:
+        """Return the largest diagonal entry of all nodes, displacements measured in the unit of the matrix."""
+        problem = self.problem
+        found = np.abs(np.einsum("kii->ki", K[problem.pattern.diagonal[: problem.size]]))
+        if self.pace > 0.0:
+            found = found + self.pace**2 * np.einsum("kii->ki", problem.mass)
+        largest = float((found * ([unit_of(problem.length) ** 2] * 3 + [1.0] * 3)).max())
+        springs = float(np.abs(self._stiffness).max(initial=0.0))
+        return largest or springs or 1.0
+
     def add_rows(
-        self, r: Floats, q: Floats, K: Floats, held: tuple[Integers, Integers, Floats] | None
+        self, r: Floats, q: Floats, K: Floats, held: tuple[Integers, Floats] | None
     ) -> None:
         """Add the rows and columns of multipliers, and nothing else, to the blocks ``K``."""
         c, n = self.joints.count, self.problem.size
         none, arrays = np.zeros(c), self.arrays
-        saved = self.force, self._stiffness, self._damping
-        self.force, self._stiffness, self._damping = none, none, none
+        saved = self.force, self._stiffness, self._damping, self.pace
+        self.force, self._stiffness, self._damping, self.pace = none, none, none, 0.0
         self.arrays = arrays._replace(law=np.full(c, -1, dtype=np.int64))
         still, empty = np.zeros((n, 6)), np.zeros((0, 6, 6))
         self.add_tangent(r, q, still, np.zeros((n, 6, 6)), K, empty, moving=False, held=held)
         self.arrays = arrays
-        self.force, self._stiffness, self._damping = saved
+        self.force, self._stiffness, self._damping, self.pace = saved
 
     def state(self) -> JointState:
         """Return what was measured last."""

@@ -123,6 +123,7 @@ class Collocation:
         h = end - self.t
         self._prepare_step(end, before)
         if not self._have_jacobian:
+            self.system.constraints.pace = self.tableau.real / h
             self._renew_jacobian()
         if h != self._factor_step and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)

@@ -336,6 +336,7 @@ class GeneralizedAlpha:
         self._reach(new, increment, relation)
         inverse_motion_tangent(increment, relation.slope, self._map)
         self._map[self._held] = 0.0
+        system.constraints.pace = relation.slope
         system.assemble(new, loads, self._map, tangent=True, moving=True)
         residual = self._residual(new, relation, tangent=True)
         self.supports.impose(new, residual, system.matrix, tangent=True)

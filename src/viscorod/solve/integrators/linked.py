@@ -90,7 +90,7 @@ class Linked:
             matrices.K,
             matrices.C,
             moving=True,
-            held=(elements.order, elements.nodes, matrices.operators.strain)
+            held=(elements.order, matrices.operators.strain)
             if len(constraints.held.place)
             else None,
         )
