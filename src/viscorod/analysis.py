@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from viscorod.errors import InputError, SolveError
 from viscorod.mechanics import geometric, intrinsic
 from viscorod.mechanics.compiled import announce_compilation, announce_formulation
+from viscorod.mechanics.joints import joint_forces
 from viscorod.model.description import ModelDescription
 from viscorod.model.settings import SimulateSettings
 from viscorod.results.dataset import dataset
@@ -28,6 +29,7 @@ from viscorod.solve.modes import Modes
 from viscorod.solve.newton import NewtonReport, Outcome
 from viscorod.solve.pose_check import pose_gap
 from viscorod.solve.problem import Problem
+from viscorod.solve.redundancy import require_independent
 from viscorod.solve.rigid import free_motions, undetermined
 from viscorod.solve.static import StaticPath, StaticSolver
 from viscorod.solve.step_control import ErrorControl, FixedSteps, StepControl
@@ -71,8 +73,11 @@ class Workplace:
         """
         problem = discretise(model)
         announce_compilation(geometric.assemble)
+        if problem.constrained:
+            announce_formulation(joint_forces)
         system = FORMULATIONS[formulation, damping](problem)
         supports = SupportState(problem)
+        require_independent(system, supports)
         return cls(problem, system, supports, StaticSolver(system, supports))
 
     def equilibrium(
@@ -124,12 +129,24 @@ class Workplace:
         """Move ``state`` to the equilibrium at t = 0-; the reference shape itself if nothing acts."""
         self.supports.update(0.0, True)
         loads = self.static.loads.at(0.0, True)
-        if loads.none and not self.supports.target.any():
+        if loads.none and not self.supports.target.any() and not self.system.constraints.strained(0.0):
             return
         self._require_held(loads)
         path = self.static.solve(state)
         if path.outcome is not Outcome.COMPLETED:
             raise SolveError(f"The initial equilibrium was not found. {self._static_failure(path)}")
+
+    def _require_closed(self) -> None:
+        """Refuse to start from a reference shape in which joints are open."""
+        constraints = self.system.constraints
+        constraints.update(0.0)
+        gaps = constraints.open_joints(driven=constraints.target)
+        if gaps:
+            raise InputError(
+                f"initial = 'reference': joints are open in the reference shape: {', '.join(gaps)}. "
+                "Start from the equilibrium (initial = 'equilibrium'), which closes them, move the parts so that they "
+                "meet, or let motors begin at 0"
+            )
 
     def _require_held(self, loads: LoadState) -> None:
         """Refuse a static solution if supports and loads leave a rigid motion undetermined."""
@@ -137,7 +154,9 @@ class Workplace:
         if not motions:
             return
         self.system.assemble(State.reference(self.problem), loads, None, tangent=True, moving=False)
-        loose = undetermined(self.problem, self.system.external, self.system.matrix.sparse(), motions)
+        size = 6 * self.problem.size
+        stiffness = self.system.matrix.sparse()[:size, :size]
+        loose = undetermined(self.problem, self.system.external, stiffness, motions)
         if loose:
             raise InputError(
                 "no static equilibrium: nothing holds the model against "
@@ -152,6 +171,8 @@ class Workplace:
             self.system.given_strain = strain_rods(self.system, state)
         elif settings.initial == "equilibrium":
             self.settle(state)
+        else:
+            self._require_closed()
         state.twist[:] = self.problem.initial_twist(state.r, state.q)
         if settings.formulation == "intrinsic":
             announce_formulation(intrinsic.forces_at)
@@ -244,6 +265,9 @@ class Workplace:
             f"No equilibrium beyond {reached:.6g} of the loads (tried {path.load_level:.6g}): {path.outcome.value}."
             f"{self._where(path.report)} What to try: {path.outcome.advice(static=True)}."
         )
+        gaps = self.system.constraints.open_joints(1.0 - reached)
+        if gaps:
+            text += f" Joints that are open in the reference shape could not be closed; still open: {', '.join(gaps)}."
         free = free_motions(self.problem)
         if free:
             text += f" Free rigid motions: {', '.join(motion.text for motion in free)}."

@@ -98,8 +98,8 @@ class Element:
             stress = np.zeros((1, g, 6))
         geometric.assemble(
             self.nodes, self.links, self.pattern.slots(self.nodes), self.link_r, self.link_q, self.shapes,
-            self.slopes, self.weights, np.array([self.half]), self.section, self.C, self.D, self.coupled, True,
-            self.reference, stress, r, q, twist, moving, self.rate_map, True, force, blocks, self.rate_blocks,
+            self.slopes, self.weights, np.array([self.half]), self.section, self.C, self.D, np.zeros((1, 6)),
+            self.coupled, True, False, self.reference, stress, r, q, twist, moving, self.rate_map, True, force, blocks, self.rate_blocks,
             strain, rate, S, operator, self.strain_operator,
         )  # fmt: skip
         K = dense(self.pattern, blocks)
@@ -214,7 +214,7 @@ def test_every_element_of_a_batch_is_assembled(count):
     points = np.zeros((3, count, 1, 6))
     geometric.assemble(
         nodes, repeat[0], pattern.slots(nodes), e.link_r, e.link_q, e.shapes, e.slopes, e.weights,
-        np.full(count, e.half), repeat[1], e.C, e.D, True, True, repeat[2], np.zeros((count, 1, 6)), r, q,
+        np.full(count, e.half), repeat[1], e.C, e.D, np.zeros((1, 6)), True, True, False, repeat[2], np.zeros((count, 1, 6)), r, q,
         twist, True, rate_map, True, total, blocks, np.zeros((0, 6, 6)), *points,
         np.zeros((-(-count // LANES), 2, 6, 6, LANES)), np.zeros((0, 2, 6, 6, LANES)),
     )  # fmt: skip

@@ -134,10 +134,10 @@ def lane_kernel(function: Kernel) -> Kernel:
 
 
 def announce_formulation(first: Any) -> None:
-    """Say so if the kernel ``first`` of a formulation that few runs need is neither in memory nor on disk yet."""
+    """Say so if the kernel ``first`` of what not all runs need is neither in memory nor on disk yet."""
     if not first.signatures and not on_disk(first):
         logging.getLogger("viscorod").warning(
-            "viscorod: compiling the kernels of this formulation, once, for about a quarter of a minute"
+            "viscorod: compiling the kernels that this kind of model needs, once, for about a quarter of a minute"
         )
 
 

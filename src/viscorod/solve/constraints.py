@@ -8,6 +8,7 @@ import numpy as np
 
 from viscorod.mechanics.held_strains import add_held_strains
 from viscorod.mechanics.internal_force import Elements, ElementWork, Points, internal_forces
+from viscorod.mechanics.joint_coordinates import DISTANCE, TRANSLATION
 from viscorod.mechanics.joints import add_joint_tangent, joint_forces, measure
 from viscorod.solve.laws import NUMBERS, Laws
 from viscorod.solve.linear.matrix import unit_of
@@ -16,6 +17,10 @@ from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     from viscorod.solve.system import State
+
+
+CLOSED = 1e-9
+"""Gap of a joint over the length (or in rad) that passes for round-off of the reference shape."""
 
 
 class JointState(NamedTuple):
@@ -87,6 +92,7 @@ class Constraints:
             self.gradients,
         )
         value[~self.is_held] = 0.0
+        value[np.abs(value) < 1e-14 * self.joints.unit] = 0.0
         return value
 
     @property
@@ -134,6 +140,29 @@ class Constraints:
         )
         driven = float(np.abs(self.target_rate).max(initial=0.0)) * length
         return max(fastest, driven, 1e-300) / length
+
+    def open_joints(self, part: float = 1.0, driven: Floats | None = None) -> list[str]:
+        """Name the joints that are open in the reference shape, and by how much.
+
+        Args:
+            part: of the gaps that is left; driven: where motors are to be instead of 0 ``(c,)``.
+        """
+        gaps = part * self._first_gap - (0.0 if driven is None else driven)
+        lengths = np.isin(self.arrays.kind, (TRANSLATION, DISTANCE))
+        return [
+            f"{self.joints.label(int(c))} by {abs(gaps[c]):.6g} {'m' if lengths[c] else 'rad'}"
+            for c in np.flatnonzero(np.abs(gaps) > CLOSED * self.joints.unit)
+        ]
+
+    def strained(self, t: float) -> bool:
+        """Whether the reference shape is not at rest by itself: open joints, motors away from 0, springs that pull."""
+        self.update(t, True)
+        if np.abs(self.target).max(initial=0.0) > 0.0 or self.open_joints():
+            return True
+        problem = self.problem
+        state = problem.positions, problem.quaternions, np.zeros((problem.size, 6))
+        self.add_forces(*state, np.zeros_like(self.gap), np.zeros((problem.size, 6)))
+        return bool(np.any(self.force[~self.is_held] != 0.0))
 
     def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
         """Evaluate motors at time ``t`` [s]; ``scale`` below 1 leaves gaps of the reference shape open in part."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from scipy import sparse
 
+from viscorod.mechanics.joints import measure
 from viscorod.mechanics.quaternion import matrices
 from viscorod.solve.problem import Problem
 from viscorod.typing import Floats
@@ -36,34 +38,120 @@ class FreeMotion:
 
 
 def free_motions(problem: Problem) -> list[FreeMotion]:
-    """Return the rigid motions of every connected assembly that the supports allow in the reference shape."""
+    """Return the rigid motions of all parts that supports, joints and springs allow in the reference shape.
+
+    A part is what shares nodes: rods with their attachments and bodies. Parts move together where joints join them.
+    """
     found: list[FreeMotion] = []
-    assemblies, labels = _assemblies(problem)
-    R = matrices(problem.quaternions)
-    for label in range(assemblies):
-        nodes = np.flatnonzero(labels == label)
-        centre = problem.positions[nodes].mean(axis=0)
-        name = _name(problem, nodes)
-        rows = []
-        for k, node in enumerate(problem.supports.nodes):
-            if labels[node] != label:
-                continue
-            A = R[node] if problem.supports.in_body[k] else problem.supports.axes[k]
-            arm = problem.positions[node] - centre
-            moves = np.zeros((6, 6))
-            moves[:3, :3] = A.T
-            moves[:3, 3:] = A.T @ skew(-arm) / problem.length
-            moves[3:, 3:] = A.T
-            rows.append(moves[problem.supports.fixed[k] > 0.0])
-        for motion in _null_space(np.concatenate([np.zeros((1, 6)), *rows])):
-            t, w = motion[:3], motion[3:] / problem.length
-            increments = np.zeros((problem.size, 6))
-            velocity = t + np.cross(w, problem.positions[nodes] - centre)
-            increments[nodes, :3] = np.einsum("nji,nj->ni", R[nodes], velocity)
-            increments[nodes, 3:] = np.einsum("nji,j->ni", R[nodes], w)
-            still = float(np.abs(w).max()) * problem.length < 1e-6
-            found.append(FreeMotion(f"{_describe(motion, centre, problem.length)}{name}", still, increments))
+    parts, labels = _parts(problem)
+    centres = np.array([problem.positions[labels == part].mean(axis=0) for part in range(parts)])
+    conditions = _conditions(problem, labels, centres)
+    for group in _groups(parts, conditions):
+        rows = [_row(condition, group) for condition in conditions if condition[0][0] in group]
+        matrix = np.concatenate([np.zeros((1, 6 * len(group))), *rows])
+        for motion in _null_space(matrix):
+            found.append(_free_motion(problem, labels, centres, group, motion))
     return found
+
+
+Condition: TypeAlias = list[tuple[int, Floats]]
+"""Parts and the rows ``(k, 6)`` by which their motions (velocity of the centre, spin times length) must vanish."""
+
+
+def _conditions(problem: Problem, labels: np.ndarray, centres: Floats) -> list[Condition]:
+    R = matrices(problem.quaternions)
+
+    def increments(node: int) -> Floats:
+        """Body increments (6, 6) of a node per motion of its part."""
+        out = np.zeros((6, 6))
+        out[:3, :3] = R[node].T
+        out[:3, 3:] = R[node].T @ skew(centres[labels[node]] - problem.positions[node]) / problem.length
+        out[3:, 3:] = R[node].T
+        return out
+
+    found: list[list[tuple[int, Floats]]] = []
+    for k, node in enumerate(problem.supports.nodes):
+        A = R[node] if problem.supports.in_body[k] else problem.supports.axes[k]
+        moves = np.kron(np.eye(2), A.T @ R[node]) @ increments(node)
+        found.append([(int(labels[node]), moves[problem.supports.fixed[k] > 0.0])])
+    joints = problem.joints.arrays
+    held = (joints.place >= 0) | (joints.stiffness != 0.0) | (joints.law >= 0)
+    gradients = reference_gradients(problem)
+    for c in np.flatnonzero(held):
+        sides = [(side, int(node)) for side, node in enumerate(joints.nodes[c]) if node >= 0]
+        unit = np.repeat([1.0, 1.0 / problem.length], 3)  # per spin times length
+        rows = [
+            (int(labels[n]), (gradients[c, 6 * side : 6 * side + 6] * unit) @ increments(n))
+            for side, n in sides
+        ]
+        size = max(float(np.abs(row).max()) for _, row in rows)
+        found.append([(part, row[None] / size) for part, row in rows])
+    return found
+
+
+def reference_gradients(problem: Problem) -> Floats:
+    """Return the gradients of all coordinates of joints in the reference shape ``(c, 12)``."""
+    count = problem.joints.count
+    value, rate, gradients = np.zeros(count), np.zeros(count), np.zeros((count, 12))
+    still, near = np.zeros((problem.size, 6)), np.zeros(count)
+    measure(
+        *problem.joints.arrays[:3],
+        problem.positions,
+        problem.quaternions,
+        still,
+        near,
+        value,
+        rate,
+        gradients,
+    )
+    return gradients
+
+
+def _row(condition: Condition, group: list[int]) -> Floats:
+    """The rows of a condition in the motions of a group of parts."""
+    row = np.zeros((len(condition[0][1]), 6 * len(group)))
+    for part, values in condition:
+        at = 6 * group.index(part)
+        row[:, at : at + 6] += values
+    return row
+
+
+def _groups(parts: int, conditions: list[Condition]) -> list[list[int]]:
+    """Parts that conditions couple."""
+    if parts == 1:
+        return [[0]]
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    pairs = np.array([(c[0][0], c[-1][0]) for c in conditions] or [(0, 0)])
+    graph = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(parts, parts))
+    count, label = connected_components(graph, directed=False)
+    return [np.flatnonzero(label == k).tolist() for k in range(int(count))]
+
+
+def _free_motion(
+    problem: Problem, labels: np.ndarray, centres: Floats, group: list[int], motion: Floats
+) -> FreeMotion:
+    """Describe one motion of a group of parts and give its nodal increments."""
+    R = matrices(problem.quaternions)
+    increments = np.zeros((problem.size, 6))
+    moves = motion.reshape(-1, 6)
+    for part, move in zip(group, moves, strict=True):
+        nodes = np.flatnonzero(labels == part)
+        w = move[3:] / problem.length
+        velocity = move[:3] + np.cross(w, problem.positions[nodes] - centres[part])
+        increments[nodes, :3] = np.einsum("nji,nj->ni", R[nodes], velocity)
+        increments[nodes, 3:] = np.einsum("nji,j->ni", R[nodes], w)
+    size = np.linalg.norm(moves, axis=1)
+    moving = [k for k in np.argsort(-size, kind="stable") if size[k] > 1e-6 * size.max()]
+    first = moving[0]
+    text = f"{_describe(moves[first] / size[first], centres[group[first]], problem.length)}"
+    text += _name(problem, np.flatnonzero(labels == group[first]))
+    if len(moving) > 1:
+        others = len(moving) - 1
+        text += f", with {others} more part{'s' if others > 1 else ''} moving along"
+    still = float(np.abs(moves[:, 3:]).max()) < 1e-6 * float(np.abs(moves).max())
+    return FreeMotion(text, still, increments)
 
 
 def undetermined(
@@ -95,8 +183,9 @@ def undetermined(
     return [m for m, part in zip(motions, share, strict=True) if part > 0.1]
 
 
-def _assemblies(problem: Problem) -> tuple[int, np.ndarray]:
-    if len(problem.rods) == 1:
+def _parts(problem: Problem) -> tuple[int, np.ndarray]:
+    """Number of parts, and the part of every node."""
+    if len(problem.rods) == 1 and problem.size == len(problem.stations.nodes):
         return 1, np.zeros(problem.size, dtype=np.int64)
     rows = np.concatenate([s.nodes[:, :-1].ravel() for s in problem.sets])
     cols = np.concatenate([s.nodes[:, 1:].ravel() for s in problem.sets])
@@ -109,12 +198,13 @@ def _assemblies(problem: Problem) -> tuple[int, np.ndarray]:
 
 
 def _name(problem: Problem, nodes: np.ndarray) -> str:
-    if len(problem.rods) == 1:
+    if len(problem.rods) == 1 and not problem.bodies.names:
         return ""
     inside = np.isin(problem.stations.nodes, nodes)
-    rods = [problem.rods[i] for i in sorted(set(problem.stations.rod[inside].tolist()))]
-    shown = ", ".join(rods[:3]) + (", ..." if len(rods) > 3 else "")
-    return f" of {shown}"
+    names = [problem.rods[i] for i in sorted(set(problem.stations.rod[inside].tolist()))]
+    bodies = zip(problem.bodies.names, problem.bodies.nodes, strict=True)
+    names += [name for name, node in bodies if node in nodes and "." not in name]
+    return f" of {', '.join(names[:3])}{', ...' if len(names) > 3 else ''}"
 
 
 def skew(a: Floats) -> Floats:
@@ -126,13 +216,14 @@ def skew(a: Floats) -> Floats:
 
 
 def _null_space(rows: Floats) -> list[Floats]:
-    """Basis of the null space, along the six coordinate motions where possible."""
+    """Basis of the null space, along the coordinate motions of single parts where possible."""
     _, values, basis = np.linalg.svd(rows)
     rank = int(np.count_nonzero(values > 1e-9))
     null = basis[rank:]
+    count = rows.shape[1]
     result: list[Floats] = []
-    for i in range(6):
-        unit = np.eye(6)[i]
+    for i in range(count):
+        unit = np.eye(count)[i]
         if len(null) and np.linalg.norm(null @ unit) > 1.0 - 1e-9:
             result.append(unit)
     if result:
