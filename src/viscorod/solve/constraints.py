@@ -66,6 +66,7 @@ class Constraints:
         self._stiffness, self._damping = self.arrays.stiffness.copy(), self.arrays.damping.copy()
         self._earlier = np.zeros(c)
         self.is_held = self.arrays.place >= 0
+        self._gradients = np.zeros((c, 12))  # scratch
         self._first_gap = self._gaps_of_reference()
         taken = np.zeros(places, dtype=bool)
         taken[self.arrays.place[self.is_held]] = True
@@ -110,15 +111,17 @@ class Constraints:
         measure(*self.arrays[:3], r, q, np.zeros((len(r), 6)), self.near, value, rate, out)
         return out
 
+    def rates(self, state: State) -> Floats:
+        """Return the rates of all coordinates ``(c,)``."""
+        value, rate, gradients = np.zeros(self.joints.count), np.zeros(self.joints.count), self._gradients
+        measure(*self.arrays[:3], state.r, state.q, state.twist, self.near, value, rate, gradients)
+        return rate
+
     def rate_gaps(self, state: State) -> Floats:
         """Return the rates of all gaps ``(places,)`` [1/s and units of the gaps], 0 where velocities are allowed."""
         out = np.zeros_like(self.gap)
-        c = self.joints.count
-        if c:
-            value, rate = np.zeros(c), np.zeros(c)
-            gradients = np.zeros((c, 12))
-            measure(*self.arrays[:3], state.r, state.q, state.twist, self.near, value, rate, gradients)
-            out[self.arrays.place[self.is_held]] = (rate - self.target_rate)[self.is_held]
+        if self.joints.count:
+            out[self.arrays.place[self.is_held]] = (self.rates(state) - self.target_rate)[self.is_held]
         if len(self.held.place):
             if self._points is None:
                 self._points = Points.of(self.elements, 1)
@@ -276,9 +279,7 @@ class Constraints:
         springs = float(np.abs(self._stiffness).max(initial=0.0))
         return largest or springs or 1.0
 
-    def add_rows(
-        self, r: Floats, q: Floats, K: Floats, held: tuple[Integers, Floats] | None
-    ) -> None:
+    def add_rows(self, r: Floats, q: Floats, K: Floats, held: tuple[Integers, Floats] | None) -> None:
         """Add the rows and columns of multipliers, and nothing else, to the blocks ``K``."""
         c, n = self.joints.count, self.problem.size
         none, arrays = np.zeros(c), self.arrays

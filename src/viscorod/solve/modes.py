@@ -66,7 +66,8 @@ def linearise(
     loads = solver.loads.at(t, before, scale)
     damping_matrix = Matrix(problem.pattern)
     system.assemble(resting, loads, None, tangent=True, moving=False, rate_matrix=damping_matrix)
-    damping = sparse.csr_array(basis.T @ damping_matrix.sparse() @ basis)
+    size = 6 * n  # rows of multipliers come after those of the nodes
+    damping = sparse.csr_array(basis.T @ damping_matrix.sparse()[:size, :size] @ basis)
     mass = sparse.csr_array(basis.T @ sparse.block_diag(list(problem.mass), format="csr") @ basis)
     # displacements over the length of the model are comparable with rotations, whatever the unit of length
     constrained = system.constraints.rows > 0  # the basis takes care of that then

@@ -28,7 +28,7 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.loads import ExternalLoads, LoadState
 from viscorod.solve.newton import Convergence, Outcome, SingularMatrixError, worst_node
-from viscorod.solve.projection import project_twists, start_consistently
+from viscorod.solve.projection import shown, start_consistently
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
 from viscorod.solve.time_step import start_step
@@ -256,11 +256,13 @@ class GeneralizedAlpha:
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        return self._snapshot
+        if self._fresh or self.system.constraints.rows == 0:
+            return self._snapshot
+        return shown(self.system.constraints, self._snapshot, self.system.matrix.solve)[0]
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`: cubic in the poses, linear in the rest."""
-        (old, before), new, after = self._start, self.state, self.snapshot()
+        (old, before), new, after = self._start, self.state, self._snapshot
         count = len(parts)
         r, q, twist = (np.empty((count, *shape.shape)) for shape in (new.r, new.q, new.twist))
         interpolate(
@@ -389,11 +391,10 @@ class GeneralizedAlpha:
         self.t = end
 
     def _settle(self) -> None:
-        """Make the velocities of partly supported and of joined nodes exactly those that are allowed."""
-        if len(self.supports.partial) or self.system.constraints.rows:
+        """Make the velocities of partly supported nodes exactly those that are allowed."""
+        if len(self.supports.partial):
             state = self.state
             self.supports.project_twists(state)
-            project_twists(self.system, state)
             mass = self.system.problem.mass
             self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
 
