@@ -194,11 +194,10 @@ class GeometricSystem:
                 state.r, state.q, twist, rate_map, K, C, moving=moving, held=self._held_rows()
             )
 
-    def _held_rows(self) -> tuple[Integers, Integers, Floats] | None:
+    def _held_rows(self) -> tuple[Integers, Floats] | None:
         if not any(part.constrained for part in self.parts):
             return None
-        elements = self._all
-        return elements.order, elements.nodes, self._own_operators().strain
+        return self._all.order, self._own_operators().strain
 
     def assemble_mass(self, state: State) -> None:
         """See :class:`~viscorod.solve.system.System`."""

@@ -66,7 +66,7 @@ def linearise(
     loads = solver.loads.at(t, before, scale)
     damping_matrix = Matrix(problem.pattern)
     system.assemble(resting, loads, None, tangent=True, moving=False, rate_matrix=damping_matrix)
-    size = 6 * n
+    size = 6 * n  # rows of multipliers come after those of the nodes
     damping = sparse.csr_array(basis.T @ damping_matrix.sparse()[:size, :size] @ basis)
     mass = sparse.csr_array(basis.T @ sparse.block_diag(list(problem.mass), format="csr") @ basis)
     # displacements over the length of the model are comparable with rotations, whatever the unit of length

@@ -1,8 +1,11 @@
-"""Velocities that joints, motors and held strains allow: what a step leaves over is projected away.
+"""Velocities that joints, motors and held strains allow.
 
 A position-level constraint ``g(x) = 0`` asks velocities for ``G x1 = g_t``. The correction is the smallest one as a
 matrix with the constraints' rows measures it: the mass at a start, where it is an impulse, and the factorised matrix of
-the last step later on, whose rows may be some steps old; so it is repeated until nothing is left.
+the last step for what is recorded, whose rows may be some steps old; so it is repeated until nothing is left.
+
+Steps go on from velocities as they leave them. What these lack does not add up, because positions are held; while a
+correction in any other measure than the mass would do work, step after step.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 
 from viscorod.solve.constraints import Constraints
+from viscorod.solve.history import Snapshot
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
 from viscorod.typing import Floats
@@ -37,12 +41,23 @@ def start_consistently(system: System, supports: SupportState, state: State) -> 
     residual = np.zeros((system.problem.pattern.size, 6))
     supports.impose(state, residual, system.matrix, tangent=True)
     system.matrix.factorise()
-    project_twists(system, state)
+    project(constraints, state, system.matrix.solve)
 
 
-def project_twists(system: System, state: State) -> float:
-    """Do what :func:`project` does with the factors of the system's matrix."""
-    return project(system.constraints, state, system.matrix.solve)
+def shown(
+    constraints: Constraints, snapshot: Snapshot, solve: Callable[[Floats], Floats]
+) -> tuple[Snapshot, float]:
+    """Return a snapshot at the end of a step with velocities that are allowed; and what is left, see :func:`project`.
+
+    Args:
+        constraints: measured and driven at the time of the snapshot; solve: see :func:`project`.
+    """
+    state = snapshot.state.copy()
+    left = project(constraints, state, solve)
+    joints = snapshot.joints
+    if joints is not None:
+        joints = joints._replace(rate=constraints.rates(state))
+    return snapshot._replace(state=state, joints=joints), left
 
 
 def project(constraints: Constraints, state: State, solve: Callable[[Floats], Floats]) -> float:

@@ -123,8 +123,10 @@ class Collocation:
         h = end - self.t
         self._prepare_step(end, before)
         if not self._have_jacobian:
+            self.system.constraints.pace = self.tableau.real / h
             self._renew_jacobian()
-        if h != self._factor_step and not self._factorise(h):
+        # equal steps differ by the rounding of their ends
+        if abs(h - self._factor_step) > 1e-9 * h and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         self.predictor.predict(self.state, self._stress, h)
         if self.linked is not None:
@@ -200,7 +202,10 @@ class Collocation:
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        return self.recorded.snapshot
+        snapshot = self.recorded.snapshot
+        if self.linked is None or self._factor_step == 0.0:
+            return snapshot
+        return self.linked.shown(snapshot, self.systems.solve_real)
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
@@ -238,8 +243,7 @@ class Collocation:
             self.supports.project_twists(self.state)
         if self.linked is not None:
             self.system.constraints.update(self._end, True)
-            h = self._end - self.t
-            self.elastic += self.linked.arrive(self.state, h, self.systems.solve_real, stage=True)
+            self.elastic += self.linked.arrive(self.state, self._end - self.t, stage=True)
         self._end_rate = stages.acceleration[last].copy()
         self.kinetic = self.recorded.arrive(self.state, self.elastic)
 

@@ -28,7 +28,7 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.loads import ExternalLoads, LoadState
 from viscorod.solve.newton import Convergence, Outcome, SingularMatrixError, worst_node
-from viscorod.solve.projection import project_twists, start_consistently
+from viscorod.solve.projection import shown, start_consistently
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
 from viscorod.solve.time_step import start_step
@@ -244,6 +244,9 @@ class GeneralizedAlpha:
         self._power = power
         self._step = h
         self._snapshot = Snapshot.of(self.state, self.system, self.supports, self.kinetic)
+        constraints = self.system.constraints
+        gap = float((np.abs(constraints.gap) / constraints.unit).max(initial=0.0))
+        self.drift = max(self.drift[0], gap), self.drift[1]
 
     @property
     def strain(self) -> float:
@@ -257,11 +260,15 @@ class GeneralizedAlpha:
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        return self._snapshot
+        if self._fresh or self.system.constraints.rows == 0:
+            return self._snapshot
+        found, left = shown(self.system.constraints, self._snapshot, self.system.matrix.solve)
+        self.drift = self.drift[0], max(self.drift[1], left)
+        return found
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`: cubic in the poses, linear in the rest."""
-        (old, before), new, after = self._start, self.state, self.snapshot()
+        (old, before), new, after = self._start, self.state, self._snapshot
         count = len(parts)
         r, q, twist = (np.empty((count, *shape.shape)) for shape in (new.r, new.q, new.twist))
         interpolate(
@@ -337,6 +344,7 @@ class GeneralizedAlpha:
         self._reach(new, increment, relation)
         inverse_motion_tangent(increment, relation.slope, self._map)
         self._map[self._held] = 0.0
+        system.constraints.pace = relation.slope
         system.assemble(new, loads, self._map, tangent=True, moving=True)
         residual = self._residual(new, relation, tangent=True)
         self.supports.impose(new, residual, system.matrix, tangent=True)
@@ -389,14 +397,10 @@ class GeneralizedAlpha:
         self.t = end
 
     def _settle(self) -> None:
-        """Make the velocities of partly supported and of joined nodes exactly those that are allowed."""
-        if len(self.supports.partial) or self.system.constraints.rows:
+        """Make the velocities of partly supported nodes exactly those that are allowed."""
+        if len(self.supports.partial):
             state = self.state
             self.supports.project_twists(state)
-            constraints = self.system.constraints
-            position = float((np.abs(constraints.gap) / constraints.unit).max(initial=0.0))
-            velocity = project_twists(self.system, state)
-            self.drift = max(self.drift[0], position), max(self.drift[1], velocity)
             mass = self.system.problem.mass
             self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
 

@@ -23,6 +23,11 @@ def scale_blocks(rows: Integers, columns: Integers, scales: Floats, blocks: Floa
                 blocks[s, j, i] *= scales[6 * rows[s] + i] * scales[6 * columns[s] + j]
 
 
+def unit_of(length: float) -> float:
+    """Return the unit [m] in which displacements of a model are measured where a matrix is factorised."""
+    return 1.0 if 0.1 < length < 10.0 else float(2.0 ** round(np.log2(length)))
+
+
 class Matrix:
     """A real matrix of 6x6 blocks.
 
@@ -37,7 +42,7 @@ class Matrix:
     """
 
     def __init__(self, pattern: Pattern, length: float = 1.0) -> None:
-        unit = 1.0 if 0.1 < length < 10.0 else 2.0 ** round(np.log2(length))
+        unit = unit_of(length)
         self.pattern = pattern
         self.blocks: Floats = np.zeros((len(pattern.rows), 6, 6))
         self.scales: Floats = np.tile([unit, unit, unit, 1.0, 1.0, 1.0], pattern.size)
