@@ -123,17 +123,30 @@ class Constraints:
         if self.joints.count:
             out[self.arrays.place[self.is_held]] = (self.rates(state) - self.target_rate)[self.is_held]
         if len(self.held.place):
-            if self._points is None:
-                self._points = Points.of(self.elements, 1)
-            points, (order, width) = self._points, self.elements.nodes.shape
-            del order
-            work, force = ElementWork.of(width - 1), np.zeros((1, *state.twist.shape))
-            internal_forces(
-                self.elements, state.r[None], state.q[None], state.twist[None], points, work, force
-            )
-            held = self.held
+            held, points = self.held, self._strains(state)
             out[held.place] = points.strain_rate[0, held.element, held.point, held.component]
         return out
+
+    def gaps(self, state: State) -> Floats:
+        """Return all gaps ``(places,)``, 0 where positions are as the last :meth:`update` wants them."""
+        out = np.zeros_like(self.gap)
+        if self.joints.count:
+            value, rate = np.zeros(self.joints.count), np.zeros(self.joints.count)
+            measure(*self.arrays[:3], state.r, state.q, state.twist, self.near, value, rate, self._gradients)
+            out[self.arrays.place[self.is_held]] = (value - self.target)[self.is_held]
+        if len(self.held.place):
+            held, points = self.held, self._strains(state)
+            out[held.place] = points.strain[0, held.element, held.point, held.component]
+        return out
+
+    def _strains(self, state: State) -> Points:
+        """Return the Gauss points of a state."""
+        if self._points is None:
+            self._points = Points.of(self.elements, 1)
+        work, force = ElementWork.of(self.elements.nodes.shape[1] - 1), np.zeros((1, *state.twist.shape))
+        where = state.r[None], state.q[None], state.twist[None]
+        internal_forces(self.elements, *where, self._points, work, force)
+        return self._points
 
     def speed(self, state: State) -> float:
         """Return the largest velocity [m/s], or angular velocity times the length, of a state or of motors."""

@@ -14,6 +14,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from viscorod.mechanics.rotation import retract
 from viscorod.solve.constraints import Constraints
 from viscorod.solve.history import Snapshot
 from viscorod.solve.support_state import SupportState
@@ -22,6 +23,8 @@ from viscorod.typing import Floats
 
 TOLERANCE = 1e-12
 """Rate of a constraint, over that of the fastest node, that passes for none."""
+CLOSED = 1e-12
+"""Gap over the length (in rad, or strain) that passes for none."""
 MOST = 30
 
 
@@ -58,6 +61,32 @@ def shown(
     if joints is not None:
         joints = joints._replace(rate=constraints.rates(state))
     return snapshot._replace(state=state, joints=joints), left
+
+
+def close(constraints: Constraints, state: State, solve: Callable[[Floats], Floats]) -> float:
+    """Move ``state`` to where the positions of joints and held strains are as they must be, then :func:`project` it.
+
+    For states between the stages of a step, which polynomials give.
+
+    Returns:
+        the largest gap that is left, in its unit.
+    """
+    if constraints.rows == 0:
+        return 0.0
+    problem, last = constraints.problem, np.inf
+    n = problem.size
+    for _ in range(MOST):
+        gap = constraints.gaps(state)
+        size = float((np.abs(gap) / constraints.unit).max())
+        if size <= CLOSED or size > 0.9 * last:
+            break
+        last = size
+        right = np.zeros((problem.pattern.size, 6))
+        right[n:] = -(constraints.scale * gap).reshape(-1, 6)
+        change = np.ascontiguousarray(solve(right)[:n])
+        retract(state.r, state.q, change, state.r, state.q)
+    project(constraints, state, solve)
+    return size
 
 
 def project(constraints: Constraints, state: State, solve: Callable[[Floats], Floats]) -> float:

@@ -75,12 +75,19 @@ class Collocation:
         self.stages = Stages.of(stages, body)
         self.predictor = Predictor(body, self.stages, tableau)
         self.linked = Linked(system.constraints, tableau) if problem.constrained else None
+        self.systems = StageSystems(body, system.matrix.scales, tableau)
         self.recorded = Records(
-            body, self.actions.given, self.stages, tableau, supports, system.gauss_places(), self.linked
+            body,
+            self.actions.given,
+            self.stages,
+            tableau,
+            supports,
+            system.gauss_places(),
+            self.linked,
+            self.systems.solve_real,
         )
         self.ends: Ends | None = None
         self.matrices = Matrices.of(body)
-        self.systems = StageSystems(body, system.matrix.scales, tableau)
         self.scratch = Work.of(body, stages)
         self._points = Points.of(body.elements, 1, carried=len(problem.held.place) > 0)  # at t
         self._stress = np.zeros(body.elements.reference.shape)  # at t

@@ -28,7 +28,7 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.loads import ExternalLoads, LoadState
 from viscorod.solve.newton import Convergence, Outcome, SingularMatrixError, worst_node
-from viscorod.solve.projection import shown, start_consistently
+from viscorod.solve.projection import close, shown, start_consistently
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
 from viscorod.solve.time_step import start_step
@@ -288,9 +288,17 @@ class GeneralizedAlpha:
             q,
             twist,
         )
+        states = [State(r[k], q[k], twist[k], new.multiplier) for k in range(count)]
+        constraints, begin = self.system.constraints, self.t - self._step
+        if constraints.rows:
+            for state, part in zip(states, parts, strict=True):
+                constraints.update(begin + part * self._step)
+                gap = close(constraints, state, self.system.matrix.solve)
+                self.drift = max(self.drift[0], gap), self.drift[1]
+            constraints.update(self.t, True)
         return [
             (
-                before.blend(after, part, State(r[k], q[k], twist[k], new.multiplier), self.system),
+                before.blend(after, part, states[k], self.system),
                 part * self.work,
                 part * self.loss,
             )

@@ -13,7 +13,7 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators.links import Links
 from viscorod.solve.integrators.stage_data import Matrices
 from viscorod.solve.integrators.tableau import Tableau
-from viscorod.solve.projection import shown
+from viscorod.solve.projection import close, shown
 from viscorod.solve.system import State
 from viscorod.typing import Floats
 
@@ -125,14 +125,28 @@ class Linked:
         """Return the joints at the present time."""
         return self._start
 
-    def between(self, before: JointState, states: list[State], parts: Floats) -> list[JointState]:
-        """Return the joints in ``states`` at ``parts`` of the last step, which began with ``before``."""
+    def between(
+        self,
+        before: JointState,
+        states: list[State],
+        parts: Floats,
+        times: Floats,
+        solve: Callable[[Floats], Floats],
+    ) -> list[JointState]:
+        """Return the joints in ``states``, which are closed.
+
+        Args:
+            before: at the start of the last step; parts, times: of the step, and the times [s] of the states.
+            solve: with the real matrix of the step.
+        """
         constraints, links = self.constraints, self.links
         c = constraints.joints.count
         weights = self.tableau.polynomials(parts)
         forces = before.force - weights @ (links.force + before.force)  # what joints exert has the other sign
         found = []
-        for state, force in zip(states, forces, strict=True):
+        for state, force, t in zip(states, forces, times, strict=True):
+            constraints.update(t)
+            self.drift = max(self.drift[0], close(constraints, state, solve)), self.drift[1]
             value, rate, gradients = np.zeros(c), np.zeros(c), np.zeros((c, 12))
             measure(
                 *constraints.arrays[:3],
