@@ -7,6 +7,7 @@ from scipy import sparse
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
 from viscorod.mechanics.compiled import kernel
+from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.typing import Floats
 
 
@@ -18,14 +19,6 @@ def scale_translations(data: Floats, diagonal: int, width: int, unit: float) -> 
         column = unit if j % 6 < 3 else 1.0
         for i in range(max(0, j - width), min(size, j + width + 1)):
             data[j, diagonal + i - j] *= column * (unit if i % 6 < 3 else 1.0)
-
-
-class SingularMatrixError(ArithmeticError):
-    """The factorisation met a zero pivot; ``row`` is the unknown it belongs to."""
-
-    def __init__(self, row: int) -> None:
-        super().__init__(f"zero pivot at unknown {row}")
-        self.row = row
 
 
 class BandMatrix:
