@@ -1,0 +1,297 @@
+"""LU factors of a matrix of blocks, and solutions with them in compiled code, however it was factorised.
+
+Groups of block rows are eliminated first. The matrix of one, its *front*, has the ``n`` unknowns of the group before
+those that they couple with; it stands column by column, and pivots are sought within the group. What is left of the
+matrix is a band, column by column in LAPACK's storage, or goes to a sparse LU behind an address.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.callback import call
+from viscorod.mechanics.compiled import kernel, part
+from viscorod.solve.linear.plan import Plan
+from viscorod.solve.linear.routines import LETTERS, gbtrf, gemm, getrf, trsm
+from viscorod.typing import Floats, Integers
+
+HEAD = 12
+"""Pivots begin here among the integers for LAPACK, after its letters and arguments."""
+
+
+class Factors(NamedTuple):
+    """What solutions need, for compiled code: the same types for all ways of factorisation.
+
+    Attributes:
+        values: LU of the band with reciprocal pivots, or the sparse matrix; real or complex, as the next two.
+        fronts: 1 and -1 for BLAS, then the LU of all fronts with reciprocal pivots.
+        vector: scratch, a right side of what remains and one of a front.
+        integers: arguments and pivots, for LAPACK (int32).
+        rows: block rows that remain, in their order ``(M,)``.
+        groups, members: as in :attr:`Plan.fronts`.
+        rest: half width of the band; address of the sparse LU, 0 if there is none; what it is called with.
+    """
+
+    values: Floats
+    fronts: Floats
+    vector: Floats
+    integers: Integers
+    rows: Integers
+    groups: Integers
+    members: Integers
+    rest: Integers
+
+    @classmethod
+    def of(cls, plan: Plan, kind: type, address: int) -> Factors:
+        """Allocate for the type ``kind`` (float, complex)."""
+        groups, members, _ = plan.fronts
+        remaining = 6 * len(plan.rows)
+        size = remaining * (3 * plan.width + 1) if plan.banded else 36 * len(plan.ordered.rows)
+        fronts: Floats = np.zeros(2 + int(np.sum(36 * groups[:, 1] ** 2)), dtype=kind)
+        fronts[:2] = 1.0, -1.0
+        integers: Any = np.zeros(HEAD + remaining + 6 * int(groups[:, 0].sum()), dtype=np.int32)
+        integers[:4] = LETTERS
+        return cls(
+            values=np.zeros(size, dtype=kind),
+            fronts=fronts,
+            vector=np.zeros(remaining + 6 * int(groups[:, 1].max(initial=0)), dtype=kind),
+            integers=integers,
+            rows=plan.rows,
+            groups=groups,
+            members=members,
+            rest=np.array([plan.width if plan.banded else 0, address, remaining * (1 + (kind is complex))]),
+        )
+
+
+@part
+def _eliminate(front: Floats, units: Floats, n: int, size: int, pivots: Integers, integers: Integers) -> None:
+    """Eliminate the first ``n`` of ``size`` unknowns of a front (flat, column by column)."""
+    one, minus = units, units[1:]
+    no, lower, upper, right = integers, integers[1:], integers[2:], integers[3:]
+    integers[4], integers[5], integers[6] = n, size, size - n
+    order, stride, others, result = integers[4:], integers[5:], integers[6:], integers[7:]
+    getrf(front, (order, order, front, stride, pivots, result))
+    if integers[7] != 0 or n == size:
+        return
+    across, down, rest = front[n * size :], front[n:], front[n * size + n :]
+    for j in range(size - n):
+        column = across[j * size :]
+        for k in range(n):
+            other = pivots[k] - 1
+            column[k], column[other] = column[other], column[k]
+    trsm(front, (lower, lower, no, upper, order, others, one, front, stride, across, stride))
+    trsm(front, (right, upper, no, no, others, order, one, front, stride, down, stride))
+    gemm(front, (no, no, others, others, order, minus, down, stride, across, stride, one, rest, stride))
+
+
+@kernel
+def reduce(
+    blocks: Floats,
+    slots: Integers,
+    kept: Integers,
+    targets: Integers,
+    values: Floats,
+    fronts: Floats,
+    integers: Integers,
+    groups: Integers,
+    rest: Integers,
+) -> int:
+    """Factorise a matrix ``blocks (b, 6, 6)``, except for the sparse LU, whose values are written.
+
+    Args:
+        blocks: the values.
+        slots, kept, targets: where they go to, as in :class:`~viscorod.solve.linear.plan.Plan`.
+        values, fronts, integers, groups, rest: see :class:`Factors`.
+
+    Returns:
+        0; or at a zero pivot its number (from 1) among the unknowns of the groups, one after the other, and those that
+        remain.
+    """
+    for k in range(values.shape[0]):
+        values[k] = 0.0
+    for c in range(kept.shape[0]):
+        s, t = kept[c, 0], kept[c, 1]
+        for j in range(6):
+            place = targets[t, 0] + j * targets[t, 1]
+            for i in range(6):
+                values[place + i] = blocks[s, j, i]
+    slot = done = 0
+    for g in range(groups.shape[0]):
+        inner, every = groups[g, 0], groups[g, 1]
+        size = 6 * every
+        front = fronts[groups[g, 2] : groups[g, 2] + size * size]
+        for c in range(every):
+            for r in range(every):
+                s = slots[slot + c * every + r]
+                for j in range(6):
+                    place = (6 * c + j) * size + 6 * r
+                    for i in range(6):
+                        if s < 0 or (c >= inner and r >= inner):
+                            front[place + i] = 0.0
+                        else:
+                            front[place + i] = blocks[s, j, i]
+        _eliminate(front, fronts, 6 * inner, size, integers[HEAD + done :], integers)
+        if integers[7] != 0:
+            return int(done + integers[7])
+        for j in range(6 * inner):
+            front[j * size + j] = 1.0 / front[j * size + j]
+        for c in range(inner, every):
+            for r in range(inner, every):
+                t = slots[slot + c * every + r]
+                for j in range(6):
+                    place = targets[t, 0] + j * targets[t, 1]
+                    for i in range(6):
+                        values[place + i] += front[(6 * c + j) * size + 6 * r + i]
+        slot += every * every
+        done += 6 * inner
+    if rest[1] == 0:
+        size = integers.shape[0] - HEAD - done
+        integers[4], integers[5], integers[6] = size, rest[0], 3 * rest[0] + 1
+        order, width, stride, result = integers[4:], integers[5:], integers[6:], integers[7:]
+        gbtrf(values, (order, order, width, width, values, stride, integers[HEAD + done :], result))
+        if integers[7] != 0:
+            return int(done + integers[7])
+        for j in range(size):
+            place = j * (3 * rest[0] + 1) + 2 * rest[0]
+            values[place] = 1.0 / values[place]
+    return 0
+
+
+@part
+def _solve_band(values: Floats, width: int, n: int, pivots: Integers, b: Floats) -> None:
+    """Solve with the LU of a band in place: LAPACK's own loops pay a call per column, much for narrow bands."""
+    stride = 3 * width + 1
+    for j in range(n):
+        other = pivots[j] - 1
+        x = b[other]
+        if other != j:
+            b[other] = b[j]
+            b[j] = x
+        column = values[j * stride + 2 * width :]
+        for i in range(1, min(width, n - 1 - j) + 1):
+            b[j + i] -= column[i] * x
+    for j in range(n - 1, -1, -1):
+        first = max(0, j - 2 * width)
+        column = values[j * stride + 2 * width - (j - first) :]
+        x = b[j] * column[j - first]
+        b[j] = x
+        above = b[first:]
+        for i in range(j - first):
+            above[i] -= column[i] * x
+
+
+@part
+def _subtract(front: Floats, size: int, p: int, first: int, last: int, x: Floats) -> None:
+    """Subtract six columns of a front times ``x[p : p + 6]`` from the rows ``first`` to ``last`` of ``x``."""
+    a, b, c = front[p * size :], front[(p + 1) * size :], front[(p + 2) * size :]
+    d, e, f = front[(p + 3) * size :], front[(p + 4) * size :], front[(p + 5) * size :]
+    u, v, w, r, s, t = x[p], x[p + 1], x[p + 2], x[p + 3], x[p + 4], x[p + 5]
+    for i in range(first, last):
+        x[i] -= (a[i] * u + b[i] * v + c[i] * w) + (d[i] * r + e[i] * s + f[i] * t)
+
+
+@part
+def _forward(front: Floats, n: int, size: int, pivots: Integers, x: Floats) -> None:
+    """Eliminate the first ``n`` of ``size`` unknowns of a front from the right side ``x``."""
+    for j in range(n):
+        other = pivots[j] - 1
+        value = x[other]
+        x[other] = x[j]
+        x[j] = value
+    for p in range(0, n, 6):
+        for j in range(p, p + 5):
+            for i in range(j + 1, p + 6):
+                x[i] -= front[j * size + i] * x[j]
+        _subtract(front, size, p, p + 6, size, x)
+
+
+@part
+def _backward(front: Floats, n: int, size: int, x: Floats) -> None:
+    """Solve for the first ``n`` of ``size`` unknowns ``x`` of a front; the others are known."""
+    for p in range(n, size, 6):
+        _subtract(front, size, p, 0, n, x)
+    for p in range(n - 6, -1, -6):
+        for j in range(p + 5, p - 1, -1):
+            x[j] *= front[j * size + j]
+            for i in range(p, j):
+                x[i] -= front[j * size + i] * x[j]
+        _subtract(front, size, p, 0, p, x)
+
+
+@part
+def solve(
+    values: Floats,
+    fronts: Floats,
+    vector: Floats,
+    integers: Integers,
+    rows: Integers,
+    groups: Integers,
+    members: Integers,
+    rest: Integers,
+    b: Floats,
+) -> None:
+    """Solve in place for ``b (6 N,)``, real or complex as the factors are; the others are :class:`Factors`.
+
+    Where a sparse LU fails, the solution is NaN and :meth:`~.direct.DirectSolver.check` says why.
+    """
+    remaining = 6 * rows.shape[0]
+    for k in range(rows.shape[0]):
+        for a in range(6):
+            vector[6 * k + a] = b[6 * rows[k] + a]
+    x = vector[remaining:]
+    member = done = 0
+    for g in range(groups.shape[0]):
+        inner, every = groups[g, 0], groups[g, 1]
+        for k in range(inner):
+            for a in range(6):
+                x[6 * k + a] = b[6 * members[member + k] + a]
+        for k in range(6 * inner, 6 * every):
+            x[k] = 0.0
+        _forward(fronts[groups[g, 2] :], 6 * inner, 6 * every, integers[HEAD + done :], x)
+        for k in range(inner):
+            for a in range(6):
+                b[6 * members[member + k] + a] = x[6 * k + a]
+        for k in range(inner, every):
+            for a in range(6):
+                vector[6 * members[member + k] + a] += x[6 * k + a]
+        member += every
+        done += 6 * inner
+    if rest[1] == 0:
+        _solve_band(values, rest[0], remaining, integers[HEAD + done :], vector)
+    else:
+        call(rest[1], vector.ctypes, rest[2])
+    member = 0
+    for g in range(groups.shape[0]):
+        inner, every = groups[g, 0], groups[g, 1]
+        for k in range(inner):
+            for a in range(6):
+                x[6 * k + a] = b[6 * members[member + k] + a]
+        for k in range(inner, every):
+            for a in range(6):
+                x[6 * k + a] = vector[6 * members[member + k] + a]
+        _backward(fronts[groups[g, 2] :], 6 * inner, 6 * every, x)
+        for k in range(inner):
+            for a in range(6):
+                b[6 * members[member + k] + a] = x[6 * k + a]
+        member += every
+    for k in range(rows.shape[0]):
+        for a in range(6):
+            b[6 * rows[k] + a] = vector[6 * k + a]
+
+
+@kernel
+def solve_once(
+    values: Floats,
+    fronts: Floats,
+    vector: Floats,
+    integers: Integers,
+    rows: Integers,
+    groups: Integers,
+    members: Integers,
+    rest: Integers,
+    b: Floats,
+) -> None:
+    """Solve as :func:`solve` does, called from Python."""
+    solve(values, fronts, vector, integers, rows, groups, members, rest, b)
