@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 
+import numba
 import numpy as np
 import pytest
 
@@ -13,11 +14,11 @@ from viscorod.mechanics.callback import Callback, call
 from viscorod.mechanics.compiled import kernel
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.elimination import Elimination
-from viscorod.solve.linear.factors import solve
 from viscorod.solve.linear.ordering import cuthill_mckee, reach
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan, plans
 from viscorod.solve.linear.singular import SingularMatrixError
+from viscorod.solve.linear.substitution import solve
 
 KINDS = [float, complex]
 
@@ -154,6 +155,14 @@ def test_matrices_that_are_not_finite_give_no_numbers(model):
         assert np.isnan(solver.solve(np.ones(6 * pattern.size))).any()
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_compiled_code_fits_all_ways(kind):
+    models = MODELS.values()
+    every = [plan for pattern, interiors, _ in models for plan in plans(pattern, interiors)]
+    every += [sparse_plan(pattern, interiors) for pattern, interiors, _ in models]
+    assert len({numba.typeof(DirectSolver(plan, kind).factors) for plan in every}) == 1
+
+
 def test_groups_that_touch_others_remain():
     pattern, (inner,), _ = chain(6, 3)
     wrong = [inner[:4], np.array([[0], [inner[5, 0]]])]
@@ -227,7 +236,7 @@ def test_errors_of_python_functions_are_raised_afterwards():
 
 SPARSE = """
 import numpy as np
-from viscorod.solve.linear import factors
+from viscorod.solve.linear import factors, substitution
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.elimination import Elimination
 from viscorod.solve.linear.pattern import Pattern
@@ -239,7 +248,7 @@ solver = DirectSolver(Plan(pattern, Elimination.of(pattern, [np.array([[1]])]), 
 blocks = np.random.default_rng(0).normal(size=(9, 6, 6))
 solver.factorise(blocks)
 assert np.allclose(pattern.sparse(blocks) @ solver.solve(np.ones(18)), 1.0)
-print(*[sum(k.stats.cache_misses.values()) for k in (factors.reduce, factors.solve_once)])
+print(*[sum(k.stats.cache_misses.values()) for k in (factors.reduce, substitution.solve_once)])
 """
 
 

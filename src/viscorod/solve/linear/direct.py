@@ -9,9 +9,10 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.mechanics.callback import Callback
-from viscorod.solve.linear.factors import Factors, reduce, solve_once
+from viscorod.solve.linear.factors import Factors, reduce
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.linear.singular import SingularMatrixError
+from viscorod.solve.linear.substitution import solve_once
 from viscorod.typing import Floats
 
 DIAGONAL = 0.01
@@ -28,7 +29,7 @@ class DirectSolver:
         kind: float or complex, the type of matrices and right sides.
 
     Attributes:
-        factors: for :func:`~viscorod.solve.linear.factors.solve` in compiled code; its arrays stay the same.
+        factors: for :func:`~viscorod.solve.linear.substitution.solve` in compiled code; its arrays stay the same.
     """
 
     def __init__(self, plan: Plan, kind: type = float) -> None:
