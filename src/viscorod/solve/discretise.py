@@ -76,7 +76,7 @@ def discretise(model: ModelDescription) -> Problem:
         joints=joints.placed(pattern, nodes),
         held=held_strains(sets, pattern, nodes, nodes + joints.blocks),
         multipliers=multipliers,
-        interiors=_interiors(elements),
+        interiors=_interiors(mesh, elements),
         supports=supports,
         nodal_loads=tuple(nodal),
         station_loads=tuple(moving),
@@ -118,9 +118,16 @@ def _mesh(model: ModelDescription) -> Mesh:
     return join(rods, list(model.bodies.values()), [(number(a), number(b)) for a, b in pairs])
 
 
-def _interiors(elements: list[Integers]) -> tuple[Integers, ...]:
-    """Inner nodes of elements ``(elements, order - 1)``; where joints and supports act, elements end."""
-    return tuple(nodes[:, 1:-1].copy() for nodes in elements if nodes.shape[1] > 2)
+def _interiors(mesh: Mesh, elements: list[Integers]) -> tuple[Integers, ...]:
+    """Inner nodes of elements ``(elements, order - 1)``; where joints and supports act, elements end.
+
+    Where strains are held, their multipliers keep the inner nodes in place: by themselves these have no stiffness.
+    """
+    return tuple(
+        nodes[:, 1:-1].copy()
+        for m, nodes in zip(mesh.rods, elements, strict=True)
+        if m.order > 1 and not any(m.rod.constrained_strains)
+    )
 
 
 def _supports(model: ModelDescription, placement: Placement) -> SupportSet:

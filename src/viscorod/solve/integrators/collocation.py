@@ -77,7 +77,7 @@ class Collocation:
         )
         self.ends: Ends | None = None
         self.matrices = Matrices.of(body)
-        self.systems = StageSystems(body, system.matrix.scales, tableau)
+        self.systems = StageSystems(body, system.matrix.scales, tableau, problem.plan)
         self.scratch = Work.of(body, stages)
         self._points = Points.of(body.elements, 1)  # at t
         self._stress = np.zeros(body.elements.reference.shape)  # at t
@@ -121,6 +121,7 @@ class Collocation:
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         self.predictor.predict(self.state, self._stress, h)
         code, count, size, rate, unknown, error, worst = try_step(*self.step_arguments(h))
+        self.systems.check()
         self.evaluations += (count + (code == iteration.CONVERGED)) * len(self.tableau.nodes)
         self._end = end
         if code == iteration.CONVERGED:

@@ -16,7 +16,7 @@ from viscorod.solve.integrators.energy_step import hold_ends, reach_end
 from viscorod.solve.integrators.iteration import CONVERGED, GOING, SLOW, judge
 from viscorod.solve.integrators.stage_data import Body, Ends, Factors, Given, Matrices, Stages, Work
 from viscorod.solve.integrators.tableau import Tableau
-from viscorod.solve.linear.band import solve
+from viscorod.solve.linear.substitution import solve
 from viscorod.typing import Floats, Integers
 
 
