@@ -44,6 +44,7 @@ class CheckReport:
         frequencies: of the first small vibrations about the unloaded shape [Hz]; damping_ratios: of the same.
         warnings: doubts, one sentence each.
         nodes, unknowns: size of the discretised model.
+        linear_solver: how its linear systems are factorised.
     """
 
     rods: list[dict[str, object]]
@@ -53,6 +54,7 @@ class CheckReport:
     warnings: list[str]
     nodes: int
     unknowns: int
+    linear_solver: str
 
 
 def check(
@@ -86,6 +88,7 @@ def check(
         warnings=_doubts(model, problem, frequencies, settled=True),
         nodes=n,
         unknowns=6 * n - int(problem.supports.fixed.sum()),
+        linear_solver=problem.plan.description,
     )
 
 

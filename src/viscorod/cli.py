@@ -300,7 +300,7 @@ def _check_text(report: CheckReport) -> str:
         _rows_text("Rods", report.rods),
         _rows_text("Sections", report.sections),
         _rows_text("First natural modes about the reference shape (a quick estimate)", modes),
-        f"{report.nodes} nodes, {report.unknowns} unknowns",
+        f"{report.nodes} nodes, {report.unknowns} unknowns; linear systems: {report.linear_solver}",
         "\n".join(["Warnings", *(f"  - {text}" for text in report.warnings)])
         if report.warnings
         else "No warnings",

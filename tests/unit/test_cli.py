@@ -28,6 +28,7 @@ REPORT = SimpleNamespace(
     warnings=["the rod is thick"],
     nodes=11,
     unknowns=66,
+    linear_solver="band of half width 35",
 )
 
 
@@ -132,7 +133,7 @@ def test_check_prints_tables(invoke, solving, monkeypatch):
     assert "beam 0.3 0.03 2 5" in lines
     assert "stiffness 3 1000" in lines  # too wide for the terminal, so turned on its side
     assert "1 0.573 0.036" in lines
-    assert "11 nodes, 66 unknowns" in lines
+    assert "11 nodes, 66 unknowns; linear systems: band of half width 35" in lines
     assert "- the rod is thick" in lines
     assert max(map(len, result.stdout.splitlines())) <= 100
 

@@ -104,13 +104,13 @@ def _mesh(model: ModelDescription) -> Mesh:
         elif isinstance(load, DistributedForce | DistributedMoment):
             wishes[load.rod].extend(s for s in (load.from_s, load.to_s) if s is not None)
     rods = [divide(name, rod, breaks[name], wishes[name]) for name, rod in model.rods.items()]
-    bodies = list(model.bodies)
+    bodies = {name: i for i, name in enumerate(model.bodies)}
     first = len(bodies) + np.cumsum([0, *(len(rod.s) for rod in rods)])
     index = {rod.name: i for i, rod in enumerate(rods)}
 
     def number(place: AnyPlace) -> int:
         if isinstance(place, BodyPlace):
-            return bodies.index(place.body)
+            return bodies[place.body]
         node = rods[index[place.rod]].node_at(place.s)
         assert node is not None  # places of attachments are element ends
         return int(first[index[place.rod]]) + node
