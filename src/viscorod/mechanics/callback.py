@@ -71,4 +71,5 @@ def _call(_context: Any, address: Any, pointer: Any, number: Any) -> Any:
     return types.void(types.int64, types.voidptr, types.int64), generate
 
 
-call: Callable[[int, Any, int], None] = intrinsic(_call)
+_compiled: Any = intrinsic(_call)
+call: Callable[[int, Any, int], None] = _compiled
