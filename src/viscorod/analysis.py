@@ -104,6 +104,7 @@ class Workplace:
             "iterations": sum(path.iterations) + path.wasted,
             "factorisations": sum(path.iterations) + path.wasted,
             "rejected": path.rejected,
+            "linear_solver": self.problem.plan.description,
         }
         if path.outcome is not Outcome.COMPLETED:
             message = self._static_failure(path)
@@ -204,6 +205,8 @@ class Workplace:
         }
         if self.system.constraints.rows:
             attrs["drift_position"], attrs["drift_velocity"] = integrator.drift
+        if settings.dynamics == "nonlinear":
+            attrs["linear_solver"] = self.problem.plan.description
         if settings.formulation == "intrinsic" and settings.dynamics == "nonlinear":
             attrs["pose_gap"], attrs["rotation_gap"] = pose_gap(self.system, self.history)
         if result.outcome is Outcome.INTERRUPTED:

@@ -51,6 +51,7 @@ class CheckReport:
         frequencies: of the first small vibrations about the unloaded shape [Hz]; damping_ratios: of the same.
         warnings: doubts, one sentence each.
         nodes, unknowns: size of the discretised model; conditions: number of those that joints and held strains make.
+        linear_solver: how its linear systems are factorised.
     """
 
     rods: list[dict[str, object]]
@@ -60,6 +61,7 @@ class CheckReport:
     warnings: list[str]
     nodes: int
     unknowns: int
+    linear_solver: str
     bodies: list[dict[str, object]] = field(default_factory=list)
     joints: list[dict[str, object]] = field(default_factory=list)
     springs: list[dict[str, object]] = field(default_factory=list)
@@ -107,6 +109,7 @@ def check(
             for spring, given in zip(model.resolved_springs(), model.springs, strict=True)
         ],
         conditions=solver.system.constraints.rows,
+        linear_solver=problem.plan.description,
     )
 
 

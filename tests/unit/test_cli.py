@@ -32,6 +32,7 @@ REPORT = SimpleNamespace(
     joints=[{"joint": "elbow", "kind": "revolute", "gap [m]": 0.001}],
     springs=[],
     conditions=5,
+    linear_solver="band of half width 35",
 )
 
 
@@ -142,7 +143,10 @@ def test_check_prints_tables(invoke, solving, monkeypatch):
     assert "beam 0.3 0.03 2 5" in lines
     assert "stiffness 3 1000" in lines  # too wide for the terminal, so turned on its side
     assert "1 0.573 0.036" in lines
-    assert "11 nodes, 66 unknowns, 5 conditions of joints and held strains" in lines
+    assert (
+        "11 nodes, 66 unknowns, 5 conditions of joints and held strains; linear systems: band of half width 35"
+        in " ".join(lines)
+    )
     assert "body mass [kg]" in lines
     assert "plate 2" in lines
     assert "elbow revolute 0.001" in lines

@@ -262,6 +262,8 @@ def _effort(result: Result) -> str:
     if attrs.get("compile_time_s", 0.0) >= 0.1:
         parts.append(f"{attrs['compile_time_s']:.3g} s compiling before that")
     lines = [f"Effort: {', '.join(parts)}"] if parts else []
+    if "linear_solver" in attrs:
+        lines.append(f"Linear systems: {attrs['linear_solver']}")
     if attrs.get("smallest_step_why"):
         lines.append(
             f"Smallest step: {attrs['smallest_step']:.3g} s at t = {attrs['smallest_step_at']:.6g} s, "

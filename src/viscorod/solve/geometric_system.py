@@ -72,7 +72,7 @@ class GeometricSystem:
         self.problem = problem
         self.internal: Floats = np.zeros((problem.size, 6))
         self.external: Floats = np.zeros((problem.size, 6))
-        self.matrix = Matrix(problem.pattern, problem.length)
+        self.matrix = Matrix(problem.pattern, problem.length, lambda: problem.plan)
         self.parts = [_Part(problem, elements) for elements in problem.sets]
         self.given_strain: Floats | None = None
         self._no_map = np.zeros((problem.size, 6, 6))

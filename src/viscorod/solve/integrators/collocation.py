@@ -75,7 +75,7 @@ class Collocation:
         self.stages = Stages.of(stages, body)
         self.predictor = Predictor(body, self.stages, tableau)
         self.linked = Linked(system.constraints, tableau) if problem.constrained else None
-        self.systems = StageSystems(body, system.matrix.scales, tableau)
+        self.systems = StageSystems(body, system.matrix.scales, tableau, problem.plan)
         self.recorded = Records(
             body,
             self.actions.given,
@@ -139,6 +139,7 @@ class Collocation:
         if self.linked is not None:
             self.linked.predict(h)
         code, count, size, rate, unknown, error, worst = try_step(*self.step_arguments(h))
+        self.systems.check()
         self.evaluations += (count + (code == iteration.CONVERGED)) * len(self.tableau.nodes)
         self._end = end
         if code == iteration.CONVERGED:
