@@ -69,9 +69,10 @@ FILE = {
     "springs": ("tables `[[springs]]`", "\N{EN DASH}", "see Springs"),
     "velocities": ("tables `[[velocities]]`", "at rest", "see Initial velocities"),
     "strains": ("tables `[[strains]]`", "unstrained", "see Initial strains"),
-    "simulate": ("table `[simulate]`", "one of these three", "see Analyses"),
-    "equilibrium": ("table `[equilibrium]`", "one of these three", "see Analyses"),
-    "steady": ("table `[steady]`", "one of these three", "see Analyses"),
+    "simulate": ("table `[simulate]`", "one of these four", "see Analyses"),
+    "equilibrium": ("table `[equilibrium]`", "one of these four", "see Analyses"),
+    "path": ("table `[path]`", "one of these four", "see Analyses"),
+    "steady": ("table `[steady]`", "one of these four", "see Analyses"),
 }
 ROD = {
     "section": (SECTION, "one of these three", "the section of the whole rod"),

@@ -9,18 +9,24 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from viscorod.errors import InputError, SolveError
 from viscorod.mechanics import geometric, intrinsic
 from viscorod.mechanics.compiled import announce_compilation, announce_formulation
+from viscorod.mechanics.held_strains import add_held_strains
 from viscorod.mechanics.joints import joint_forces
 from viscorod.model.description import ModelDescription
-from viscorod.model.settings import SimulateSettings
+from viscorod.model.settings import PathSettings, SimulateSettings
 from viscorod.results.dataset import dataset
+from viscorod.results.places import Sites
 from viscorod.results.run import Equilibrium, Run
+from viscorod.results.schema import AXES
 from viscorod.solve import modes as small_motion
+from viscorod.solve.arc_length import Path, PathFollower, PathPoint
 from viscorod.solve.discretise import discretise
 from viscorod.solve.formulations import FORMULATIONS
-from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.history import EnergyAccount, History, Snapshot, StationReader
 from viscorod.solve.initial_shape import strain_rods
 from viscorod.solve.integrators import INTEGRATORS, LINEAR_INTEGRATORS, Integrator
 from viscorod.solve.integrators.contract import StepReport
@@ -74,7 +80,7 @@ class Workplace:
         problem = discretise(model)
         announce_compilation(geometric.assemble)
         if problem.constrained:
-            announce_formulation(joint_forces)
+            announce_formulation(joint_forces if problem.joints.count else add_held_strains)
         system = FORMULATIONS[formulation, damping](problem)
         supports = SupportState(problem)
         require_independent(system, supports)
@@ -117,6 +123,88 @@ class Workplace:
         tangent = self.static.tangent(state, scale=factor)
         attrs["negative_eigenvalues"] = small_motion.negative_eigenvalues(tangent)
         return Equilibrium.later(self._later("equilibrium", attrs))
+
+    def path(self, settings: PathSettings, progress: Progress | None, attrs: dict[str, Any]) -> Equilibrium:
+        """Follow a path of equilibria; see ``Model.path``."""
+        loads = self.static.loads.at(0.0, True, 1.0)
+        self.supports.update(0.0, True)
+        if loads.none and not self.supports.target.any():
+            raise InputError(
+                "no path to follow: no load and no prescribed motion acts at t = 0; add a load without until"
+            )
+        self._require_held(loads)
+        unit = abs(settings.target or 1.0)
+        follower = PathFollower(self.static, unit)
+        history = self.history
+
+        def on_point(point: PathPoint) -> None:
+            account = EnergyAccount(elastic=self.system.elastic_energy())
+            snapshot = Snapshot.of(point.state, self.system, self.supports)
+            step = point.factor - (history.instant[-1] if history.instant else 0.0)
+            history.record(point.factor, snapshot, account, step, point.iterations)
+            history.unstable.append(point.unstable)
+            if progress is not None:
+                progress(point.factor, step)
+
+        path = follower.follow(
+            State.reference(self.problem),
+            load_factor=settings.target,
+            endings=[self._displacement(settings)] if settings.place is not None else [],
+            largest=settings.arc_length,
+            points=settings.points,
+            turns=settings.turns,
+            on_point=on_point,
+        )
+        attrs |= {
+            "outcome": path.outcome.name.lower(),
+            "steps": path.count,
+            "iterations": path.iterations,
+            "rejected": path.rejected,
+            "limit_points": json.dumps(path.limit_points),
+            "bifurcations": json.dumps(path.bifurcations),
+        }
+        if path.outcome is Outcome.COMPLETED:
+            return self._found_path(attrs)
+        message = self._path_failure(path)
+        if path.outcome is Outcome.POINTS:
+            return self._found_path(attrs | {"message": message})
+        raise SolveError(message, self._found_path(attrs | {"message": message}) if path.count else None)
+
+    def _found_path(self, attrs: dict[str, Any]) -> Equilibrium:
+        unstable = self.history.unstable[-1]
+        return Equilibrium.later(self._later("equilibrium", attrs | {"negative_eigenvalues": unstable}))
+
+    def _displacement(self, settings: PathSettings) -> Callable[[PathPoint], float]:
+        """How far a displacement is from that at which a path is to end, of the model's length."""
+        assert settings.place is not None
+        assert settings.axis is not None
+        assert settings.displacement is not None
+        problem, reader = self.problem, StationReader(self.problem)
+        start = reader.read(problem.positions, problem.quaternions, np.zeros((problem.size, 6)))[0]
+        stations = problem.stations
+        site = Sites.of(
+            np.array(problem.rods)[stations.rod], stations.s, problem.rod_orders[stations.rod]
+        ).at(settings.place)
+        component, wanted = AXES.index(settings.axis), settings.displacement
+
+        def lacking(point: PathPoint) -> float:
+            position = reader.read(point.state.r, point.state.q, point.state.twist)[0]
+            return float(site.of(position - start)[component] - wanted) / problem.length
+
+        return lacking
+
+    def _path_failure(self, path: Path) -> str:
+        reached = self.history.instant[-1] if self.history.instant else 0.0
+        text = (
+            f"The path was followed to {reached:.6g} of the loads, {path.count} points: {path.outcome.value}."
+        )
+        if path.outcome is Outcome.POINTS:
+            return f"{text} What to try: {path.outcome.advice(static=True)}."
+        where = self._where(path.report) if path.report is not None else ""
+        advice = "give a smaller arc_length, or a small load that prefers one way where the path branches"
+        if path.count < 2:
+            advice = "look for what moves freely, or is held twice, in the reference shape"
+        return f"{text}{where} What to try: {advice}."
 
     def modes(self, count: int, about: str) -> Modes:
         """Find the ``count`` slowest small motions; see ``Model.modes``."""

@@ -15,7 +15,7 @@ from viscorod.model.fit import require_fit
 from viscorod.model.laws import Laws
 from viscorod.model.rod import Rod
 from viscorod.model.section import MaterialSection
-from viscorod.model.settings import EquilibriumSettings, SimulateSettings, SteadySettings
+from viscorod.model.settings import AnySettings, SimulateSettings, SteadySettings
 from viscorod.model.spring import AnySpring, ResolvedSpring
 from viscorod.solve.discretise import discretise
 from viscorod.solve.geometric_system import GeometricSystem
@@ -68,9 +68,7 @@ class CheckReport:
     conditions: int = 0
 
 
-def check(
-    model: ModelDescription, settings: SimulateSettings | EquilibriumSettings | SteadySettings | None = None
-) -> CheckReport:
+def check(model: ModelDescription, settings: AnySettings | None = None) -> CheckReport:
     """Validate a model, and the settings of an analysis of it, and describe it.
 
     Raises:

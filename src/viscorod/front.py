@@ -15,7 +15,13 @@ import numpy as np
 from viscorod.errors import InputError
 from viscorod.model.description import ModelDescription
 from viscorod.model.fit import require_fit
-from viscorod.model.settings import EquilibriumSettings, SimulateSettings, SteadySettings
+from viscorod.model.settings import (
+    AnySettings,
+    EquilibriumSettings,
+    PathSettings,
+    SimulateSettings,
+    SteadySettings,
+)
 from viscorod.model.values import number
 
 if TYPE_CHECKING:
@@ -59,6 +65,56 @@ class Model(ModelDescription):
         except InputError:
             raise InputError(f"load_factor = {load_factor!r}: give a finite number such as 1.0") from None
         return work.equilibrium(factor, settings.load_steps or 1, progress, self._attrs(title))
+
+    def path(
+        self,
+        *,
+        load_factor: float | None = None,
+        place: str | None = None,
+        axis: str | None = None,
+        displacement: float | None = None,
+        turns: int | None = None,
+        points: int = 200,
+        arc_length: float = 0.1,
+        progress: Progress | None = None,
+        title: str = "",
+    ) -> Equilibrium:
+        """Follow the static equilibria from the unloaded one on, through limit points and past bifurcations.
+
+        The load factor may grow and shrink on the way. The path goes on through a bifurcation; to branch off, add a
+        small load that prefers one of the branches.
+
+        Args:
+            load_factor: multiple of all loads and prescribed motions towards which the path begins and where it ends;
+                1 if neither displacement nor turns is given.
+            place: with axis and displacement: the path ends where this place has moved so far.
+            axis: global axis "x", "y" or "z" of the displacement.
+            displacement: from the reference shape [m].
+            turns: the path ends at this limit point, 1 for the first.
+            points: number of points at most; with fewer than the path needs, its outcome is "points".
+            arc_length: largest distance between two points, in which a change of the load factor by its unit
+                (load_factor, or 1), a displacement by the model's length and a rotation by 1 rad count alike.
+            progress: called with (load factor, its change) after every point.
+            title: kept with the result.
+
+        Returns:
+            The points of the path from the unloaded shape on, in order; limit points and bifurcations are among them.
+
+        Raises:
+            InputError: the model is inconsistent, or free to move as a rigid body.
+            SolveError: the path could not be followed further; ``run`` holds it up to there.
+        """
+        given: dict[str, Any] = {"points": points, "arc_length": arc_length}
+        optional = {
+            "load_factor": load_factor,
+            "place": place,
+            "axis": axis,
+            "displacement": displacement,
+            "turns": turns,
+        }
+        given |= {name: value for name, value in optional.items() if value is not None}
+        settings = PathSettings(**given)
+        return self._discretised().path(settings, progress, self._attrs(title))
 
     def simulate(
         self,
@@ -217,7 +273,7 @@ class Case(Protocol):
         """The described model."""
 
     @property
-    def settings(self) -> SimulateSettings | EquilibriumSettings | SteadySettings:
+    def settings(self) -> AnySettings:
         """The settings of the analysis that the file asks for."""
 
     @property
@@ -231,6 +287,8 @@ def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibri
     given = {name: getattr(case.settings, name) for name in case.settings.model_fields_set}
     if isinstance(case.settings, EquilibriumSettings):
         return model.equilibrium(**given, progress=progress, title=case.title)
+    if isinstance(case.settings, PathSettings):
+        return model.path(**given, progress=progress, title=case.title)
     if isinstance(case.settings, SteadySettings):
         return model.steady(**given, title=case.title)
     return model.simulate(**given, progress=progress, title=case.title)

@@ -13,7 +13,7 @@ from viscorod.cases.schema import ANALYSES, CaseReader
 from viscorod.errors import InputError, Problem
 from viscorod.model.described import nearest
 from viscorod.model.description import ModelDescription
-from viscorod.model.settings import EquilibriumSettings, SimulateSettings, SteadySettings
+from viscorod.model.settings import AnySettings
 
 __all__ = ["Case", "case_from_dict", "load_case", "parse_case"]
 
@@ -34,13 +34,13 @@ class Case:
 
     title: str
     description: ModelDescription
-    settings: SimulateSettings | EquilibriumSettings | SteadySettings
+    settings: AnySettings
     source: Path | None = None
     content: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def kind(self) -> str:
-        """The analysis: "simulate", "equilibrium" or "steady"."""
+        """The analysis: "simulate", "equilibrium", "path" or "steady"."""
         return next(word for word, settings in ANALYSES.items() if isinstance(self.settings, settings))
 
     def model(self, kind: type[M]) -> M:

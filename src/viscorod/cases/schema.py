@@ -22,7 +22,13 @@ from viscorod.model.load import load
 from viscorod.model.material import Material
 from viscorod.model.profile import Piecewise, Taper, one_section
 from viscorod.model.rod import CENTRELINES, Rod
-from viscorod.model.settings import EquilibriumSettings, SimulateSettings, SteadySettings
+from viscorod.model.settings import (
+    AnySettings,
+    EquilibriumSettings,
+    PathSettings,
+    SimulateSettings,
+    SteadySettings,
+)
 from viscorod.model.spring import spring
 from viscorod.model.support import support
 from viscorod.model.values import choose, name_of_part
@@ -32,9 +38,10 @@ __all__ = ["ANALYSES", "CaseReader"]
 
 T = TypeVar("T")
 
-ANALYSES: dict[str, type[SimulateSettings] | type[EquilibriumSettings] | type[SteadySettings]] = {
+ANALYSES: dict[str, type[AnySettings]] = {
     "simulate": SimulateSettings,
     "equilibrium": EquilibriumSettings,
+    "path": PathSettings,
     "steady": SteadySettings,
 }
 """The analyses by their table in a case file; exactly one of them stands in a file."""
@@ -59,7 +66,7 @@ class CaseReader:
         self.problems: list[Problem] = []
         self.title: str | None = None
         self.model = ModelDescription()
-        self.settings: SimulateSettings | EquilibriumSettings | SteadySettings | None = None
+        self.settings: AnySettings | None = None
         self._materials: dict[str, Any] = {}
         self._sections: dict[str, Any] = {}
 
@@ -153,11 +160,11 @@ class CaseReader:
                 given[0] if given else "simulate",
                 f"the tables {' and '.join(given)}" if given else "",
                 "a case asks for exactly one analysis",
-                "give one table: [simulate] with a duration, [equilibrium], or [steady] with a spin",
+                "give one table: [simulate] with a duration, [equilibrium], [path], or [steady] with a spin",
             )
         for key in given:
             parsed = self._parsed(key, ANALYSES[key].model_validate, self.data[key])
-            if isinstance(parsed, SimulateSettings | EquilibriumSettings | SteadySettings):
+            if isinstance(parsed, AnySettings):
                 self.settings = parsed
 
     def _lookup(self, value: Any, named: Mapping[str, Any], noun: str) -> Any:

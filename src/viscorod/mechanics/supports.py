@@ -30,6 +30,8 @@ from viscorod.mechanics.rotation import (
 )
 from viscorod.typing import Floats, Integers
 
+ROUND_OFF = 1e-9
+
 
 @part
 def in_body(axes: Floats) -> bool:
@@ -233,12 +235,23 @@ def impose_tangent(
     for s in range(nodes.shape[0]):
         k = nodes[s]
         own = diagonal[k]
-        # constraint rows as large as the balance rows they replace: pivoting then sees no difference in scale
-        weight_move = weight_turn = 0.0
+        # constraint rows as large as the balance rows they replace: pivoting then sees no difference in scale; where
+        # multipliers hold the strains of all elements at the node, its own block is round-off
+        weight_move = weight_turn = all_move = all_turn = 0.0
+        for transposed in range(starts[k], starts[k + 1]):
+            slot = across[transposed]
+            for j in range(6):
+                for i in range(3):
+                    all_move = max(all_move, abs(blocks[slot, j, i]))
+                    all_turn = max(all_turn, abs(blocks[slot, j, 3 + i]))
         for j in range(3):
             for i in range(3):
                 weight_move = max(weight_move, abs(blocks[own, j, i]))
                 weight_turn = max(weight_turn, abs(blocks[own, 3 + j, 3 + i]))
+        if weight_move < ROUND_OFF * all_move:
+            weight_move = all_move
+        if weight_turn < ROUND_OFF * all_turn:
+            weight_turn = all_turn
         turning = in_body(axes[s])
         complete = not turning
         for i in range(6):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
@@ -10,6 +10,7 @@ from pydantic import Field, PlainValidator, model_validator
 from viscorod.model.described import Described, RefusedError, show
 from viscorod.model.values import (
     OptionalDirection,
+    OptionalNumber,
     OptionalPositive,
     OptionalUnitInterval,
     Positive,
@@ -19,11 +20,12 @@ from viscorod.model.values import (
     positive,
     vector,
     whole_number,
+    word,
 )
 
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-10, 0.1
 
-__all__ = ["EquilibriumSettings", "SimulateSettings", "SteadySettings"]
+__all__ = ["AnySettings", "EquilibriumSettings", "PathSettings", "SimulateSettings", "SteadySettings"]
 
 
 class SimulateSettings(Described):
@@ -141,6 +143,52 @@ class EquilibriumSettings(Described):
     load_steps: Annotated[int | None, PlainValidator(optional(whole_number(1, 10_000)))] = None
 
 
+class PathSettings(Described):
+    """How a path of equilibria is followed.
+
+    Args:
+        load_factor: multiple of the loads towards which the path begins and where it ends. 1 if neither displacement
+            nor turns is given.
+        place: the place whose displacement ends the path, such as "arch@0.5".
+        axis: global axis of this displacement, "x", "y" or "z".
+        displacement: from the reference shape at which the path ends, m.
+        turns: number of limit points at the last of which the path ends, 1 to 1000.
+        points: number of points at most, 2 to 100 000.
+        arc_length: largest distance between two points, in which a change of the load factor by its unit (load_factor,
+            or 1), a displacement by the model's length and a rotation by 1 rad count alike.
+    """
+
+    load_factor: OptionalNumber = None
+    place: Annotated[str | None, PlainValidator(optional(word))] = None
+    axis: Annotated[Literal["x", "y", "z"] | None, PlainValidator(optional(one_of("x", "y", "z").func))] = (
+        None
+    )
+    displacement: OptionalNumber = None
+    turns: Annotated[int | None, PlainValidator(optional(whole_number(1, 1000)))] = None
+    points: Annotated[int, PlainValidator(whole_number(2, 100_000))] = 200
+    arc_length: Positive = 0.1
+
+    @property
+    def target(self) -> float | None:
+        """The load factor at which the path ends, None if it may have any."""
+        if self.load_factor is None and self.displacement is None and self.turns is None:
+            return 1.0
+        return self.load_factor
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        given = [name for name in ("place", "axis", "displacement") if getattr(self, name) is not None]
+        if given and len(given) < 3:
+            missing = next(name for name in ("place", "axis", "displacement") if name not in given)
+            raise RefusedError(
+                "place, axis and displacement belong together",
+                f"add {missing}, or leave out {' and '.join(given)}",
+                found="missing",
+                at=(missing,),
+            )
+        return self
+
+
 def _spin(value: Any) -> float | Triple:
     """An angular speed, or an angular velocity."""
     if isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim):
@@ -223,3 +271,7 @@ class SteadySettings(Described):
                 at=("damping",),
             )
         return self
+
+
+AnySettings: TypeAlias = SimulateSettings | EquilibriumSettings | PathSettings | SteadySettings
+"""Settings of one of the analyses."""

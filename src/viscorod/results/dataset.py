@@ -69,6 +69,8 @@ def dataset(
             "angular_velocity": ((*states, "axis"), spin),
             "kinetic": (along, energy[:, 0]),
         }
+    if history.unstable:
+        variables["negative_eigenvalues"] = (along, np.array(history.unstable, dtype=np.int64))
     if kind == "simulate":
         rate = np.array([snapshot.strain_rate for snapshot in snapshots])
         momentum = _momenta(problem, r, q, twist)

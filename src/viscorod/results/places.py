@@ -51,9 +51,19 @@ class Sites:
     """All stations of a data set: those of rods by arc length, and places on rigid bodies."""
 
     def __init__(self, data: xr.Dataset) -> None:
-        rods = np.asarray(data["station_rod"].values, dtype=str)
-        self._s = np.asarray(data["station_s"].values, dtype=float)
-        self._order = np.asarray(data["station_order"].values, dtype=int)
+        self._take(*(data[f"station_{name}"].values for name in ("rod", "s", "order")))
+
+    @classmethod
+    def of(cls, rods: np.ndarray, s: Floats, order: Integers) -> Sites:
+        """Stations by their rods, arc lengths [m] and orders of elements ``(k,)``, without a data set."""
+        sites = cls.__new__(cls)
+        sites._take(rods, s, order)
+        return sites
+
+    def _take(self, rods: np.ndarray, s: Floats, order: Integers) -> None:
+        rods = np.asarray(rods, dtype=str)
+        self._s = np.asarray(s, dtype=float)
+        self._order = np.asarray(order, dtype=int)
         self._rod_of_station = rods
         self._bodies = {str(rods[k]): int(k) for k in np.flatnonzero(self._order == 0)}
         self._stations = {

@@ -11,6 +11,7 @@ from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
 from viscorod.results.style import BLUE, SKY, TEXT, figure, legend_inside
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from viscorod.results.run import Equilibrium
@@ -19,16 +20,21 @@ if TYPE_CHECKING:
 
 def draw_shape(equilibrium: Equilibrium | Steady) -> Figure:
     """Return the figure of the reference shape, the load steps on the way and the equilibrium."""
+    picture = figure(8.0, 6.4)
+    if equilibrium.title:
+        picture.suptitle(equilibrium.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+    draw_shapes(picture.add_subplot(), equilibrium)
+    return picture
+
+
+def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady) -> None:
+    """Draw the shapes into an axes."""
     positions = equilibrium.field("position")
     reference = np.asarray(equilibrium.data["reference_position"].values, dtype=float)
     rotations = np.asarray(equilibrium.data["rotation"].values, dtype=float)
     assembly = Assembly(equilibrium)
     ends = assembly.ends(positions[-1], rotations[-1]).reshape(-1, 3)
     view = View.of(np.concatenate([*positions, reference, ends]))
-    picture = figure(8.0, 6.4)
-    if equilibrium.title:
-        picture.suptitle(equilibrium.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
-    axes = picture.add_subplot()
     turning = equilibrium.kind == "steady"
     view.prepare(axes, f"{'Steady rotation' if turning else 'Static equilibrium'} {view.name}")
     curves = Curves(equilibrium)
@@ -36,7 +42,7 @@ def draw_shape(equilibrium: Equilibrium | Steady) -> Figure:
     label = "on the way"
     level = equilibrium.data[equilibrium.dimension].values
     for factor, position in zip(level[:-1], positions[:-1], strict=True):
-        if factor > 0.0:
+        if factor != 0.0:
             curves.draw(axes, view, position, color=SKY, linewidth=1.0, label=label)
             label = "_"
     reached = level[-1]
@@ -50,4 +56,3 @@ def draw_shape(equilibrium: Equilibrium | Steady) -> Figure:
     mark_supports(axes, view, equilibrium, positions[-1])
     view.finish(axes)
     legend_inside(axes)
-    return picture

@@ -58,6 +58,7 @@ def equilibrium_report(equilibrium: Equilibrium) -> str:
         _ends(equilibrium, _places(equilibrium), -1),
         _rotations(equilibrium),
         _reactions(equilibrium),
+        _path(equilibrium),
         _joints(equilibrium),
         _stability(equilibrium),
         _effort(equilibrium),
@@ -240,6 +241,21 @@ def _drift(result: Result) -> str:
         f"Joints and held strains: largest violation {attrs['drift_position']:.2g} (positions, over the size), "
         f"{attrs['drift_velocity']:.2g} (velocities)"
     )
+
+
+def _path(equilibrium: Equilibrium) -> str:
+    if not equilibrium.is_path:
+        return ""
+    factors = equilibrium.load_factor
+    unstable = np.asarray(equilibrium.data["negative_eigenvalues"].values)
+    lines = [f"Path of {factors.size} points; load factors from {factors.min():.6g} to {factors.max():.6g}"]
+    for kind, word in (("limit_points", "limit point"), ("bifurcations", "bifurcation")):
+        for number in equilibrium.special_points(kind):
+            after = unstable[min(number + 1, unstable.size - 1)]
+            lines.append(
+                f"  {word} at {factors[number]:.7g} of the loads (negative eigenvalues beyond it: {after})"
+            )
+    return "\n".join(lines)
 
 
 def _stability(equilibrium: Equilibrium) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -15,7 +16,7 @@ from viscorod.results.energy import Energy
 from viscorod.results.places import Site
 from viscorod.results.result import Result
 from viscorod.results.schema import AXES
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -156,13 +157,16 @@ class Run(Result):
 
 
 class Equilibrium(Result):
-    """A static equilibrium; the last load factor is the answer, the earlier ones are the way to it."""
+    """A static equilibrium; the last load factor is the answer, the earlier ones are the way to it.
+
+    One that ``Model.path`` found holds the points of a path, along which loads may grow and shrink.
+    """
 
     kind: ClassVar[str] = "equilibrium"
 
     @property
     def load_factor(self) -> Floats:
-        """Parts of the loads at which states are stored, increasing to 1."""
+        """Parts of the loads at which states are stored: increasing to 1, or in the order of a path."""
         return np.asarray(self.data["load_factor"].values, dtype=float)
 
     def position(self, place: str | int) -> Floats:
@@ -201,6 +205,28 @@ class Equilibrium(Result):
         """Number of negative eigenvalues of the tangent stiffness: 0 where the equilibrium is stable."""
         return int(self.data.attrs.get("negative_eigenvalues", 0))
 
+    @property
+    def is_path(self) -> bool:
+        """Whether the states are the points of a path."""
+        return "limit_points" in self.data.attrs
+
+    @property
+    def limit_points(self) -> Floats:
+        """Load factors at which the path turns from growing to shrinking loads or back, in its order."""
+        return self._special("limit_points")
+
+    @property
+    def bifurcations(self) -> Floats:
+        """Load factors at which other paths cross this one, in its order."""
+        return self._special("bifurcations")
+
+    def special_points(self, kind: str) -> Integers:
+        """Return the numbers of the states that are "limit_points" or "bifurcations"."""
+        return np.array(json.loads(self.data.attrs.get(kind, "[]")), dtype=np.int64)
+
+    def _special(self, kind: str) -> Floats:
+        return self.load_factor[self.special_points(kind)]
+
     def report(self) -> str:
         """Return a report: ends of the rods, reactions, energy, stability, the effort, warnings."""
         from viscorod.results.report import equilibrium_report
@@ -208,11 +234,15 @@ class Equilibrium(Result):
         return equilibrium_report(self)
 
     def plot(self, path: str | Path) -> Path:
-        """Draw the reference shape and the way to the equilibrium; returns the path."""
+        """Draw the reference shape and the way to the equilibrium, for a path also loads over displacement.
+
+        Returns the path of the picture.
+        """
+        from viscorod.results.plot_path import draw_path
         from viscorod.results.plot_shape import draw_shape
         from viscorod.results.style import write
 
-        return write(draw_shape(self), path)
+        return write(draw_path(self) if self.is_path else draw_shape(self), path)
 
     @property
     def _reference(self) -> Floats:

@@ -39,7 +39,8 @@ def warnings_of(result: Result) -> list[str]:
                 f"of the energy that moved; use a smaller {'tolerance' if 'tolerance' in data.attrs else 'time_step'}"
             )
     rejected = int(data.attrs.get("rejected", 0))
-    if rejected and "tolerance" not in data.attrs:  # steps that follow the error are rejected now and then
+    # steps that follow the error, or a path, are rejected now and then
+    if rejected and not {"tolerance", "limit_points"} & set(data.attrs):
         what = "time step" if result.dimension == "time" else "load step"
         plural = "s" if rejected > 1 else ""
         texts.append(

@@ -188,6 +188,7 @@ class History:
     energy: list[tuple[float, float, float, float, float]] = field(default_factory=list)
     step_size: list[float] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
+    unstable: list[int] = field(default_factory=list)  # negative eigenvalues of the points of a path
 
     def record(
         self, instant: float, snapshot: Snapshot, account: EnergyAccount, step_size: float, iterations: int

@@ -23,6 +23,7 @@ class Outcome(Enum):
     NOT_FINITE = "a force became infinite or undefined"
     BROKEN = "a rod is stretched or sheared to a hundred times its length"
     TOO_SMALL = "the motion asks for steps too small to ever reach the end"
+    POINTS = "the path has as many points as were asked for"
     INTERRUPTED = "the run was stopped"
 
     def advice(self, *, static: bool) -> str:
@@ -33,6 +34,8 @@ class Outcome(Enum):
             return "look for a load or a motion that grows without bound, and check loads against stiffnesses"
         if self is Outcome.TOO_SMALL:
             return "look for a load or a motion that grows without bound there, or give a larger tolerance"
+        if self is Outcome.POINTS:
+            return "give more points"
         if not static:
             return (
                 "try a smaller time_step, a lower spectral_radius (more numerical damping of the highest frequencies), "

@@ -94,7 +94,7 @@ class StaticSolver:
                 continue
             path.rejected += 1
             path.wasted += report.iterations
-            self._restore(state, t, before=before, scale=factor * done)
+            self.restore(state, t, before=before, scale=factor * done)
             step *= 0.5
             if step < smallest_step:
                 path.outcome = report.outcome
@@ -138,10 +138,10 @@ class StaticSolver:
             if verdict is None:
                 continue
             if verdict is Outcome.CONVERGED:
-                self._restore(state, t, before=before, scale=scale)
+                self.restore(state, t, before=before, scale=scale)
             return report(verdict)
 
-    def _restore(self, state: State, t: float, *, before: bool, scale: float) -> None:
+    def restore(self, state: State, t: float, *, before: bool, scale: float) -> None:
         """Evaluate forces and reactions at ``state`` and take its section forces as stress iterate."""
         self.supports.update(t, before, scale)
         self.system.constraints.update(t, before, scale)
@@ -160,7 +160,7 @@ class StaticSolver:
         directions in which the equilibrium is unstable.
         """
         system, supports = self.system, self.supports
-        self._restore(state, t, before=before, scale=scale)
+        self.restore(state, t, before=before, scale=scale)
         system.assemble(state, self.loads.at(t, before, scale), None, tangent=True, moving=False)
         residual = system.residual()
         supports.impose(state, residual, system.matrix, tangent=True)

@@ -26,11 +26,29 @@ class Midpoint(Collocation):
 
     order = 2
     records = 1
+    oldest = 8
+    """Steps with one Jacobian, where there are constraints.
+
+    What velocities lack at the end of a step is of second order itself, and is projected away along the constraints'
+    gradients in the Jacobian: with a Jacobian of a fixed age the method would have order 1.
+    """
 
     def __init__(self, system: System, supports: SupportState, *, newton_tolerance: float = 1e-13) -> None:
         super().__init__(system, supports, MIDPOINT, newton_tolerance)
         self.ends: Ends = Ends.of(self.body)
         self._end_twist = np.zeros((len(supports.complete), 6))
+        self._age = 0
+
+    def accept(self) -> None:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
+        super().accept()
+        self._age += 1
+        if self.linked is not None and self._age >= self.oldest:
+            self._have_jacobian = False
+
+    def _renew_jacobian(self) -> None:
+        super()._renew_jacobian()
+        self._age = 0
 
     def _prepare_step(self, end: float, before: bool) -> None:
         h = end - self.t
