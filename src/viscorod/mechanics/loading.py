@@ -29,9 +29,9 @@ def add_levers(lever: Floats, q: Floats, with_tangent: bool, external: Floats, b
         external[3 + a] += N[b, c] - N[c, b]
         if with_tangent:
             # forces turn back in body axes, N[b] x theta
-            block[3 + a, 3 + a] -= N[b, b] + N[c, c]
-            block[3 + a, 3 + b] += N[b, a]
-            block[3 + a, 3 + c] += N[c, a]
+            block[3 + a, 3 + a] += N[b, b] + N[c, c]
+            block[3 + a, 3 + b] -= N[b, a]
+            block[3 + a, 3 + c] -= N[c, a]
 
 
 @kernel

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from viscorod.mechanics import supports as support_kernels
 from viscorod.mechanics.internal_force import Points
 from viscorod.mechanics.interpolation import interpolate
+from viscorod.solve.constraints import JointState
 from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators.linked import Linked
 from viscorod.solve.integrators.readings import read_between, read_end
@@ -168,6 +171,8 @@ class Records:
             energies,
         )
         kinetic, work, loss = energies.tolist()
-        joints = [None] * count if self.linked is None else self.linked.between(self._joints, states, parts)
+        joints: Sequence[JointState | None] = [None] * count
+        if self.linked is not None and self._joints is not None:
+            joints = self.linked.between(self._joints, states, parts)
         snapshots = map(Snapshot, states, *points, reaction, kinetic, [0.0] * count, joints)
         return list(zip(snapshots, work, loss, strict=True))
