@@ -190,8 +190,13 @@ class GeometricSystem:
         twist = state.twist if moving else np.zeros_like(state.twist)
         constraints.add_forces(state.r, state.q, twist, state.multiplier, self.internal)
         if tangent:
+            if (
+                len(C) and not moving
+            ):  # dampers at rest: twists follow nothing, yet their derivative is wanted
+                rate_map = np.zeros((len(twist), 6, 6))
+            held = self._held_rows()
             constraints.add_tangent(
-                state.r, state.q, twist, rate_map, K, C, moving=moving, held=self._held_rows()
+                state.r, state.q, twist, rate_map, K, C, moving=moving or len(C) > 0, held=held
             )
 
     def _held_rows(self) -> tuple[Integers, Floats] | None:

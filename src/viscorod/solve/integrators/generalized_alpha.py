@@ -221,7 +221,7 @@ class GeneralizedAlpha:
     def accept(self) -> None:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         relation, solution = self._trial
-        h = self._end - self.t
+        h, first = self._end - self.t, self._fresh
         self._start = self.state, self._snapshot
         self._accept(solution, relation, self._end)
         if self._fresh:
@@ -238,6 +238,8 @@ class GeneralizedAlpha:
             self._twist_mean = (solution.increment / h - c1 * self._twist_mean) / self.coefficients.gamma
             self._settle()
         power = self._work_rate()
+        if first:  # forces of motors at the start are not known
+            self._power += self.system.constraints.motor_power()
         self.work = 0.5 * h * (self._power + power)
         self.loss = self.system.viscous_loss(h)
         self.elastic = self.system.elastic_energy()

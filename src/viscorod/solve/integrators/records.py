@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -172,7 +172,7 @@ class Records:
             energies,
         )
         kinetic, work, loss = energies.tolist()
-        joints: list[JointState] | list[None] = [None] * count
+        joints: Sequence[JointState | None] = [None] * count
         if self.linked is not None and self._joints is not None:
             times = t - (1.0 - parts) * h
             joints = self.linked.between(self._joints, states, parts, times, self.solve_real)
