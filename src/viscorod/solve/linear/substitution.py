@@ -32,12 +32,12 @@ def _solve_band(values: Floats, width: int, n: int, pivots: Integers, b: Floats)
 
 
 @part
-def _subtract(front: Floats, size: int, p: int, first: int, last: int, x: Floats) -> None:
-    """Subtract six columns of a front times ``x[p : p + 6]`` from the rows ``first`` to ``last`` of ``x``."""
-    a, b, c = front[p * size :], front[(p + 1) * size :], front[(p + 2) * size :]
-    d, e, f = front[(p + 3) * size :], front[(p + 4) * size :], front[(p + 5) * size :]
-    u, v, w, r, s, t = x[p], x[p + 1], x[p + 2], x[p + 3], x[p + 4], x[p + 5]
-    for i in range(first, last):
+def _subtract(columns: Floats, size: int, values: Floats, count: int, x: Floats) -> None:
+    """Subtract six columns of a front times six values from ``count`` entries of ``x``; the columns begin there."""
+    a, b, c = columns, columns[size:], columns[2 * size :]
+    d, e, f = columns[3 * size :], columns[4 * size :], columns[5 * size :]
+    u, v, w, r, s, t = values[0], values[1], values[2], values[3], values[4], values[5]
+    for i in range(count):
         x[i] -= (a[i] * u + b[i] * v + c[i] * w) + (d[i] * r + e[i] * s + f[i] * t)
 
 
@@ -53,20 +53,48 @@ def _forward(front: Floats, n: int, size: int, pivots: Integers, x: Floats) -> N
         for j in range(p, p + 5):
             for i in range(j + 1, p + 6):
                 x[i] -= front[j * size + i] * x[j]
-        _subtract(front, size, p, p + 6, size, x)
+        below = p + 6
+        _subtract(front[p * size + below :], size, x[p:], size - below, x[below:])
 
 
 @part
 def _backward(front: Floats, n: int, size: int, x: Floats) -> None:
     """Solve for the first ``n`` of ``size`` unknowns ``x`` of a front; the others are known."""
     for p in range(n, size, 6):
-        _subtract(front, size, p, 0, n, x)
+        _subtract(front[p * size :], size, x[p:], n, x)
     for p in range(n - 6, -1, -6):
         for j in range(p + 5, p - 1, -1):
             x[j] *= front[j * size + j]
             for i in range(p, j):
                 x[i] -= front[j * size + i] * x[j]
-        _subtract(front, size, p, 0, p, x)
+        _subtract(front[p * size :], size, x[p:], p, x)
+
+
+@part
+def _take(b: Floats, rows: Integers, count: int, x: Floats) -> None:
+    """Write the first ``count`` of some block rows of ``b`` into ``x``, one after the other."""
+    for k in range(count):
+        at = 6 * rows[k]
+        for a in range(6):
+            x[6 * k + a] = b[at + a]
+
+
+@part
+def _put(x: Floats, rows: Integers, count: int, b: Floats) -> None:
+    """Undo :func:`_take`."""
+    for k in range(count):
+        at = 6 * rows[k]
+        for a in range(6):
+            b[at + a] = x[6 * k + a]
+
+
+@part
+def _add(x: Floats, rows: Integers, count: int, b: Floats) -> None:
+    """Add what :func:`_put` writes."""
+    for k in range(count):
+        at = 6 * rows[k]
+        for a in range(6):
+            b[at + a] += x[6 * k + a]
 
 
 @kernel
@@ -82,26 +110,20 @@ def substitute(
     b: Floats,
 ) -> None:
     """Solve in place for ``b (6 N,)``; the others are those of :class:`~viscorod.solve.linear.factors.Factors`."""
-    remaining = 6 * rows.shape[0]
-    for k in range(rows.shape[0]):
-        for a in range(6):
-            vector[6 * k + a] = b[6 * rows[k] + a]
+    count = rows.shape[0]
+    remaining = 6 * count
+    _take(b, rows, count, vector)
     x = vector[remaining:]
     member = done = 0
     for g in range(groups.shape[0]):
         inner, every = groups[g, 0], groups[g, 1]
-        for k in range(inner):
-            for a in range(6):
-                x[6 * k + a] = b[6 * members[member + k] + a]
+        own, around = members[member:], members[member + inner :]
+        _take(b, own, inner, x)
         for k in range(6 * inner, 6 * every):
             x[k] = 0.0
         _forward(fronts[groups[g, 2] :], 6 * inner, 6 * every, integers[HEAD + done :], x)
-        for k in range(inner):
-            for a in range(6):
-                b[6 * members[member + k] + a] = x[6 * k + a]
-        for k in range(inner, every):
-            for a in range(6):
-                vector[6 * members[member + k] + a] += x[6 * k + a]
+        _put(x, own, inner, b)
+        _add(x[6 * inner :], around, every - inner, vector)
         member += every
         done += 6 * inner
     if rest[1] == 0:
@@ -111,20 +133,13 @@ def substitute(
     member = 0
     for g in range(groups.shape[0]):
         inner, every = groups[g, 0], groups[g, 1]
-        for k in range(inner):
-            for a in range(6):
-                x[6 * k + a] = b[6 * members[member + k] + a]
-        for k in range(inner, every):
-            for a in range(6):
-                x[6 * k + a] = vector[6 * members[member + k] + a]
+        own, around = members[member:], members[member + inner :]
+        _take(b, own, inner, x)
+        _take(vector, around, every - inner, x[6 * inner :])
         _backward(fronts[groups[g, 2] :], 6 * inner, 6 * every, x)
-        for k in range(inner):
-            for a in range(6):
-                b[6 * members[member + k] + a] = x[6 * k + a]
+        _put(x, own, inner, b)
         member += every
-    for k in range(rows.shape[0]):
-        for a in range(6):
-            b[6 * rows[k] + a] = vector[6 * k + a]
+    _put(vector, rows, count, b)
 
 
 @part
