@@ -25,7 +25,7 @@ from viscorod.solve.discretise import discretise
 from viscorod.solve.formulations import FORMULATIONS
 from viscorod.solve.integrators import Midpoint, Radau
 from viscorod.solve.integrators.collocation import Collocation
-from viscorod.solve.linear.band import BandSolver
+from viscorod.solve.linear.plan import plans
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State
 
@@ -101,9 +101,9 @@ def step_of(integrator: Collocation, limit: int) -> Callable[[], int]:
 
 def lapack_of(integrator: Collocation) -> list[Callable[[], object]]:
     """Copying a matrix of the integrator's band, and copying, factorising and solving with it."""
-    solver = BandSolver(integrator.system.problem.pattern)
-    width = solver.width
-    matrix = np.random.default_rng(0).normal(size=solver.factors.band.shape)
+    pattern = integrator.system.problem.pattern
+    width = next(plans(pattern)).width
+    matrix = np.random.default_rng(0).normal(size=(6 * pattern.size, 3 * width + 1))
     matrix[:, 2 * width] += 100.0
     work, right = np.empty_like(matrix), np.ones(len(matrix))
 

@@ -24,8 +24,8 @@ import viscorod as vr
 from viscorod.solve.discretise import discretise
 from viscorod.solve.geometric_system import GeometricSystem
 from viscorod.solve.integrators.generalized_alpha import GeneralizedAlpha, Relation
-from viscorod.solve.linear.band import BandSolver, fill_band
 from viscorod.solve.linear.matrix import Matrix
+from viscorod.solve.linear.plan import plans
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State
 
@@ -86,9 +86,14 @@ def bytes_of(*owners: object) -> int:
 
 def band_of(matrix: Matrix) -> np.ndarray:
     """The matrix as it was factorised, in LAPACK's storage."""
-    solver, pattern = BandSolver(matrix.pattern), matrix.pattern
-    fill_band(matrix.blocks, pattern.rows, pattern.starts, solver.factors.place, solver.factors.band)
-    return solver.factors.band
+    plan = next(plans(matrix.pattern))  # nothing is condensed
+    blocks, places = plan.kept.T
+    first, step = plan.targets[places].T
+    within = np.arange(6)
+    band = np.zeros((6 * matrix.pattern.size, 3 * plan.width + 1))
+    where = first[:, None, None] + step[:, None, None] * within[:, None] + within
+    band.reshape(-1)[where] = matrix.blocks[blocks]
+    return band
 
 
 def measure(elements: int, order: int, rods: int = 1) -> tuple[float, float, int, int]:

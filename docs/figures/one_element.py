@@ -187,7 +187,9 @@ def describe() -> None:
         found = model.equilibrium()
         turned = np.degrees(found.rotation("beam.end")[2])
         moved = np.linalg.norm(found.displacement("beam.end"))
-        print(f"{name} from the force {load:g} EI/L2: end turned by {turned:.0f} degrees, moved by {moved:.2f} L")
+        print(
+            f"{name} from the force {load:g} EI/L2: end turned by {turned:.0f} degrees, moved by {moved:.2f} L"
+        )
 
 
 def main() -> None:

@@ -110,6 +110,7 @@ class Workplace:
             "iterations": sum(path.iterations) + path.wasted,
             "factorisations": sum(path.iterations) + path.wasted,
             "rejected": path.rejected,
+            "linear_solver": self.problem.plan.description,
         }
         if path.outcome is not Outcome.COMPLETED:
             message = self._static_failure(path)
@@ -290,6 +291,10 @@ class Workplace:
             "smallest_step_why": effort.smallest_why,
             "warnings": json.dumps(result.notes),
         }
+        if self.system.constraints.rows:
+            attrs["drift_position"], attrs["drift_velocity"] = integrator.drift
+        if settings.dynamics == "nonlinear":
+            attrs["linear_solver"] = self.problem.plan.description
         if settings.formulation == "intrinsic" and settings.dynamics == "nonlinear":
             attrs["pose_gap"], attrs["rotation_gap"] = pose_gap(self.system, self.history)
         if result.outcome is Outcome.INTERRUPTED:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from viscorod.mechanics import geometric
 from viscorod.mechanics.compiled import announce_compilation
+from viscorod.model.any_body import AnyBody
+from viscorod.model.any_joint import AnyJoint, ResolvedJoint
 from viscorod.model.description import ModelDescription
 from viscorod.model.fit import require_fit
+from viscorod.model.laws import Laws
 from viscorod.model.rod import Rod
 from viscorod.model.section import MaterialSection
 from viscorod.model.settings import AnySettings, SimulateSettings, SteadySettings
+from viscorod.model.spring import AnySpring, ResolvedSpring
 from viscorod.solve.discretise import discretise
 from viscorod.solve.geometric_system import GeometricSystem
 from viscorod.solve.modes import complex_modes, linearise, natural_frequencies
@@ -40,10 +44,14 @@ class CheckReport:
     Attributes:
         rods: name, length [m], mass [kg], elements, order of every rod.
         sections: stiffness [N, N m^2] and retardation time [s] of every strain, at the start of every rod and
-            where it changes.
+            where it changes; "held" in place of the stiffness of strains that the rod holds.
+        bodies: name, mass [kg], principal inertia [kg m^2] of every rigid body.
+        joints: name, kind, places, motions that are free or driven, where it is and its gap [m] in the reference shape.
+        springs: name, kind, places, motions with stiffness and damping.
         frequencies: of the first small vibrations about the unloaded shape [Hz]; damping_ratios: of the same.
         warnings: doubts, one sentence each.
-        nodes, unknowns: size of the discretised model.
+        nodes, unknowns: size of the discretised model; conditions: number of those that joints and held strains make.
+        linear_solver: how its linear systems are factorised.
     """
 
     rods: list[dict[str, object]]
@@ -53,6 +61,11 @@ class CheckReport:
     warnings: list[str]
     nodes: int
     unknowns: int
+    linear_solver: str
+    bodies: list[dict[str, object]] = field(default_factory=list)
+    joints: list[dict[str, object]] = field(default_factory=list)
+    springs: list[dict[str, object]] = field(default_factory=list)
+    conditions: int = 0
 
 
 def check(model: ModelDescription, settings: AnySettings | None = None) -> CheckReport:
@@ -84,6 +97,17 @@ def check(model: ModelDescription, settings: AnySettings | None = None) -> Check
         warnings=_doubts(model, problem, frequencies, settled=True),
         nodes=n,
         unknowns=6 * n - int(problem.supports.fixed.sum()),
+        bodies=[_body_row(name, body) for name, body in model.bodies.items()],
+        joints=[
+            _joint_row(joint, given)
+            for joint, given in zip(model.resolved_joints(), model.joints, strict=True)
+        ],
+        springs=[
+            _spring_row(spring, given)
+            for spring, given in zip(model.resolved_springs(), model.springs, strict=True)
+        ],
+        conditions=solver.system.constraints.rows,
+        linear_solver=problem.plan.description,
     )
 
 
@@ -138,15 +162,57 @@ def _rod_row(problem: Problem, name: str, rod: Rod) -> dict[str, object]:
     }
 
 
+def _body_row(name: str, body: AnyBody) -> dict[str, object]:
+    principal = np.linalg.eigvalsh(body.inertia_matrix())
+    return {
+        "body": name,
+        "mass [kg]": body.total_mass(),
+        **{f"inertia {k} [kg m2]": float(value) for k, value in enumerate(principal, 1)},
+        "points": ", ".join(body.points),
+    }
+
+
+def _joint_row(joint: ResolvedJoint, given: AnyJoint) -> dict[str, object]:
+    motions = [f"{word}(t)" if word in joint.motion else word for word in joint.free]
+    return {
+        "joint": given.name or "",
+        "kind": joint.kind,
+        "a - b": f"{given.a} - {given.b}",
+        "free or driven": ", ".join(motions) or "none",
+        "where [m]": _point(joint.at_a),
+        "gap [m]": float(np.linalg.norm(joint.gap)),
+    }
+
+
+def _spring_row(spring: ResolvedSpring, given: AnySpring) -> dict[str, object]:
+    # the motion word of a line only says that it acts along itself
+    def text(laws: Laws) -> str:
+        shown = [(word, "function" if callable(law) else f"{law:.6g}") for word, law in laws.items()]
+        return ", ".join(value if spring.kind == "line" else f"{word} {value}" for word, value in shown)
+
+    return {
+        "spring": given.name or "",
+        "kind": spring.kind,
+        "places": " - ".join(given.ends),
+        "stiffness [N/m, N m/rad]": text(spring.stiffness),
+        "damping [N s/m, N m s/rad]": text(spring.damping),
+    }
+
+
+def _point(position: Floats) -> str:
+    return f"({', '.join(f'{value + 0.0:.4g}' for value in position)})"
+
+
 def _section_rows(name: str, rod: Rod) -> list[dict[str, object]]:
     rows = []
     for s in (0.0, *rod.section_breaks):
         C, D, M = rod.matrices_at(s)
         row: dict[str, object] = {"section": f"{name}@{s:.6g}", "mass per length [kg/m]": float(M[0, 0])}
+        held = rod.constrained_strains
         for i, component in enumerate(COMPONENTS):
-            row[f"{component} stiffness [{'N' if i < 3 else 'N m2'}]"] = float(C[i, i])
+            row[f"{component} stiffness [{'N' if i < 3 else 'N m2'}]"] = "held" if held[i] else float(C[i, i])
         for i, component in enumerate(COMPONENTS):
-            row[f"{component} time [s]"] = float(D[i, i] / C[i, i])
+            row[f"{component} time [s]"] = "" if held[i] else float(D[i, i] / C[i, i])
         rows.append(row)
     return rows
 
@@ -185,7 +251,8 @@ def _speed_warnings(model: ModelDescription, frequencies: Floats) -> list[str]:
     warnings = []
     for name, rod in model.rods.items():
         C, D, _ = rod.matrices_at(0.0)
-        time = float(np.max(np.diag(D) / np.diag(C)))
+        free = ~np.array(rod.constrained_strains)
+        time = float(np.max((np.diag(D) / np.diag(C))[free], initial=0.0))
         if omega * time > QUICK:
             warnings.append(
                 f"rod {name}: first angular frequency times longest retardation time is {omega * time:.2g}; "

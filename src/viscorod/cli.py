@@ -94,14 +94,34 @@ def run(
 
 
 @app.command()
-def check(case: CaseFile) -> None:
-    """Validate a case and print its model."""
+def check(
+    case: CaseFile,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            help="Folder for the picture [default: out/CASE]",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Validate a case, draw its model and print it in tables."""
     with _readable_errors():
         from viscorod.cases.case import load_case
         from viscorod.check import check as check_model
+        from viscorod.front import as_model
 
         loaded = load_case(_existing(case))
-        typer.echo(_check_text(check_model(loaded.description, loaded.settings)))
+        folder = output or Path("out") / case.stem
+        _writable(folder)
+        # before anything is solved: the picture shows why something may fail
+        picture = as_model(loaded.description).draw(folder / "assembly.png", loaded.title)
+        try:
+            typer.echo(_check_text(check_model(loaded.description, loaded.settings)))
+        finally:
+            typer.echo(f"\nWritten: {picture}")
 
 
 @app.command()
@@ -296,11 +316,15 @@ def _check_text(report: CheckReport) -> str:
             zip(report.frequencies, report.damping_ratios, strict=True), 1
         )
     ]
+    conditions = f", {report.conditions} conditions of joints and held strains" if report.conditions else ""
     blocks = [
         _rows_text("Rods", report.rods),
         _rows_text("Sections", report.sections),
+        _rows_text("Rigid bodies", report.bodies),
+        _rows_text("Joints", report.joints),
+        _rows_text("Springs", report.springs),
         _rows_text("First natural modes about the reference shape (a quick estimate)", modes),
-        f"{report.nodes} nodes, {report.unknowns} unknowns",
+        f"{report.nodes} nodes, {report.unknowns} unknowns{conditions}; linear systems: {report.linear_solver}",
         "\n".join(["Warnings", *(f"  - {text}" for text in report.warnings)])
         if report.warnings
         else "No warnings",

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -173,6 +174,24 @@ class Model(ModelDescription):
         require_fit(self, settings)
         work = self._discretised(settings.formulation, settings.damping)
         return work.simulate(settings, progress, self._attrs(title))
+
+    def draw(self, path: str | Path, title: str = "") -> Path:
+        """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.
+
+        Args:
+            path: picture to write; the suffix tells the format (.png, .pdf, .svg).
+            title: above the picture.
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: the model is inconsistent, or the picture cannot be written.
+        """
+        from viscorod.drawing.assembly import draw_assembly
+        from viscorod.results.style import write
+
+        return write(draw_assembly(self, title), path)
 
     def modes(self, count: int = 6, *, about: str = "equilibrium") -> Modes:
         """Find the slowest small damped vibrations about the equilibrium at t = 0- or about the reference shape.

@@ -55,11 +55,12 @@ def last_state(problem: Problem, start: Result) -> State:
     position = start.field("position")[-1]
     rotation = np.asarray(start.data["rotation"].values, dtype=float)[-1]
     stations = problem.stations
-    if position.shape != (len(stations.nodes), 3) or not np.allclose(
-        start.data["station_s"].values, stations.s, rtol=1e-9, atol=0.0
+    count = len(stations.nodes) + len(problem.bodies.names)
+    if position.shape != (count, 3) or not np.allclose(
+        start.data["station_s"].values[: len(stations.s)], stations.s, rtol=1e-9, atol=0.0
     ):
         raise InputError(
-            f"start: it has {len(position)} stations, this model {len(stations.nodes)}, or they lie elsewhere; "
+            f"start: it has {len(position)} stations, this model {count}, or they lie elsewhere; "
             "give a result of a model with the same rods, elements and order"
         )
     still = "velocity" not in start.data

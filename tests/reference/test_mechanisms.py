@@ -13,18 +13,25 @@ from .independent.four_bar import POINTS, RISE, SPEED, THICK, THIN, TILT
 from .independent.mechanism_data import table
 from .independent.rotor import Overhung, Top
 from .independent.slider_crank import SliderCrank
+from .motion import Motion, rigid_parts
 
-if not hasattr(vr.Model, "revolute"):
-    pytest.skip("joints are not there yet", allow_module_level=True)
-
+GLOBAL_A = np.eye(3)
 ALL_STRAINS = ["shear_1", "shear_2", "stretch", "bend_1", "bend_2", "twist"]
+
+
+NO_JOINTS = {"intrinsic": "this formulation has no joints"}
 
 
 def places(run, place, times):
     """Rows of the history of a place at the times, which must be among the output."""
+    return run.history(place).values[rows_at(run, times)]
+
+
+def rows_at(run, times):
+    """Numbers of the stored times."""
     index = [int(np.argmin(np.abs(run.time - t))) for t in times]
     assert np.abs(run.time[index] - times).max() < 1e-9
-    return run.history(place).values[index]
+    return index
 
 
 def columns(rows, name, keys="xyz"):
@@ -32,7 +39,7 @@ def columns(rows, name, keys="xyz"):
 
 
 @pytest.mark.parametrize("kind", ["constrained", "stiff"])
-@methods(1e-8, 0.002)
+@methods(1e-7, 0.005, without=NO_JOINTS)
 def test_rigid_double_pendulum(kind, method):
     """Bars that cannot deform, or hardly, on two revolute joints: the ODE's elbow and tip over 3 s."""
     rows = table("double_pendulum")
@@ -45,12 +52,14 @@ def test_rigid_double_pendulum(kind, method):
     model.revolute("ground", "upper.start", axis=(0, 1, 0), name="shoulder")
     model.revolute("upper.end", "lower.start", axis=(0, 1, 0), name="elbow")
     model.gravity((0, 0, -9.81))
-    run = model.simulate(3.0, initial="reference", output_interval=0.05, **method)
+    motion = Motion(model, 3.0, initial="reference", output_interval=0.05, **method)
+    assert motion.drift < 1e-9
     second_order = method["integrator"] != "radau"
-    # bending of the stiff bars: weight times cube of the length over 8 EI, 1e-5 of the length, and its ringing
-    allowed = (2e-3 if second_order else 2e-6) if kind == "constrained" else (3e-3 if second_order else 3e-4)
+    assert motion.imbalance() < (2e-3 if second_order else 2e-6)
+    # bending of the stiff bars: weight times cube of the length over 8 EI, 1e-5 of the length, grows with the motion
+    allowed = 5e-3 if second_order else 2e-6 if kind == "constrained" else 3e-4
     for place, name in (("upper.end", "elbow"), ("lower.end", "tip")):
-        found = places(run, place, rows["t"])
+        found = places(motion.run, place, rows["t"])
         assert found[:, [0, 2]] == pytest.approx(columns(rows, name, "xz"), abs=allowed)
         assert np.abs(found[:, 1]).max() < 1e-9
 
@@ -62,7 +71,12 @@ def beam_section(given, tau):
     return vr.StiffnessSection(K, [*3 * [given["mass"]], J, J, 2 * J], damping=[tau * k for k in K])
 
 
-@methods(1e-7, 0.002, spectral_radius=0.7, without={"midpoint": "nothing damps what the two snaps start"})
+@methods(
+    1e-6,
+    0.01,
+    spectral_radius=0.7,
+    without={"midpoint": "nothing damps what the two snaps start", **NO_JOINTS},
+)
 def test_four_bar_with_an_inclined_hinge(method):
     """Slow motion: the equilibria, but for the ringing after the branch changes at the stretched positions.
 
@@ -79,13 +93,31 @@ def test_four_bar_with_an_inclined_hinge(method):
     model.revolute("ab.end", "bc.start", axis=z, name="B")
     model.revolute("bc.end", "cd.start", axis=hinge, name="C")
     model.revolute("cd.end", "ground", axis=z, name="D")
-    run = model.simulate(12.0, initial="reference", output_interval=0.2, **method)
+    if method["integrator"] == "radau":
+        method = {"time_step": 0.04, **method}  # the drive alone asks for no short steps
+    motion = Motion(model, 12.0, initial="reference", output_interval=0.2, **method)
+    run = motion.run
     quiet = np.min(np.abs(rows["crank"][:, None] + [np.pi / 2, 3 * np.pi / 2]), axis=1) > 0.25
     for place, name in (("ab.end", "B"), ("bc.end", "C")):
         found, expected = places(run, place, rows["t"]), columns(rows, name)
-        assert found[quiet] == pytest.approx(expected[quiet], abs=1e-5)
+        assert found[quiet] == pytest.approx(expected[quiet], abs=2e-6)
         assert found == pytest.approx(expected, abs=1e-3)
-    # TODO: force and motor torque at A against force_x.. and motor, when the names of joint results are fixed
+    at = rows_at(run, rows["t"])
+    # inertia, which the table lacks, changes forces by what another program found
+    for name, word in (("motor", "rz"), ("force_x", "ux"), ("force_y", "uy"), ("force_z", "uz")):
+        if name == "motor":
+            found = motion.joint("A", word)[2][at]
+        else:
+            found = GLOBAL_A @ np.array([motion.joint("A", w)[2][at] for w in ("ux", "uy", "uz")])
+            found = -found["xyz".index(name[-1])]
+        away = np.abs(found - rows[name])[quiet]
+        assert (away < 2.0 * rows["dynamic_force"][quiet] + 0.02).all(), name
+    for joint, sign in (("B", -1.0), ("C", -1.0)):
+        angle = sign * motion.joint(joint, "rz")[0][at]
+        wrapped = (angle - rows[f"angle_{joint}"] + np.pi) % (2 * np.pi) - np.pi
+        assert np.abs(wrapped[quiet]).max() < 1e-4
+    assert motion.drift < 1e-9
+    assert motion.imbalance() < (1e-5 if method["integrator"] == "radau" else 1e-2)
 
 
 @pytest.mark.parametrize("damping", [0.0, 2e-5])
@@ -111,7 +143,10 @@ def test_slider_crank_with_a_flexible_coupler(damping):
     model.prismatic("slider", "ground", axis=(1, 0, 0), name="guide")
     model.velocity("crank", angular=(0, 0, W))
     model.velocity("coupler", angular=(0, 0, -a * W / L), about=(a + L, 0, 0))
-    run = model.simulate(turns, initial="reference", tolerance=1e-7, output_interval=turns / 60)
+    motion = Motion(model, turns, initial="reference", tolerance=1e-6, output_interval=turns / 60)
+    run = motion.run
+    assert motion.drift < 1e-9
+    assert motion.imbalance() < 1e-4
     pin, middle, end = (places(run, p, rows["t"]) for p in ("coupler.start", "coupler@0.15", "coupler.end"))
     chord, arm = end - pin, middle - pin
     across = (chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0]) / np.linalg.norm(chord, axis=1)
@@ -120,6 +155,12 @@ def test_slider_crank_with_a_flexible_coupler(damping):
     allowed = 1e-6 if damping else 2e-5
     assert end[:, 0] == pytest.approx(rows["slider" + suffix], abs=allowed)
     assert across == pytest.approx(rows["deflection" + suffix], abs=allowed)
+    if (
+        damping
+    ):  # without it axial ringing fills the torque; the crank of the table has no mass, here next to none
+        torque = motion.joint("motor", "rz")[2][rows_at(run, rows["t"])]
+        expected = rows["torque_damped"]
+        assert np.abs(torque - expected)[2:].max() < 2e-3 * np.abs(expected).max()
 
 
 def spectrum_peaks(signal, step, guesses):
@@ -154,7 +195,7 @@ def test_whirl_of_a_disc_on_a_flexible_shaft(spin):
     model.velocity("shaft", field=lambda s: ((push * (s / L) ** 2, 0, 0), (0, 2 * push * s / L**2, spin)))
     model.velocity("disc", linear=(push, 0, 0), angular=(0, 2 * push / L, spin), about=(0, 0, L))
     step, duration = 2e-3, 2.0
-    run = model.simulate(duration, initial="reference", tolerance=1e-9, output_interval=step)
+    run = model.simulate(duration, initial="reference", tolerance=1e-7, output_interval=step)
     r = run.history("shaft.end").values
     expected = rotor.whirl(spin)
     assert spectrum_peaks(r[:, 0] + 1j * r[:, 1], step, expected) == pytest.approx(expected, rel=2e-4)
@@ -169,7 +210,6 @@ def test_steady_precession_of_a_heavy_top():
     axis = np.array([np.sin(tilt), 0.0, np.cos(tilt)])
     across = np.array([np.cos(tilt), 0.0, -np.sin(tilt)])
     centre = d * axis
-    model = vr.Model()
     body = vr.Body(
         m,
         (about_centre, about_centre, axial),
@@ -177,32 +217,66 @@ def test_steady_precession_of_a_heavy_top():
         axes=(tuple(across), (0.0, 1.0, 0.0)),
         points={"tip": (0.0, 0.0, 0.0)},
     )
-    model.add("top", body)
+    model = rigid_parts(("top", body))
     model.ball("top.tip", "ground")
     model.gravity((0, 0, -top.gravity))
     model.velocity("top", angular=tuple(top.angular_velocity(tilt, spin, rate)), about=(0, 0, 0))
     turn = 2 * np.pi / rate
-    run = model.simulate(turn, initial="reference", tolerance=1e-9, output_interval=turn / 40)
-    angle = rate * run.time
+    motion = Motion(model, turn, initial="reference", tolerance=1e-7, output_interval=turn / 40)
+    angle = rate * motion.time
     expected = d * np.column_stack(
         [np.sin(tilt) * np.cos(angle), np.sin(tilt) * np.sin(angle), np.full_like(angle, np.cos(tilt))]
     )
-    assert run.history("top").values == pytest.approx(expected, abs=1e-6)
+    assert motion.body("top") == pytest.approx(expected, abs=1e-6)
+    assert motion.drift < 1e-9
+    assert motion.imbalance() < 1e-6
 
 
 @pytest.mark.parametrize("length", [146 * UM, 170 * UM])
 def test_folded_comb_resonator(length):
-    """F6: flexures as rods, trusses and shuttle as bodies; the lowest in-plane frequency.
+    """F6: flexures as rods, trusses and shuttle as bodies; the lowest frequency is that of the motion in the plane."""
+    model, case = resonator(length)
+    modes = model.modes(2)
+    assert modes.frequencies[0] == pytest.approx(case.folded_exact(), rel=1e-6)
+    assert modes.frequencies[0] == pytest.approx(case.folded_lumped(), rel=1e-3)
+    assert modes.damping_ratios[0] == pytest.approx(0.0, abs=1e-9)
+    period = 1 / case.folded_exact()
+    swing(model, length, 0.05)  # half a micrometre
+    motion = Motion(model, 2 * period, initial="reference", tolerance=1e-7, output_interval=period / 40)
+    x = motion.body("shuttle")[:, 0]
+    up = np.flatnonzero((x[1:-1] < 0) & (x[2:] >= 0)) + 1
+    crossing = motion.time[up] - x[up] * (motion.time[up + 1] - motion.time[up]) / (x[up + 1] - x[up])
+    assert crossing[0] == pytest.approx(1 / modes.frequencies[0], rel=2e-3)
+    assert motion.drift < 1e-9
+    assert motion.imbalance() < 1e-4
 
-    Where flexures sit on plate and trusses, and the bodies' inertias, matter only for turning, which symmetry excludes.
-    """
+
+def swing(model, length, speed):
+    """Start the motion with the static shape: shuttle, trusses at half its speed, flexures guided at both ends."""
+    model.velocity("shuttle", linear=(speed, 0, 0))
+    for sign, side in (("p", 1), ("m", -1)):
+        model.velocity(f"truss{sign}", linear=(speed / 2, 0, 0))
+        for k in range(4):
+            begin = speed if k in (1, 2) else 0.0
+
+            def field(s, begin=begin, side=side):
+                x = s / length
+                v = begin + (speed / 2 - begin) * (3 * x**2 - 2 * x**3)
+                slope = (speed / 2 - begin) * 6 * (x - x**2) / length
+                return (v, 0, 0), (0, 0, -side * slope)
+
+            model.velocity(f"flexure{sign}{k}", field=field)
+
+
+def resonator(length):
+    """Unshearable flexures, d1 across in the plane: bend_2 is bending in the plane."""
     case = Resonator(length=length, trusses=2 * 2330 * 100 * UM * 10 * UM * 2.25 * UM)
     area = case.width * case.thickness
     EA, EI = case.young * area, case.EI
     out = case.young * case.width * case.thickness**3 / 12
     mass, small = case.line_mass, case.line_mass * 1e-15
     section = vr.StiffnessSection(
-        [EA, EA, EA, EI, out, EI], [mass, mass, mass, small, small, 2 * small], damping=None
+        [EA, EA, EA, out, EI, EI], [mass, mass, mass, small, small, 2 * small], damping=None
     )
     model = vr.Model()
     px, py = case.plate
@@ -214,7 +288,13 @@ def test_folded_comb_resonator(length):
             low, high = (x, side * py / 2, 0.0), (x, side * (py / 2 + length), 0.0)
             name = f"flexure{'p' if side > 0 else 'm'}{k}"
             rod = vr.Rod.straight(
-                low, high, section=section, d1=(1, 0, 0), elements=1, order=5, constraints="kirchhoff"
+                low,
+                high,
+                section=section,
+                d1=(1, 0, 0),
+                elements=1,
+                order=5,
+                constraints=["shear_1", "shear_2"],
             )
             model.add(name, rod)
             truss[f"at{k}"] = high
@@ -238,12 +318,4 @@ def test_folded_comb_resonator(length):
             model.attach(f"flexure{sign}{k}.end", f"truss{sign}.at{k}")
         for k in (1, 2):
             model.attach(f"flexure{sign}{k}.start", f"shuttle.flexure{sign}{k}")
-    model.velocity("shuttle", linear=(1e-4, 0, 0))
-    period = 1 / case.folded_exact()
-    run = model.simulate(5 * period, initial="reference", tolerance=1e-8, output_interval=period / 40)
-    x = run.history("shuttle").values[:, 0]
-    up = np.flatnonzero((x[:-1] < 0) & (x[1:] >= 0))
-    crossing = run.time[up] - x[up] * (run.time[up + 1] - run.time[up]) / (x[up + 1] - x[up])
-    frequency = (crossing.size - 1) / (crossing[-1] - crossing[0])
-    assert frequency == pytest.approx(case.folded_exact(), rel=1e-3)
-    assert frequency == pytest.approx(case.folded_lumped(), rel=2e-3)
+    return model, case

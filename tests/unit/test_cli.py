@@ -28,6 +28,11 @@ REPORT = SimpleNamespace(
     warnings=["the rod is thick"],
     nodes=11,
     unknowns=66,
+    bodies=[{"body": "plate", "mass [kg]": 2.0}],
+    joints=[{"joint": "elbow", "kind": "revolute", "gap [m]": 0.001}],
+    springs=[],
+    conditions=5,
+    linear_solver="band of half width 35",
 )
 
 
@@ -42,6 +47,11 @@ def invoke(monkeypatch, tmp_path):
 def solving(monkeypatch):
     """Let ``viscorod run`` come to a given result, or fail with a given error."""
 
+    def draw(path, title):
+        path.parent.mkdir(parents=True)
+        path.write_text(title)
+        return path
+
     def prepare(outcome, settings):
         def run_case(case, *, progress):
             for reached in np.linspace(0.0, 1.0, 51)[1:]:
@@ -50,11 +60,12 @@ def solving(monkeypatch):
                 raise outcome
             return outcome
 
-        case = SimpleNamespace(description=None, settings=settings)
+        case = SimpleNamespace(description=None, settings=settings, title="A case")
         monkeypatch.setattr(viscorod.cases.case, "load_case", lambda path: case)
         monkeypatch.setattr(viscorod.check, "check", lambda model, settings: REPORT)
         monkeypatch.setattr(viscorod.check, "doubts", lambda model, settled: ["the rod is thick"])
         monkeypatch.setattr(viscorod.front, "run_case", run_case)
+        monkeypatch.setattr(viscorod.front, "as_model", lambda description: SimpleNamespace(draw=draw))
 
     return prepare
 
@@ -132,9 +143,29 @@ def test_check_prints_tables(invoke, solving, monkeypatch):
     assert "beam 0.3 0.03 2 5" in lines
     assert "stiffness 3 1000" in lines  # too wide for the terminal, so turned on its side
     assert "1 0.573 0.036" in lines
-    assert "11 nodes, 66 unknowns" in lines
+    assert (
+        "11 nodes, 66 unknowns, 5 conditions of joints and held strains; linear systems: band of half width 35"
+        in " ".join(lines)
+    )
+    assert "body mass [kg]" in lines
+    assert "plate 2" in lines
+    assert "elbow revolute 0.001" in lines
+    assert "Springs" not in lines
+    assert lines[-1] == "Written: out/case/assembly.png"
     assert "- the rod is thick" in lines
     assert max(map(len, result.stdout.splitlines())) <= 100
+
+
+def test_check_draws_the_model_where_it_is_told(invoke, tmp_path):
+    invoke("example", "cantilever_swing")
+    result = invoke("check", "cantilever_swing.toml", "-o", "pictures")
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "pictures" / "assembly.png").stat().st_size > 10_000
+    assert "Written: pictures/assembly.png" in result.stdout
+    (tmp_path / "taken").write_text("")
+    refused = invoke("check", "cantilever_swing.toml", "-o", "taken")
+    assert refused.exit_code == 2
+    assert "taken cannot be written" in refused.stderr
 
 
 def test_example_lists_and_copies(invoke, tmp_path):

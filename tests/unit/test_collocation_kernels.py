@@ -14,7 +14,8 @@ from viscorod.mechanics import supports as support_kernels
 from viscorod.mechanics.internal_force import ElementWork, Points, conserve_energy, energies, internal_forces
 from viscorod.mechanics.linearised import Operators, add_frozen_forces, carry_stress
 from viscorod.solve.integrators import jacobian
-from viscorod.solve.linear.band import BandSolver
+from viscorod.solve.linear.direct import DirectSolver
+from viscorod.solve.linear.plan import Plan
 from viscorod.solve.loads import ExternalLoads
 
 FRAMES = {
@@ -240,7 +241,7 @@ def test_supported_systems_are_solved(mu):
     places = pattern.rows, pattern.columns, pattern.starts, pattern.diagonal
     jacobian.combine(K, C, mass, mu, s.set.nodes, s.set.fixed, G, *places, scales, row_scales, out)
     x = row_scales * b
-    solver = BandSolver(pattern, kind)
+    solver = DirectSolver(Plan.of(pattern), kind)
     solver.factorise(out)
     solver.solve(x)
     expected = np.linalg.solve(A, b)

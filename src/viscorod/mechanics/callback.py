@@ -39,7 +39,8 @@ class Callback:
         errors: list[BaseException] = []
 
         def call(pointer: int, count: int) -> None:
-            values = np.frombuffer((ctypes.c_double * count).from_address(pointer))
+            buffer: Any = (ctypes.c_double * count).from_address(pointer)
+            values: Floats = np.frombuffer(buffer)
             try:
                 function(values)
             except BaseException as error:  # also a keyboard interrupt must reach Python
@@ -57,8 +58,7 @@ class Callback:
             raise self._errors.pop()
 
 
-@intrinsic
-def call(_context: Any, address: Any, pointer: Any, number: Any) -> Any:
+def _call(_context: Any, address: Any, pointer: Any, number: Any) -> Any:
     """Call the code at ``address`` with the ``number`` float64 values at ``pointer`` (``array.ctypes``)."""
     del address, pointer, number
 
@@ -69,3 +69,7 @@ def call(_context: Any, address: Any, pointer: Any, number: Any) -> Any:
         return context.get_dummy_value()
 
     return types.void(types.int64, types.voidptr, types.int64), generate
+
+
+_compiled: Any = intrinsic(_call)
+call: Callable[[int, Any, int], None] = _compiled

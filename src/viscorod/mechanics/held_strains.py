@@ -6,12 +6,12 @@ unknown of its own, it needs no compliance: unshearable, inextensible and Kirchh
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
 from viscorod.mechanics.compiled import kernel, part
+from viscorod.mechanics.joints import scale_of
 from viscorod.typing import Floats, Integers
 
 
@@ -80,8 +80,8 @@ def strain_gaps(
 def add_held_strains(
     held: HeldStrains,
     orders: Integers,
-    nodes: Integers,
-    diagonal: Integers,
+    stiff: float,
+    length: float,
     B: Floats,
     scale: Floats,
     K: Floats,
@@ -89,7 +89,7 @@ def add_held_strains(
     """Add rows and columns of the multipliers of held strains to a matrix.
 
     Args:
-        orders, nodes: of the elements; diagonal: diagonal blocks of the nodes.
+        orders: of the elements; stiff, length: see ``joints.scale_of``.
         B: change of the strains per nodal increment ``(e, 6 points, 6 nodes)``.
         scale: output, of all multipliers, as in ``joints.add_joint_tangent``; K: blocks ``(b, 6, 6)``.
     """
@@ -97,12 +97,7 @@ def add_held_strains(
     for h in range(element.shape[0]):
         e, number = element[h], place[h]
         row = 6 * point[h] + component[h]
-        stiff = largest = 0.0
-        for k in range(orders[e] + 1):
-            for j in range(6):
-                stiff = max(stiff, abs(K[diagonal[nodes[e, k]], j, j]))
-                largest = max(largest, abs(B[e, row, 6 * k + j]))
-        size = stiff / largest if stiff > 0.0 and math.isfinite(stiff) else 1.0
+        size = scale_of(number, B[e, row, : 6 * orders[e] + 6], stiff, length)
         scale[number] = size
         for k in range(orders[e] + 1):
             for j in range(6):

@@ -8,7 +8,6 @@ Multipliers and rows are measured in a ``scale`` that makes them comparable with
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -300,7 +299,8 @@ def add_joint_tangent(
     damping: Floats,
     moving: bool,
     rate_map: Floats,
-    diagonal: Integers,
+    stiff: float,
+    length: float,
     scale: Floats,
     K: Floats,
     C: Floats,
@@ -313,7 +313,7 @@ def add_joint_tangent(
     Args:
         force: of all coordinates ``(c,)``; stiffness, damping: derivatives of the free ones by value and rate ``(c,)``.
         moving: dampers act; rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``, read only if ``moving``.
-        diagonal: diagonal blocks of the nodes; scale: output, of all multipliers.
+        stiff, length: see :func:`scale_of`; scale: output, of all multipliers.
         K: blocks of the matrix ``(b, 6, 6)``; C: of its derivative by twists alone, no blocks if it is not wanted.
         gradients: output ``(c, 12)``; A, P: outputs ``(c, 12)``, change of the force per increment and per its rate.
     """
@@ -354,7 +354,7 @@ def add_joint_tangent(
                             C[slot, b, a] += gradient[row] * P[c, column]
         if place[c] >= 0:
             number = place[c]
-            size = scale_of(c, nodes, gradient, diagonal, K)
+            size = scale_of(number, gradient, stiff, length)
             scale[number] = size
             for i in range(2):
                 if nodes[c, i] < 0:
@@ -393,13 +393,16 @@ def add_rate_change(
 
 
 @part
-def scale_of(c: int, nodes: Integers, gradient: Floats, diagonal: Integers, K: Floats) -> float:
-    """Return the largest stiffness of the nodes over the gradient's size; 1 where there is none."""
-    stiff = largest = 0.0
-    for side in range(2):
-        n = nodes[c, side]
-        if n >= 0:
-            for i in range(6):
-                stiff = max(stiff, abs(K[diagonal[n], i, i]))
-                largest = max(largest, abs(gradient[6 * side + i]))
-    return stiff / largest if stiff > 0.0 and math.isfinite(stiff) else 1.0
+def scale_of(number: int, gradient: Floats, stiff: float, length: float) -> float:
+    """Return what makes the row of a multiplier as large as those of the stiffest node, as pivoting sees them.
+
+    Args:
+        number: of the multiplier; gradient: of its coordinate, of six motions of every node.
+        stiff: largest diagonal entry of all nodes, displacements measured in ``length``.
+    """
+    largest = 0.0
+    for i in range(gradient.shape[0]):
+        largest = max(largest, abs(gradient[i]) * (length if i % 6 < 3 else 1.0))
+    # the solver measures every unknown as if it were one of a node
+    own = length if number % 6 < 3 else 1.0
+    return stiff / (largest * own) if largest > 0.0 else 1.0

@@ -164,9 +164,10 @@ class Straight(Centreline):
 
     def bishop(self, s: Floats) -> tuple[Floats, Floats]:
         """See `Centreline`."""
-        tangent = (np.array(self.end) - np.array(self.start)) / self.length
+        start = np.array(self.start)
+        tangent = (np.array(self.end) - start) / self.length
         frame = _frame(tangent, start_axis(tangent, None))
-        return np.array(self.start) + s[:, None] * tangent, np.broadcast_to(frame, (len(s), 3, 3))
+        return start + s[:, None] * tangent, np.broadcast_to(frame, (len(s), 3, 3))
 
     def curvature(self, s: Floats) -> Floats:
         """Zero."""
@@ -400,4 +401,4 @@ class Curve(_Parametric):
 
 
 def _frame(tangent: Floats, d1: Floats) -> Floats:
-    return np.column_stack([d1, np.cross(tangent, d1), tangent])
+    return np.array([d1, cross(tangent, d1), tangent]).T

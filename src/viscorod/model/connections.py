@@ -9,6 +9,7 @@ import numpy as np
 from viscorod.model.any_joint import ResolvedJoint
 from viscorod.model.any_support import ResolvedSupport
 from viscorod.model.load import DistributedForce, DistributedMoment, Force, Moment
+from viscorod.model.pieces import Pieces
 from viscorod.model.place import (
     GROUND,
     ROUND_OFF,
@@ -119,14 +120,7 @@ def resolved_springs(model: ModelDescription) -> list[ResolvedSpring]:
 
 def joined_places(model: ModelDescription) -> list[tuple[AnyPlace, ...]]:
     """The groups of places that attachments join into one node each, in the order of their first mention."""
-    groups: list[list[AnyPlace]] = []
-    for attachment in model.attachments:
-        joined = [find(model, attachment.a), find(model, attachment.b)]
-        for group in [group for group in groups if any(same(model, p, q) for p in group for q in joined)]:
-            groups.remove(group)
-            joined = group + [p for p in joined if not any(same(model, p, q) for q in group)]
-        groups.append(joined)
-    return [tuple(group) for group in groups]
+    return Pieces(model).groups
 
 
 def same(model: ModelDescription, a: AnyPlace, b: AnyPlace) -> bool:
@@ -134,13 +128,6 @@ def same(model: ModelDescription, a: AnyPlace, b: AnyPlace) -> bool:
     if isinstance(a, BodyPlace) or isinstance(b, BodyPlace):
         return isinstance(a, BodyPlace) and isinstance(b, BodyPlace) and a.body == b.body
     return a.rod == b.rod and abs(a.s - b.s) <= ROUND_OFF * model.rods[a.rod].length
-
-
-def one_node(model: ModelDescription, a: AnyPlace, b: AnyPlace, groups: list[tuple[AnyPlace, ...]]) -> bool:
-    """Whether two places move as one rigid piece: the same place, or joined by attachments (`groups`)."""
-    return same(model, a, b) or any(
-        any(same(model, a, p) for p in group) and any(same(model, b, p) for p in group) for group in groups
-    )
 
 
 def required_breaks(model: ModelDescription) -> list[Place]:

@@ -12,13 +12,13 @@ from viscorod.model.connections import (
     find,
     is_located,
     joined_places,
-    one_node,
     position_of,
     resolved_joints,
     resolved_springs,
     same,
 )
 from viscorod.model.described import show
+from viscorod.model.pieces import Pieces
 from viscorod.model.place import GROUND, AnyPlace, BodyPlace, Place
 from viscorod.model.spring import ResolvedSpring
 from viscorod.typing import Floats
@@ -78,7 +78,7 @@ def _bodies_in_one(model: ModelDescription) -> Iterator[Problem]:
     for group in joined_places(model):
         bodies = list(dict.fromkeys(place.body for place in group if isinstance(place, BodyPlace)))
         if len(bodies) > 1:
-            last = max(k for k, a in enumerate(model.attachments) if _names(model, (a.a, a.b), bodies[-1]))
+            last = max(k for k, a in enumerate(model.attachments) if bodies[-1] in _named(model, (a.a, a.b)))
             yield Problem(
                 f"attachments[{last}]",
                 " and ".join(bodies),
@@ -89,11 +89,13 @@ def _bodies_in_one(model: ModelDescription) -> Iterator[Problem]:
 
 def wrong_joints(model: ModelDescription) -> Iterator[Problem]:
     """Joints and springs that join what is one already, that do not tell where they are, or that are given twice."""
-    groups = joined_places(model)
+    if not model.joints and not model.springs:
+        return
+    pieces = Pieces(model)
     size = max(rod.length for rod in model.rods.values())
-    before: list[ResolvedJoint] = []
+    before: dict[frozenset[AnyPlace | None], ResolvedJoint] = {}
     for joint in resolved_joints(model):
-        found = list(_wrong_ends(model, joint, groups, size))
+        found = list(_wrong_ends(model, joint, pieces, size))
         yield from found
         gap = float(np.linalg.norm(joint.gap))
         if not found and gap > size:
@@ -104,24 +106,22 @@ def wrong_joints(model: ModelDescription) -> Iterator[Problem]:
                 f"more than the longest rod ({size:.6g} m)",
                 "move the parts so that the places meet",
             )
-        for other in before:
-            if {joint.a, joint.b} == {other.a, other.b}:
-                yield Problem(
-                    joint.path,
-                    joint.label,
-                    f"the two places have a joint already, {other.label} ({other.path})",
-                    "give one joint, which leaves free what both do",
-                )
-                break
-        before.append(joint)
+        other = before.setdefault(frozenset((joint.a, joint.b)), joint)
+        if other is not joint:
+            yield Problem(
+                joint.path,
+                joint.label,
+                f"the two places have a joint already, {other.label} ({other.path})",
+                "give one joint, which leaves free what both do",
+            )
     for spring in resolved_springs(model):
-        yield from _wrong_ends(model, spring, groups, size)
+        yield from _wrong_ends(model, spring, pieces, size)
 
 
 def _wrong_ends(
     model: ModelDescription,
     joint: ResolvedJoint | ResolvedSpring,
-    groups: list[tuple[AnyPlace, ...]],
+    pieces: Pieces,
     size: float,
 ) -> Iterator[Problem]:
     noun = "spring" if isinstance(joint, ResolvedSpring) else "joint"
@@ -134,7 +134,7 @@ def _wrong_ends(
                 joint.path, found, f"both sides of the {noun} are {what}", "give two different things"
             )
             return
-        if one_node(model, joint.a, joint.b, groups):
+        if pieces.of(joint.a) == pieces.of(joint.b):
             yield Problem(
                 joint.path,
                 found,
@@ -180,8 +180,9 @@ def loose_bodies(model: ModelDescription) -> Iterator[Problem]:
     texts += [text for joint in model.joints for text in joint.ends]
     texts += [text for spring in model.springs for text in spring.ends]
     texts += [support.at for support in model.supports]
+    named = _named(model, texts) if model.bodies else set()
     for name in model.bodies:
-        if not _names(model, texts, name):
+        if name not in named:
             yield Problem(
                 f"bodies.{name}",
                 show(name),
@@ -190,9 +191,10 @@ def loose_bodies(model: ModelDescription) -> Iterator[Problem]:
             )
 
 
-def _names(model: ModelDescription, texts: list[str] | tuple[str, ...], body: str) -> bool:
+def _named(model: ModelDescription, texts: list[str] | tuple[str, ...]) -> set[str]:
+    """Bodies that texts name."""
     places = [find(model, text) for text in texts if text != GROUND]
-    return any(isinstance(place, BodyPlace) and place.body == body for place in places)
+    return {place.body for place in places if isinstance(place, BodyPlace)}
 
 
 def _point(position: Floats) -> str:

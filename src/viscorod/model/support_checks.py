@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import combinations
+from itertools import chain, combinations
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from viscorod.errors import Problem
 from viscorod.model.any_support import ResolvedSupport
-from viscorod.model.connections import joined_places, one_node, position_of, resolved_supports
+from viscorod.model.connections import position_of, resolved_supports
 from viscorod.model.motion_words import MOTIONS
+from viscorod.model.pieces import Piece, Pieces
 from viscorod.model.place import BodyPlace
 from viscorod.typing import Floats
 
@@ -45,14 +46,15 @@ def clashes(model: ModelDescription) -> Iterator[Problem]:
     """
     if len(model.supports) < 2:
         return
-    groups = joined_places(model)
+    pieces = Pieces(model)
     size = APART * max(rod.length for rod in model.rods.values())
-    for first, second in combinations(resolved_supports(model), 2):
-        if not one_node(model, first.place, second.place, groups):
-            continue
+    together: dict[Piece, list[ResolvedSupport]] = {}
+    for support in resolved_supports(model):
+        together.setdefault(pieces.of(support.place), []).append(support)
+    for first, second in chain.from_iterable(combinations(group, 2) for group in together.values()):
         a, b = (position_of(model, support.place)[0] for support in (first, second))
         words_of = {"displacement": MOTIONS[:3], "rotation": MOTIONS[3:]}
-        if _on_body(first, second, groups) and np.linalg.norm(a - b) > size:
+        if pieces.has_body(first.place) and np.linalg.norm(a - b) > size:
             del words_of["displacement"]
         for noun, words in words_of.items():
             both = np.vstack([_directions(support, words) for support in (first, second)])
@@ -66,14 +68,6 @@ def clashes(model: ModelDescription) -> Iterator[Problem]:
                     "leave one of the two supports out, or let each hold other motions",
                 )
                 break
-
-
-def _on_body(first: ResolvedSupport, second: ResolvedSupport, groups: Sequence[Sequence[object]]) -> bool:
-    """Whether the node of two supports is one with a rigid body, so that their points may differ."""
-    places = {first.place, second.place}
-    return any(isinstance(place, BodyPlace) for place in places) or any(
-        any(isinstance(place, BodyPlace) for place in group) for group in groups if places & set(group)
-    )
 
 
 def _directions(support: ResolvedSupport, words: Sequence[str]) -> Floats:

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.mechanics import inertia
+from viscorod.results.connections import bodies_of_stations, connections, unique
 from viscorod.results.schema import AXES, DIMENSION
+from viscorod.solve.constraints import JointState
 from viscorod.solve.history import History, StationReader
 from viscorod.solve.problem import Problem
 from viscorod.solve.system import GaussPositions
@@ -42,7 +44,8 @@ def dataset(
     q = np.array([snapshot.state.q for snapshot in snapshots])
     twist = np.array([snapshot.state.twist for snapshot in snapshots])
     position, rotation, velocity, spin = reader.read(r, q, twist)
-    names = np.array(problem.rods)
+    names, bodies = np.array(problem.rods), problem.bodies.names
+    still = np.zeros(len(bodies))
     states = (along, "station")
     points = (along, "point")
     variables: dict[str, Any] = {
@@ -85,9 +88,12 @@ def dataset(
         "quaternion": _labels("quaternion", tuple("wxyz")),
         "component": _labels("component", COMPONENTS),
         along: np.array(history.instant),
-        "station_rod": ("station", names[problem.stations.rod]),
-        "station_s": ("station", problem.stations.s),
-        "station_order": ("station", problem.rod_orders[problem.stations.rod]),
+        "station_rod": ("station", np.array([*names[problem.stations.rod], *bodies])),
+        "station_s": ("station", np.append(problem.stations.s, still)),
+        "station_order": (
+            "station",
+            np.append(problem.rod_orders[problem.stations.rod], still.astype(np.int64)),
+        ),
         "point_rod": ("point", names[gauss.rod]),
         "point_s": ("point", gauss.s),
         "point_weight": ("point", gauss.length),
@@ -98,7 +104,32 @@ def dataset(
             np.array([snapshot.reaction for snapshot in snapshots]),
         )
         coordinates |= {"support": list(problem.supports.names), "motion": _labels("motion", REACTIONS)}
+    if bodies:
+        coordinates["station_body"] = ("station", bodies_of_stations(problem, reader))
+    if problem.joints.count:
+        coordinates |= connections(problem, reader)
+        joints = _joints(along, problem, history)
+        variables, coordinates = variables | joints[0], coordinates | joints[1]
     return xr.Dataset(variables, coordinates, attrs={"kind": kind, **attrs})
+
+
+def _joints(along: str, problem: Problem, history: History) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Variables and coordinates of the coordinates of joints and springs."""
+    states = [snapshot.joints for snapshot in history.snapshots if snapshot.joints is not None]
+    if len(states) < len(history.snapshots):
+        return {}, {}
+    joints = problem.joints
+    names = np.array(unique(joints.names))
+    where = "joint_coordinate"
+    variables = {
+        f"joint_{name}": ((along, where), np.array([getattr(state, name) for state in states]))
+        for name in JointState._fields
+    }
+    return variables, {
+        "joint": (where, names[joints.joint]),
+        "joint_motion": (where, np.array(joints.words)),
+        "joint_held": (where, joints.arrays.place >= 0),
+    }
 
 
 @lru_cache

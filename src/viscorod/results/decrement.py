@@ -225,7 +225,9 @@ def _maxima(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Floats, 
     # The slope over the interval is a u^2 + b u + d0, u in [0, 1]; it falls through zero once.
     a = 6.0 * (f0 - f1) + 3.0 * (d0 + d1)
     b = -6.0 * (f0 - f1) - 4.0 * d0 - 2.0 * d1
-    u = 2.0 * d0 / (np.sqrt(np.maximum(b * b - 4.0 * a * d0, 0.0)) - b)
+    root = np.sqrt(np.maximum(b * b - 4.0 * a * d0, 0.0))
+    # two ways to write the same, neither with a difference of like numbers
+    u = np.where(b > 0.0, b + root, 2.0 * d0) / np.where(b > 0.0, -2.0 * a, root - b)
     times = time[inside] + u * h
     values = hermite(u, f0, f1, d0, d1)
     slow = _STANDSTILL * float(np.max(np.abs(rate), initial=0.0))

@@ -26,9 +26,9 @@ class Energy:
     Attributes:
         time: times of the account [s].
         kinetic: energy of motion.
-        elastic: energy stored in the strains.
-        viscous: energy lost to viscosity so far.
-        external: work of loads (gravity among them) and moving supports so far.
+        elastic: energy stored in the strains and in springs, those of joints too.
+        viscous: energy lost to viscosity and in dampers so far.
+        external: work of loads (gravity among them), moving supports and motors so far.
         numerical: remainder that the integration made or lost, positive where it made energy.
         scale: elastic energy at a strain of one: round-off of the shape is its 1e-24th part.
     """

@@ -1,4 +1,4 @@
-"""From the words for a place ("beam.end", "beam@0.15", a station's number) to weights on the stations."""
+"""From the words for a place ("beam.end", "beam@0.15", "plate", a station's number) to weights on the stations."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _PLACE = re.compile(r"(?P<rod>.+?)(?:\.(?P<end>start|end)|@(?P<s>[^@]+))")
 
 @dataclass(frozen=True)
 class Site:
-    """A point of a rod as a combination of stored stations.
+    """A point of a rod or body as a combination of stored stations.
 
     Attributes:
-        label: the place in words, "beam.end" or "beam@0.15".
-        rod: name of the rod.
-        s: arc length in the reference shape [m].
+        label: the place in words, "beam.end", "beam@0.15", "plate" or "plate.corner".
+        rod: name of the rod, or the place on the body.
+        s: arc length in the reference shape [m], 0 on bodies.
         stations: numbers of the stations that take part, shape (k,).
         weights: their weights, summing to one, shape (k,).
     """
@@ -48,7 +48,7 @@ class Site:
 
 
 class Sites:
-    """All stations of a data set, by rod and arc length."""
+    """All stations of a data set: those of rods by arc length, and places on rigid bodies."""
 
     def __init__(self, data: xr.Dataset) -> None:
         self._take(*(data[f"station_{name}"].values for name in ("rod", "s", "order")))
@@ -65,9 +65,10 @@ class Sites:
         self._s = np.asarray(s, dtype=float)
         self._order = np.asarray(order, dtype=int)
         self._rod_of_station = rods
+        self._bodies = {str(rods[k]): int(k) for k in np.flatnonzero(self._order == 0)}
         self._stations = {
             str(rod): np.flatnonzero(rods == rod)[np.argsort(self._s[rods == rod], kind="stable")]
-            for rod in dict.fromkeys(rods.tolist())
+            for rod in dict.fromkeys(rods[self._order > 0].tolist())
         }
 
     @property
@@ -75,9 +76,16 @@ class Sites:
         """Names of the rods, in the order of the data set."""
         return tuple(self._stations)
 
-    def stations(self, rod: str) -> Integers:
-        """Return the station numbers of a rod, by increasing arc length."""
-        return self._stations[rod]
+    @property
+    def bodies(self) -> tuple[str, ...]:
+        """The mass centres and named points of rigid bodies: "plate", "plate.corner"."""
+        return tuple(self._bodies)
+
+    def stations(self, part: str) -> Integers:
+        """Return the station numbers of a rod, by increasing arc length, or the one of a place on a body."""
+        if part in self._bodies:
+            return np.array([self._bodies[part]], dtype=np.int64)
+        return self._stations[part]
 
     def ends(self, rod: str) -> tuple[Site, Site]:
         """Return the two ends of a rod."""
@@ -87,22 +95,27 @@ class Sites:
         """Resolve a place.
 
         Args:
-            place: "rod.start", "rod.end", "rod@s" with the arc length s [m], or the number of a station.
-                Between stations the value is that of the element's own polynomial.
+            place: "rod.start", "rod.end", "rod@s" with the arc length s [m], "body" (its mass centre), "body.point", or
+                the number of a station. Between stations the value is that of the element's own polynomial.
 
         Raises:
-            InputError: no such rod, station or form, or the arc length lies outside the rod.
+            InputError: no such rod, body, point, station or form, or the arc length lies outside the rod.
         """
         if isinstance(place, (int, np.integer)):
             return self._numbered(int(place))
+        if place in self._bodies:
+            return self._numbered(self._bodies[place])
         match = _PLACE.fullmatch(place)
+        rod = place.partition(".")[0] if match is None else match["rod"]
+        if rod in self._bodies or (self._bodies and rod not in self._stations):
+            near = difflib.get_close_matches(place, self._known(), n=1) or self.bodies
+            raise InputError(f"{place!r}: there is no such place; did you mean {near[0]!r}?")
         if match is None:
             example = self.rods[0]
             raise InputError(
                 f"{place!r} is no place; write {example}.start, {example}.end, "
                 f"{example}@s with the arc length s in m, or the number of a station"
             )
-        rod = match["rod"]
         if rod not in self._stations:
             near = difflib.get_close_matches(rod, self.rods, n=1) or self.rods
             raise InputError(f"{place!r}: no rod is called {rod!r}; did you mean {near[0]!r}?")
@@ -140,12 +153,19 @@ class Sites:
         chosen = slice(order * element, order * (element + 1) + 1)
         return Site(f"{rod}@{s:g}", rod, float(s), stations[chosen], _lagrange_weights(known[chosen], s))
 
+    def _known(self) -> list[str]:
+        """All places that have names."""
+        return [*self.bodies, *(f"{rod}.{end}" for rod in self.rods for end in ("start", "end"))]
+
     def _numbered(self, station: int) -> Site:
         count = self._s.size
         if not -count <= station < count:
             raise InputError(f"there is no station {station}; stations are numbered 0 to {count - 1}")
         station %= count
         rod = str(self._rod_of_station[station])
+        at, one = np.array([station], dtype=np.int64), np.ones(1)
+        if rod in self._bodies:
+            return Site(rod, rod, 0.0, at, one)
         mine = self._stations[rod]
         if station == mine[0]:
             label = f"{rod}.start"
@@ -153,7 +173,7 @@ class Sites:
             label = f"{rod}.end"
         else:
             label = f"{rod}@{self._s[station]:g}"
-        return Site(label, rod, float(self._s[station]), np.array([station], dtype=np.int64), np.ones(1))
+        return Site(label, rod, float(self._s[station]), at, one)
 
 
 def _lagrange_weights(nodes: Floats, s: float) -> Floats:

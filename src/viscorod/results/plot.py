@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.results.assemblies import Assembly
 from viscorod.results.decrement import Decrement, hermite
 from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
 from viscorod.results.style import (
@@ -110,19 +111,28 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     coiled = curves.coiled(reference)
     times = np.linspace(start, end, (_SIDE_BY_SIDE if coiled else _SNAPSHOTS) if end > start else 1)
     positions = np.array([run.positions_at(float(time)) for time in times])
-    view = View.of(np.concatenate([positions, reference[None]]))
+    rotations = np.array([run.rotations_at(float(time)) for time in times])
+    assembly = Assembly(run)
+    ends = [assembly.ends(*state).reshape(-1, 3) for state in zip(positions, rotations, strict=True)]
+    view = View.of(np.concatenate([*positions, reference, *ends]))
     shifts = view.strip(positions) if coiled else np.zeros((times.size, 3))
     axes = picture.add_subplot(spec)
     rods = "Rod" if len(run.sites.rods) == 1 else "Rods"
     period = "" if decay is None else ", first period"
+    rods += " and bodies" if assembly.bodies else ""
     view.prepare(axes, f"{rods} {view.name}{period}{', side by side' if coiled else ''}")
     # The light end of the map is left out: it would not show on white.
     colours = LinearSegmentedColormap.from_list("time", colormaps["viridis"](np.linspace(0.0, 0.88, 64)))
     span = Normalize(start, end if end > start else start + 1.0)
     if not coiled:
         draw_reference(axes, view, curves, run)
-    for time, position, shift in zip(times, positions, shifts, strict=True):
+    states = list(zip(times, positions, rotations, shifts, strict=True))
+    for time, position, rotation, shift in states:
         curves.draw(axes, view, position + shift, color=colours(span(time)), linewidth=1.8)
+        if not assembly.empty:
+            assembly.draw(axes, view.shifted(shift), position, rotation, colours(span(time)))
+    for time, position, rotation, shift in states if coiled else (states[0], states[-1]):
+        assembly.draw_springs(axes, view.shifted(shift), position, rotation, colours(span(time)))
     for shift in shifts if coiled else shifts[:1]:
         mark_supports(axes, view, run, positions[0] + shift)
     view.finish(axes, headroom=0.3 if coiled else 0.0)

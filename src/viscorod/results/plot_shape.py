@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.results.assemblies import Assembly
 from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
 from viscorod.results.style import BLUE, SKY, TEXT, figure, legend_inside
 
@@ -30,7 +31,10 @@ def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady) -> None:
     """Draw the shapes into an axes."""
     positions = equilibrium.field("position")
     reference = np.asarray(equilibrium.data["reference_position"].values, dtype=float)
-    view = View.of(np.concatenate([positions, reference[None]]))
+    rotations = np.asarray(equilibrium.data["rotation"].values, dtype=float)
+    assembly = Assembly(equilibrium)
+    ends = assembly.ends(positions[-1], rotations[-1]).reshape(-1, 3)
+    view = View.of(np.concatenate([*positions, reference, ends]))
     turning = equilibrium.kind == "steady"
     view.prepare(axes, f"{'Steady rotation' if turning else 'Static equilibrium'} {view.name}")
     curves = Curves(equilibrium)
@@ -46,6 +50,9 @@ def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady) -> None:
     if turning:
         name = f"at {reached:.3g} rad/s"
     curves.draw(axes, view, positions[-1], color=BLUE, linewidth=2.4, label=name)
+    if not assembly.empty:
+        assembly.draw(axes, view, positions[-1], rotations[-1], BLUE)
+        assembly.draw_springs(axes, view, positions[-1], rotations[-1], BLUE)
     mark_supports(axes, view, equilibrium, positions[-1])
     view.finish(axes)
     legend_inside(axes)

@@ -12,6 +12,7 @@ from viscorod.results.warnings import warnings_of
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
+    from viscorod.results.places import Site
     from viscorod.results.result import Result
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady import Steady
@@ -33,6 +34,7 @@ def run_report(run: Run) -> str:
         _ends(run, *_shown_state(run)),
         _decay(run),
         str(run.energy),
+        _drift(run),
         _effort(run),
         _warnings(run),
     ]
@@ -53,10 +55,11 @@ def equilibrium_report(equilibrium: Equilibrium) -> str:
     level = "all of the loads" if reached == 1.0 else f"{100.0 * reached:g} % of the loads"
     blocks = [
         _heading(equilibrium, f"static equilibrium under {level}"),
-        _ends(equilibrium, "Rod ends", -1),
+        _ends(equilibrium, _places(equilibrium), -1),
         _rotations(equilibrium),
         _reactions(equilibrium),
         _path(equilibrium),
+        _joints(equilibrium),
         _stability(equilibrium),
         _effort(equilibrium),
         _warnings(equilibrium),
@@ -71,7 +74,7 @@ def steady_report(steady: Steady) -> str:
     blocks = [
         _heading(steady, f"steady rotation at {rate:.6g} rad/s ({steady.formulation} formulation{damping})"),
         _turning(steady, rate),
-        _ends(steady, "Rod ends", -1),
+        _ends(steady, _places(steady), -1),
         _reactions(steady),
         _small_motions(steady),
         _effort(steady),
@@ -128,19 +131,29 @@ def _ends(result: Result, title: str, state: int) -> str:
     size = float(np.max(np.abs(position)))
     rows = [
         (site.label, *_vector(site.of(position), size), *_vector(site.of(displacement), size))
-        for rod in result.sites.rods
-        for site in result.sites.ends(rod)
+        for site in _named_sites(result)
     ]
     header = ("place", "x [m]", "y [m]", "z [m]", "moved x [m]", "y [m]", "z [m]")
     return table(title + ": position, and displacement from the reference shape", header, rows)
+
+
+def _named_sites(result: Result, *, points: bool = True) -> list[Site]:
+    """Return the ends of the rods and the places on bodies, without named points if these say nothing new."""
+    sites = result.sites
+    bodies = [sites.at(place) for place in sites.bodies if points or "." not in place]
+    return [end for rod in sites.rods for end in sites.ends(rod)] + bodies
+
+
+def _places(result: Result) -> str:
+    return "Rod ends and bodies" if result.sites.bodies else "Rod ends"
 
 
 def _shown_state(run: Run) -> tuple[str, int]:
     """The state whose rod ends tell most: the held start, or the end where the rods start undeformed."""
     time = run.time
     if time.size == 1 or np.any(run.field("displacement")[0]):
-        return f"Rod ends at {time[0]:g} s, the start", 0
-    return f"Rod ends at {time[-1]:g} s", -1
+        return f"{_places(run)} at {time[0]:g} s, the start", 0
+    return f"{_places(run)} at {time[-1]:g} s", -1
 
 
 def _decay(run: Run) -> str:
@@ -163,8 +176,7 @@ def _decay(run: Run) -> str:
 def _rotations(equilibrium: Equilibrium) -> str:
     rows = [
         (site.label, *_vector(equilibrium.rotation(site.label), 1.0))
-        for rod in equilibrium.sites.rods
-        for site in equilibrium.sites.ends(rod)
+        for site in _named_sites(equilibrium, points=False)
     ]
     return table(
         "Rotation from the reference orientation (rotation vector)",
@@ -188,6 +200,47 @@ def _reactions(equilibrium: Equilibrium | Steady) -> str:
     ]
     header = ("support", "fx [N]", "fy [N]", "fz [N]", "mx [N m]", "my [N m]", "mz [N m]")
     return table("Reactions of the supports", header, rows)
+
+
+def _joints(equilibrium: Equilibrium) -> str:
+    """Coordinates that joints leave free or drive, springs, and all forces."""
+    data = equilibrium.data
+    if "joint_value" not in data:
+        return ""
+    value, force = (data[name].values[-1] for name in ("joint_value", "joint_force"))
+    words = data["joint_motion"].values
+    lengths = np.array([word.startswith("u") for word in words])
+    size = float(data.attrs.get("scale_length", 1.0))
+    largest = float(np.abs(np.where(lengths, force, force / size)).max())
+    rows = []
+    for k, (joint, word) in enumerate(zip(data["joint"].values, words, strict=True)):
+        scale = 1.0 if lengths[k] else size
+        name = str(joint) if k == 0 or joint != data["joint"].values[k - 1] else ""
+        held = "held" if data["joint_held"].values[k] else ""
+        rows.append(
+            (
+                name,
+                str(word),
+                *_vector(value[k : k + 1], scale),
+                *_vector(force[k : k + 1], largest * scale),
+                held,
+            )
+        )
+    return table(
+        "Joints and springs: coordinates, and what acts along them on the first place",
+        ("joint", "motion", "value [m, rad]", "force [N, N m]", ""),
+        rows,
+    )
+
+
+def _drift(result: Result) -> str:
+    attrs = result.data.attrs
+    if "drift_position" not in attrs:
+        return ""
+    return (
+        f"Joints and held strains: largest violation {attrs['drift_position']:.2g} (positions, over the size), "
+        f"{attrs['drift_velocity']:.2g} (velocities)"
+    )
 
 
 def _path(equilibrium: Equilibrium) -> str:
@@ -225,6 +278,8 @@ def _effort(result: Result) -> str:
     if attrs.get("compile_time_s", 0.0) >= 0.1:
         parts.append(f"{attrs['compile_time_s']:.3g} s compiling before that")
     lines = [f"Effort: {', '.join(parts)}"] if parts else []
+    if "linear_solver" in attrs:
+        lines.append(f"Linear systems: {attrs['linear_solver']}")
     if attrs.get("smallest_step_why"):
         lines.append(
             f"Smallest step: {attrs['smallest_step']:.3g} s at t = {attrs['smallest_step_at']:.6g} s, "

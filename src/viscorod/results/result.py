@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from functools import cached_property
@@ -71,7 +72,8 @@ class Result(ABC):
         """Return how a vector at a place changes, in global axes.
 
         Args:
-            place: "beam.end", "beam@0.15" (arc length in m) or the number of a station.
+            place: "beam.end", "beam@0.15" (arc length in m), "plate" (mass centre of a body), "plate.corner" (its named
+                point) or the number of a station.
             quantity: "position" [m], "displacement" from the reference shape [m] or "velocity" [m/s].
 
         Returns:
@@ -91,6 +93,54 @@ class Result(ABC):
             coords={self.dimension: self.data[self.dimension], "axis": list(AXES)},
             name=quantity,
             attrs={"units": self.data[name].attrs["units"], "long_name": f"{quantity} of {site.label}"},
+        )
+
+    def joint(self, name: str) -> xr.Dataset:
+        """Return the coordinates of a joint or spring: what each is, how fast it changes, what acts along it.
+
+        Coordinates are the motions of the joint's a relative to its b, from the reference shape; of a spring along a
+        line its length. Held ones are there with their reactions. Free rotations of a ball joint are there if something
+        acts on them.
+
+        Args:
+            name: of the joint or spring, by default its kind and places, such as "revolute arm.end - leg.start".
+
+        Returns:
+            ``value`` [m or rad], ``rate`` and ``force`` [N or N m] ``(time, motion)``, or ``(load_factor, motion)``;
+            motion is the motion word, ``held`` tells which the joint or a motor holds. A force is what acts on a from
+            the joint. Held values are 0 to round-off at the ends of steps, and within the tolerance between.
+
+        Raises:
+            InputError: no such joint or spring.
+        """
+        import xarray as xr
+
+        known = list(dict.fromkeys(self.data["joint"].values.tolist())) if "joint" in self.data else []
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1) or known
+            hint = f"did you mean {near[0]!r}?" if near else "this result has no joints or springs"
+            raise InputError(f"no joint or spring is called {name!r}; {hint}")
+        mine = np.flatnonzero(self.data["joint"].values == name)
+        words = self.data["joint_motion"].values[mine]
+        units = {
+            "value": ["m" if word.startswith("u") else "rad" for word in words],
+            "rate": ["m/s" if word.startswith("u") else "rad/s" for word in words],
+            "force": ["N" if word.startswith("u") else "N m" for word in words],
+        }
+        return xr.Dataset(
+            {
+                key: (
+                    (self.dimension, "motion"),
+                    self.data[f"joint_{key}"].values[:, mine],
+                    {"units": ", ".join(dict.fromkeys(unit)), "long_name": f"{key} of {name}"},
+                )
+                for key, unit in units.items()
+            },
+            {
+                self.dimension: self.data[self.dimension],
+                "motion": words,
+                "held": ("motion", self.data["joint_held"].values[mine].astype(bool)),
+            },
         )
 
     def field(self, quantity: Quantity) -> Floats:

@@ -45,7 +45,7 @@ class Run(Result):
         """Return period, amplitude and damping ratio of every cycle of a displacement.
 
         Args:
-            place: "beam.end", "beam@0.15" or the number of a station.
+            place: "beam.end", "beam@0.15", "plate", "plate.corner" or the number of a station.
             axis: global axis "x", "y" or "z".
             rest: displacement about which it swings [m]; None takes it from the last extremes of the motion.
             below: whether the minima bound the cycles instead of the maxima.
@@ -80,20 +80,21 @@ class Run(Result):
         return site.of(self.field("displacement"))[:, column], site.of(self.field("velocity"))[:, column]
 
     def snapshot(self, time: float) -> dict[str, Floats]:
-        """Return where every rod is at a time.
+        """Return where every rod and body is at a time.
 
         Args:
             time: any time of the run [s]; between stored times positions follow their velocities (cubic
                 Hermite interpolation).
 
         Returns:
-            Rod name -> positions of its stations by increasing arc length [m], shape (n, 3), global axes.
+            Rod name -> positions of its stations by increasing arc length [m], shape (n, 3), global axes; name of a
+            body, or "body.point" -> its position, shape (1, 3).
 
         Raises:
             InputError: the time lies outside the run.
         """
         positions = self.positions_at(time)
-        return {rod: positions[self.sites.stations(rod)] for rod in self.sites.rods}
+        return {part: positions[self.sites.stations(part)] for part in (*self.sites.rods, *self.sites.bodies)}
 
     def positions_at(self, time: float) -> Floats:
         """Return the positions of all stations at a time [m], shape (stations, 3); see ``snapshot``."""
@@ -112,6 +113,18 @@ class Run(Result):
         u = np.asarray(np.clip((time - known[k]) / h, 0.0, 1.0))
         velocity = h * self.field("velocity")[k : k + 2]
         return hermite(u, position[k], position[k + 1], velocity[0], velocity[1])
+
+    def rotations_at(self, time: float) -> Floats:
+        """Return the orientations of all stations at a time, quaternions (stations, 4); straight between records."""
+        known, rotation = self.time, np.asarray(self.data["rotation"].values, dtype=float)
+        k = int(np.clip(np.searchsorted(known, time, side="right") - 1, 0, max(known.size - 2, 0)))
+        if known.size == 1:
+            alone: Floats = rotation[0]
+            return alone
+        part = float(np.clip((time - known[k]) / (known[k + 1] - known[k]), 0.0, 1.0))
+        between = (1.0 - part) * rotation[k] + part * rotation[k + 1]
+        unit: Floats = between / np.linalg.norm(between, axis=-1, keepdims=True)
+        return unit
 
     def report(self) -> str:
         """Return a report: the start, every cycle of the decay, the energy account, the effort, warnings."""

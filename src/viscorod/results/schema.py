@@ -3,6 +3,15 @@
 Everything a result says is derived from one ``xarray.Dataset`` with these variables, so a file read back does
 all that a fresh run does. States are stored along ``time`` (kind "simulate"), ``load_factor`` (kind "equilibrium") or
 ``spin`` (kind "steady", one state).
+
+Stations are the nodes of the rods, by increasing arc length rod by rod, and after them the mass centres of rigid
+bodies, each followed by the body's named points: ``station_rod`` is the name of the body, or "plate.corner", with
+``station_order`` 0. A joint or spring has a ``joint_coordinate`` for each motion that it holds, drives, springs
+or measures. Where a rod holds a strain, ``section_force`` is the reaction that holds it, and no energy is stored
+or lost there. Springs of joints are part of the elastic energy, their dampers of what is lost to viscosity,
+motors of the work from outside. Runs with joints or held strains have the attributes ``drift_position`` and
+``drift_velocity``: the largest gap that was found between what these hold and the motion, over the size of the
+model (or in rad, or strain), and that of velocities over the fastest one, before it was removed.
 """
 
 from __future__ import annotations
@@ -24,9 +33,10 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "time": ("s", "time"),
     "load_factor": ("1", "part of the loads applied"),
     "spin": ("rad/s", "angular speed"),
-    "station_rod": ("", "rod of the station"),
-    "station_s": ("m", "arc length of the station in the reference shape"),
-    "station_order": ("1", "order of the elements of the station's rod"),
+    "station_rod": ("", "rod of the station, or body or named point of a body"),
+    "station_s": ("m", "arc length of the station in the reference shape, 0 on bodies"),
+    "station_order": ("1", "order of the elements of the station's rod, 0 on bodies"),
+    "station_body": ("", "body that the station belongs to or is rigidly attached to, empty for none"),
     "point_rod": ("", "rod of the Gauss point"),
     "point_s": ("m", "arc length of the Gauss point in the reference shape"),
     "point_weight": ("m", "quadrature length of the Gauss point"),
@@ -37,18 +47,37 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "velocity": ("m/s", "velocity, global axes"),
     "angular_velocity": ("rad/s", "angular velocity, body axes"),
     "strain": ("1, 1, 1, 1/m, 1/m, 1/m", "strain: shear 1, shear 2, stretch, bend 1, bend 2, twist"),
-    "section_force": ("N, N m", "force and moment of the section, elastic and viscous, body axes"),
+    "section_force": (
+        "N, N m",
+        "force and moment of the section, elastic and viscous, reactions of held strains, body axes",
+    ),
     "half_width": ("m", "largest distance of the section's outline from the centre line, 0 if unknown"),
     "dissipation": ("W/m", "power lost to viscosity per length"),
     "kinetic": ("J", "kinetic energy"),
-    "elastic": ("J", "elastic energy"),
-    "viscous": ("J", "energy lost to viscosity so far"),
-    "external": ("J", "work of loads and moving supports so far"),
+    "elastic": ("J", "elastic energy of rods and springs"),
+    "viscous": ("J", "energy lost to viscosity and dampers so far"),
+    "external": ("J", "work of loads, moving supports and motors so far"),
     "numerical": ("J", "numerical remainder of the energy account"),
     "reaction": ("N, N m", "force and moment of the support on the rod, global axes"),
+    "joint": ("", "joint or spring of the coordinate"),
+    "joint_motion": ("", "motion word of the coordinate, of a relative to b along the joint's axes"),
+    "joint_held": ("", "whether the joint or a motor holds the coordinate"),
+    "joint_value": (
+        "m, rad",
+        "coordinate of a joint or spring, from the reference shape; of a line its length",
+    ),
+    "joint_rate": ("m/s, rad/s", "rate of the coordinate"),
+    "joint_force": (
+        "N, N m",
+        "force or moment of the joint or spring on its first place, along the coordinate",
+    ),
+    "connection": ("", "joint or spring"),
+    "connection_kind": ("", "joint or spring"),
+    "connection_station": ("1", "stations that it connects, the carrier of its axes first, -1 the ground"),
+    "connection_arm": ("m", "where it sits, in the axes of each station; global at the ground"),
     "step_size": ("s", "step that ended here"),
-    "linear_momentum": ("N s", "linear momentum of all rods, global axes"),
-    "angular_momentum": ("N m s", "angular momentum of all rods about the origin, global axes"),
+    "linear_momentum": ("N s", "linear momentum of all rods and bodies, global axes"),
+    "angular_momentum": ("N m s", "angular momentum of all rods and bodies about the origin, global axes"),
     "spin_vector": ("rad/s", "angular velocity, global axes"),
     "joint_spin": ("rad/s", "angular velocity in the axes of the node at the joint, or of the first one"),
     "centre": ("m", "point on the axis of rotation"),

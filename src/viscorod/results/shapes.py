@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.results.schema import AXES
-from viscorod.results.style import GREY, INK, LIGHT, SMALL, clean, heading, scaled
+from viscorod.results.style import GREY, INK, LIGHT, SMALL, clean, heading, label_once, scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -35,6 +35,7 @@ class View:
         floor: height of the floor that bears the shadows of a view in space [m].
         scale: from m to the shown unit.
         unit: the shown unit.
+        origin: what is in the middle of the paper's coordinates, (3,) [m].
     """
 
     projection: Floats
@@ -42,6 +43,7 @@ class View:
     floor: float
     scale: float
     unit: str
+    origin: Floats = field(default_factory=lambda: np.zeros(3))
 
     @classmethod
     def of(cls, positions: Floats) -> View:
@@ -66,6 +68,10 @@ class View:
         shift: Floats = _GAP * float(np.ptp(positions @ right)) * np.arange(len(positions))[:, None] * right
         return shift
 
+    def shifted(self, shift: Floats) -> View:
+        """Return this view of everything moved by ``shift (3,)`` [m]."""
+        return replace(self, origin=self.origin - shift)
+
     @property
     def name(self) -> str:
         """Where the picture is, in words: "in the xy plane" or "in space"."""
@@ -73,7 +79,7 @@ class View:
 
     def on_paper(self, points: Floats) -> Floats:
         """Return points ``(n, 3)`` [m] on paper, ``(2, n)`` in the shown unit."""
-        paper: Floats = self.scale * self.projection @ points.T
+        paper: Floats = self.scale * self.projection @ (points - self.origin).T
         return paper
 
     def prepare(self, axes: Axes, title: str) -> None:
@@ -174,9 +180,7 @@ def mark_supports(axes: Axes, view: View, result: Result, positions: Floats) -> 
         except InputError:  # a support may bear a name of its own that is no place
             continue
     if points:
-        name = "support" if len(points) == 1 else "supports"
-        if name in axes.get_legend_handles_labels()[1]:
-            name = "_"
+        name = label_once(axes, "support" if len(points) == 1 else "supports")
         axes.plot(*view.on_paper(np.array(points)), "s", markersize=7, color=INK, zorder=5, label=name)
 
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 # Okabe and Ito's palette, told apart by readers with any kind of colour vision.
 BLUE, ORANGE, GREEN, RED, SKY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9"
+PURPLE = "#CC79A7"
 INK, GREY, LIGHT = "#222222", "#8a8a8a", "#d8d8d8"
 TEXT, SMALL = 11.0, 9.5
 DPI = 120
@@ -99,6 +100,11 @@ def legend_inside(axes: Axes) -> None:
         handlelength=1.4,
         borderaxespad=0.2,
     )
+
+
+def label_once(axes: Axes, name: str) -> str:
+    """Return a name for the legend of an axes, or what hides it where it is there already."""
+    return "_" if name in axes.get_legend_handles_labels()[1] else name
 
 
 def heading(axes: Axes, text: str) -> None:

@@ -11,6 +11,7 @@ from viscorod.mechanics.internal_force import Elements, ElementWork, Points, int
 from viscorod.mechanics.joint_coordinates import DISTANCE, TRANSLATION
 from viscorod.mechanics.joints import add_joint_tangent, joint_forces, measure
 from viscorod.solve.laws import NUMBERS, Laws
+from viscorod.solve.linear.matrix import unit_of
 from viscorod.solve.problem import Problem
 from viscorod.typing import Floats, Integers
 
@@ -42,6 +43,7 @@ class Constraints:
     Attributes:
         target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
         near: values ``(c,)`` that angles are to be near.
+        pace: how fast poses follow accelerations in the present matrix [1/s]: inertia counts with its square.
         gap: what multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
     """
 
@@ -51,6 +53,7 @@ class Constraints:
         self.arrays = problem.joints.arrays
         c, places = self.joints.count, 6 * problem.multipliers
         self.active = problem.constrained
+        self.pace = 0.0
         self.elements = elements
         self._points: Points | None = None
         self.laws = Laws(self.joints.laws)
@@ -63,6 +66,7 @@ class Constraints:
         self._stiffness, self._damping = self.arrays.stiffness.copy(), self.arrays.damping.copy()
         self._earlier = np.zeros(c)
         self.is_held = self.arrays.place >= 0
+        self._gradients = np.zeros((c, 12))  # scratch
         self._first_gap = self._gaps_of_reference()
         taken = np.zeros(places, dtype=bool)
         taken[self.arrays.place[self.is_held]] = True
@@ -107,27 +111,42 @@ class Constraints:
         measure(*self.arrays[:3], r, q, np.zeros((len(r), 6)), self.near, value, rate, out)
         return out
 
+    def rates(self, state: State) -> Floats:
+        """Return the rates of all coordinates ``(c,)``."""
+        value, rate, gradients = np.zeros(self.joints.count), np.zeros(self.joints.count), self._gradients
+        measure(*self.arrays[:3], state.r, state.q, state.twist, self.near, value, rate, gradients)
+        return rate
+
     def rate_gaps(self, state: State) -> Floats:
         """Return the rates of all gaps ``(places,)`` [1/s and units of the gaps], 0 where velocities are allowed."""
         out = np.zeros_like(self.gap)
-        c = self.joints.count
-        if c:
-            value, rate = np.zeros(c), np.zeros(c)
-            gradients = np.zeros((c, 12))
-            measure(*self.arrays[:3], state.r, state.q, state.twist, self.near, value, rate, gradients)
-            out[self.arrays.place[self.is_held]] = (rate - self.target_rate)[self.is_held]
+        if self.joints.count:
+            out[self.arrays.place[self.is_held]] = (self.rates(state) - self.target_rate)[self.is_held]
         if len(self.held.place):
-            if self._points is None:
-                self._points = Points.of(self.elements, 1)
-            points, (order, width) = self._points, self.elements.nodes.shape
-            del order
-            work, force = ElementWork.of(width - 1), np.zeros((1, *state.twist.shape))
-            internal_forces(
-                self.elements, state.r[None], state.q[None], state.twist[None], points, work, force
-            )
-            held = self.held
+            held, points = self.held, self._strains(state)
             out[held.place] = points.strain_rate[0, held.element, held.point, held.component]
         return out
+
+    def gaps(self, state: State) -> Floats:
+        """Return all gaps ``(places,)``, 0 where positions are as the last :meth:`update` wants them."""
+        out = np.zeros_like(self.gap)
+        if self.joints.count:
+            value, rate = np.zeros(self.joints.count), np.zeros(self.joints.count)
+            measure(*self.arrays[:3], state.r, state.q, state.twist, self.near, value, rate, self._gradients)
+            out[self.arrays.place[self.is_held]] = (value - self.target)[self.is_held]
+        if len(self.held.place):
+            held, points = self.held, self._strains(state)
+            out[held.place] = points.strain[0, held.element, held.point, held.component]
+        return out
+
+    def _strains(self, state: State) -> Points:
+        """Return the Gauss points of a state."""
+        if self._points is None:
+            self._points = Points.of(self.elements, 1)
+        work, force = ElementWork.of(self.elements.nodes.shape[1] - 1), np.zeros((1, *state.twist.shape))
+        where = state.r[None], state.q[None], state.twist[None]
+        internal_forces(self.elements, *where, self._points, work, force)
+        return self._points
 
     def speed(self, state: State) -> float:
         """Return the largest velocity [m/s], or angular velocity times the length, of a state or of motors."""
@@ -221,12 +240,12 @@ class Constraints:
         C: Floats,
         *,
         moving: bool,
-        held: tuple[Integers, Integers, Floats] | None,
+        held: tuple[Integers, Floats] | None,
     ) -> None:
         """Add to the blocks ``K`` (and ``C``, see ``add_joint_tangent``) after :meth:`add_forces` in the same state.
 
         Args:
-            held: orders and nodes of all elements and the change of their strains, see ``add_held_strains``.
+            held: orders of all elements and the change of their strains, see ``add_held_strains``.
         """
         pattern, n = self.problem.pattern, self.problem.size
         a = self.arrays
@@ -235,6 +254,7 @@ class Constraints:
             self.laws.slopes(self.buffer)
             self._stiffness[c], self._damping[c] = self.buffer[1], self.buffer[2]
         diagonal = pattern.diagonal
+        stiff, length = self._stiffest(K), unit_of(self.problem.length)
         if self.joints.count:
             add_joint_tangent(
                 a,
@@ -247,7 +267,8 @@ class Constraints:
                 self._damping,
                 moving,
                 rate_map,
-                diagonal,
+                stiff,
+                length,
                 self.scale,
                 K,
                 C,
@@ -256,24 +277,32 @@ class Constraints:
                 self.P,
             )
         if held is not None:
-            orders, nodes, B = held
-            add_held_strains(self.held, orders, nodes, diagonal, B, self.scale, K)
+            orders, B = held
+            add_held_strains(self.held, orders, stiff, length, B, self.scale, K)
         for place in self.idle:
             K[diagonal[n + place // 6], place % 6, place % 6] = 1.0
 
-    def add_rows(
-        self, r: Floats, q: Floats, K: Floats, held: tuple[Integers, Integers, Floats] | None
-    ) -> None:
+    def _stiffest(self, K: Floats) -> float:
+        """Return the largest diagonal entry of all nodes, displacements measured in the unit of the matrix."""
+        problem = self.problem
+        found = np.abs(np.einsum("kii->ki", K[problem.pattern.diagonal[: problem.size]]))
+        if self.pace > 0.0:
+            found = found + self.pace**2 * np.einsum("kii->ki", problem.mass)
+        largest = float((found * ([unit_of(problem.length) ** 2] * 3 + [1.0] * 3)).max())
+        springs = float(np.abs(self._stiffness).max(initial=0.0))
+        return largest or springs or 1.0
+
+    def add_rows(self, r: Floats, q: Floats, K: Floats, held: tuple[Integers, Floats] | None) -> None:
         """Add the rows and columns of multipliers, and nothing else, to the blocks ``K``."""
         c, n = self.joints.count, self.problem.size
         none, arrays = np.zeros(c), self.arrays
-        saved = self.force, self._stiffness, self._damping
-        self.force, self._stiffness, self._damping = none, none, none
+        saved = self.force, self._stiffness, self._damping, self.pace
+        self.force, self._stiffness, self._damping, self.pace = none, none, none, 0.0
         self.arrays = arrays._replace(law=np.full(c, -1, dtype=np.int64))
         still, empty = np.zeros((n, 6)), np.zeros((0, 6, 6))
         self.add_tangent(r, q, still, np.zeros((n, 6, 6)), K, empty, moving=False, held=held)
         self.arrays = arrays
-        self.force, self._stiffness, self._damping = saved
+        self.force, self._stiffness, self._damping, self.pace = saved
 
     def state(self) -> JointState:
         """Return what was measured last."""

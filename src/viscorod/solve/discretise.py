@@ -76,7 +76,7 @@ def discretise(model: ModelDescription) -> Problem:
         joints=joints.placed(pattern, nodes),
         held=held_strains(sets, pattern, nodes, nodes + joints.blocks),
         multipliers=multipliers,
-        interiors=_interiors(elements),
+        interiors=_interiors(mesh, elements),
         supports=supports,
         nodal_loads=tuple(nodal),
         station_loads=tuple(moving),
@@ -104,13 +104,13 @@ def _mesh(model: ModelDescription) -> Mesh:
         elif isinstance(load, DistributedForce | DistributedMoment):
             wishes[load.rod].extend(s for s in (load.from_s, load.to_s) if s is not None)
     rods = [divide(name, rod, breaks[name], wishes[name]) for name, rod in model.rods.items()]
-    bodies = list(model.bodies)
+    bodies = {name: i for i, name in enumerate(model.bodies)}
     first = len(bodies) + np.cumsum([0, *(len(rod.s) for rod in rods)])
     index = {rod.name: i for i, rod in enumerate(rods)}
 
     def number(place: AnyPlace) -> int:
         if isinstance(place, BodyPlace):
-            return bodies.index(place.body)
+            return bodies[place.body]
         node = rods[index[place.rod]].node_at(place.s)
         assert node is not None  # places of attachments are element ends
         return int(first[index[place.rod]]) + node
@@ -118,9 +118,16 @@ def _mesh(model: ModelDescription) -> Mesh:
     return join(rods, list(model.bodies.values()), [(number(a), number(b)) for a, b in pairs])
 
 
-def _interiors(elements: list[Integers]) -> tuple[Integers, ...]:
-    """Inner nodes of elements ``(elements, order - 1)``; where joints and supports act, elements end."""
-    return tuple(nodes[:, 1:-1].copy() for nodes in elements if nodes.shape[1] > 2)
+def _interiors(mesh: Mesh, elements: list[Integers]) -> tuple[Integers, ...]:
+    """Inner nodes of elements ``(elements, order - 1)``; where joints and supports act, elements end.
+
+    Where strains are held, their multipliers keep the inner nodes in place: by themselves these have no stiffness.
+    """
+    return tuple(
+        nodes[:, 1:-1].copy()
+        for m, nodes in zip(mesh.rods, elements, strict=True)
+        if m.order > 1 and not any(m.rod.constrained_strains)
+    )
 
 
 def _supports(model: ModelDescription, placement: Placement) -> SupportSet:

@@ -72,7 +72,7 @@ class GeometricSystem:
         self.problem = problem
         self.internal: Floats = np.zeros((problem.size, 6))
         self.external: Floats = np.zeros((problem.size, 6))
-        self.matrix = Matrix(problem.pattern, problem.length)
+        self.matrix = Matrix(problem.pattern, problem.length, lambda: problem.plan)
         self.parts = [_Part(problem, elements) for elements in problem.sets]
         self.given_strain: Floats | None = None
         self._no_map = np.zeros((problem.size, 6, 6))
@@ -190,15 +190,19 @@ class GeometricSystem:
         twist = state.twist if moving else np.zeros_like(state.twist)
         constraints.add_forces(state.r, state.q, twist, state.multiplier, self.internal)
         if tangent:
+            if (
+                len(C) and not moving
+            ):  # dampers at rest: twists follow nothing, yet their derivative is wanted
+                rate_map = np.zeros((len(twist), 6, 6))
+            held = self._held_rows()
             constraints.add_tangent(
-                state.r, state.q, twist, rate_map, K, C, moving=moving, held=self._held_rows()
+                state.r, state.q, twist, rate_map, K, C, moving=moving or len(C) > 0, held=held
             )
 
-    def _held_rows(self) -> tuple[Integers, Integers, Floats] | None:
+    def _held_rows(self) -> tuple[Integers, Floats] | None:
         if not any(part.constrained for part in self.parts):
             return None
-        elements = self._all
-        return elements.order, elements.nodes, self._own_operators().strain
+        return self._all.order, self._own_operators().strain
 
     def assemble_mass(self, state: State) -> None:
         """See :class:`~viscorod.solve.system.System`."""
@@ -464,14 +468,27 @@ class GeometricSystem:
 
     def worst_place(self, node: int) -> str:
         """See :class:`~viscorod.solve.system.System`."""
-        stations = self.problem.stations
-        at = np.flatnonzero(stations.nodes == node)
-        if len(at) == 0:
-            bodies = self.problem.bodies
-            names = [name for name, n in zip(bodies.names, bodies.nodes, strict=True) if n == node]
-            return f"body '{names[0]}'" if names else f"node {node}"
-        rod = int(stations.rod[at[0]])
-        s = float(stations.s[at[0]])
+        problem = self.problem
+        if node >= problem.size:
+            return self._constraint(node - problem.size)
+        stations, bodies = problem.stations, problem.bodies
+        if node in bodies.nodes:
+            return f"body '{bodies.names[int(np.argmax(bodies.nodes == node))]}'"
+        at = int(np.argmax(stations.nodes == node))
+        rod, s = int(stations.rod[at]), float(stations.s[at])
         starts = np.sort(np.concatenate([p.elements.start[p.elements.rod == rod] for p in self.parts]))
         element = int(np.searchsorted(starts, s, side="right"))
-        return f"rod '{self.problem.rods[rod]}', element {element}, s = {s:.6g} m"
+        return f"rod '{problem.rods[rod]}', element {element}, s = {s:.6g} m"
+
+    def _constraint(self, row: int) -> str:
+        """Describe a block row of multipliers."""
+        problem = self.problem
+        joint = np.flatnonzero(problem.joints.row == row)
+        if len(joint):
+            return f"joint '{problem.joints.names[joint[0]]}'"
+        element = int(problem.held.element[np.argmax(problem.held.place // 6 == row)])
+        rods = np.concatenate([e.rod for e in problem.sets])
+        starts = np.concatenate([e.start for e in problem.sets])
+        rod = rods[element]
+        number = 1 + np.count_nonzero(starts[rods == rod] < starts[element])
+        return f"held strains of rod '{problem.rods[rod]}', element {number}"

@@ -19,21 +19,33 @@ from viscorod.typing import Floats
 
 
 class StationReader:
-    """Turns nodal states into fields at the stations (element nodes of every rod, attachments applied)."""
+    """Turns nodal states into fields at the stations.
+
+    These are the element nodes of every rod, attachments applied, and after them the mass centres and named points of
+    rigid bodies.
+    """
 
     def __init__(self, problem: Problem) -> None:
-        stations = problem.stations
-        self.nodes = stations.nodes
-        count = len(stations.nodes)
+        stations, bodies = problem.stations, problem.bodies
+        self.nodes = np.concatenate([stations.nodes, bodies.nodes])
+        count, rods = len(self.nodes), len(stations.nodes)
         self._offset = np.zeros((count, 3))
+        self._offset[rods:] = bodies.arms
         self._turn = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
         self._map = np.tile(np.eye(6), (count, 1, 1))
         for k in np.flatnonzero(stations.links >= 0):
             link = stations.links[k]
             self._offset[k] = problem.link_positions[link]
             self._turn[k] = problem.link_quaternions[link]
+        moved = np.flatnonzero(np.append(stations.links >= 0, self._offset[rods:].any(axis=1)))
+        for k in moved:
             link_map(self._offset[k], self._turn[k], self._map[k])
-        self._linked = bool((stations.links >= 0).any())
+        self._linked = len(moved) > 0
+
+    @property
+    def places(self) -> tuple[Floats, Floats]:
+        """Positions ``(stations, 3)`` [m] and orientations ``(stations, 4)`` of the stations in their nodes."""
+        return self._offset, self._turn
 
     def read(self, r: Floats, q: Floats, twist: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Return positions [m], unit quaternions, global velocities [m/s] and body angular velocities [rad/s].

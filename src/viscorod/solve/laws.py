@@ -51,7 +51,10 @@ class Laws:
         stiffness, _, rest = self.laws[law]
         stretch = value - rest
         if callable(stiffness):
-            part, _ = quad(lambda x: law_value(stiffness, x), self._stretch[law], stretch, limit=200)
+            # in full: no warnings where the interval is so small that rounding decides
+            part = quad(
+                lambda x: law_value(stiffness, x), self._stretch[law], stretch, limit=200, full_output=1
+            )[0]
             self._energy[law] += part
             self._stretch[law] = stretch
             return self._energy[law]

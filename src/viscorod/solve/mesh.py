@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -62,9 +63,13 @@ class Mesh:
     link_positions: Floats
     link_quaternions: Floats
 
+    @cached_property
+    def _index(self) -> dict[str, int]:
+        return {mesh.name: i for i, mesh in enumerate(self.rods)}
+
     def rod_index(self, name: str) -> int:
         """Index of a rod by name."""
-        return next(i for i, mesh in enumerate(self.rods) if mesh.name == name)
+        return self._index[name]
 
 
 def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> RodMesh:
@@ -154,19 +159,13 @@ def join(rods: list[RodMesh], bodies: list[AnyBody], attachments: list[tuple[int
     frames = np.array([body.frame() for body in bodies]).reshape(-1, 3, 3)
     positions = np.concatenate([centres, *(mesh.positions for mesh in rods)])
     quaternions = np.concatenate([from_matrices(frames), *(mesh.quaternions for mesh in rods)])
-    root = np.arange(total)
-    for a, b in attachments:
-        low, high = sorted((root[a], root[b]))
-        root[root == high] = low
+    root = _first_of_each(total, attachments)
     keep, number = np.unique(root, return_inverse=True)
     links = -np.ones(total, dtype=np.int64)
-    offsets: list[Floats] = []
-    turns: list[Floats] = []
-    for k in np.flatnonzero(root != np.arange(total)):
-        back = conjugate(quaternions[root[k]])
-        links[k] = len(offsets)
-        offsets.append(matrices(back[None, :])[0] @ (positions[k] - positions[root[k]]))
-        turns.append(product(back, quaternions[k]))
+    attached = np.flatnonzero(root != np.arange(total))
+    links[attached] = np.arange(len(attached))
+    back = conjugate(quaternions[root[attached]])
+    arms = positions[attached] - positions[root[attached]]
     return Mesh(
         rods=tuple(rods),
         bodies=tuple(bodies),
@@ -174,9 +173,25 @@ def join(rods: list[RodMesh], bodies: list[AnyBody], attachments: list[tuple[int
         links=tuple(np.ascontiguousarray(links[first[i] : first[i + 1]]) for i in range(len(rods))),
         positions=np.ascontiguousarray(positions[keep]),
         quaternions=np.ascontiguousarray(quaternions[keep]),
-        link_positions=np.array(offsets).reshape(-1, 3),
-        link_quaternions=np.array(turns).reshape(-1, 4),
+        link_positions=np.ascontiguousarray((matrices(back) @ arms[:, :, None])[:, :, 0]),
+        link_quaternions=product(back, quaternions[attached]),
     )
+
+
+def _first_of_each(total: int, pairs: list[tuple[int, int]]) -> Integers:
+    """Return the lowest of all numbers that pairs connect with each number below ``total``."""
+    first = list(range(total))
+
+    def lowest(k: int) -> int:
+        while first[k] != k:
+            first[k] = first[first[k]]
+            k = first[k]
+        return k
+
+    for a, b in pairs:
+        low, high = sorted((lowest(a), lowest(b)))
+        first[high] = low
+    return np.array([lowest(k) for k in range(total)], dtype=np.int64)
 
 
 def element_nodes(nodes: Integers, order: int) -> Integers:

@@ -66,7 +66,7 @@ def linearise(
     loads = solver.loads.at(t, before, scale)
     damping_matrix = Matrix(problem.pattern)
     system.assemble(resting, loads, None, tangent=True, moving=False, rate_matrix=damping_matrix)
-    size = 6 * n
+    size = 6 * n  # rows of multipliers come after those of the nodes
     damping = sparse.csr_array(basis.T @ damping_matrix.sparse()[:size, :size] @ basis)
     mass = sparse.csr_array(basis.T @ sparse.block_diag(list(problem.mass), format="csr") @ basis)
     # displacements over the length of the model are comparable with rotations, whatever the unit of length
@@ -176,6 +176,8 @@ def _shapes(
         peak = shape.ravel()[np.argmax(np.abs(shape))]
         if np.abs(peak) < 1e-12 * np.abs(turn).max():  # pure twisting
             peak = turn.ravel()[np.argmax(np.abs(turn))]
+        if peak == 0.0:  # only what is no rod moves
+            peak = 1.0
         shapes.append(shape / peak)
         rotations.append(turn / peak)
     return np.array(shapes), np.array(rotations)

@@ -8,7 +8,7 @@ from enum import Enum
 import numpy as np
 
 from viscorod.mechanics.rotation import increment_size
-from viscorod.solve.linear.solver import SingularMatrixError
+from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.typing import Floats
 
 

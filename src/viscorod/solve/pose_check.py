@@ -30,7 +30,7 @@ def pose_gap(system: System, history: History) -> tuple[float, float]:
     strain = reference + np.array([snapshot.strain for snapshot in snapshots])
     distance = angle = 0.0
     for rod, order in enumerate(problem.rod_orders):
-        at, points = problem.stations.rod == rod, gauss.rod == rod
+        at, points = np.flatnonzero(problem.stations.rod == rod), gauss.rod == rod
         half_length = half_lengths(system, rod)
         inside = strain[:, points].reshape(len(snapshots), len(half_length), order, 6)
         there, turned = position[:, at], rotation[:, at]

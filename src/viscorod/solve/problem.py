@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from viscorod.mechanics.held_strains import HeldStrains
 from viscorod.model.time_function import TimeFunction
 from viscorod.solve.joint_set import JointSet
 from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.linear.plan import Plan
 from viscorod.typing import Floats, Integers
 
 TimeFactor = Callable[[float, bool], float]
@@ -182,3 +184,8 @@ class Problem:
     def constrained(self) -> bool:
         """Whether there are joints, springs or held strains."""
         return self.joints.count > 0 or len(self.held.place) > 0
+
+    @cached_property
+    def plan(self) -> Plan:
+        """How all matrices are factorised."""
+        return Plan.of(self.pattern, self.interiors)

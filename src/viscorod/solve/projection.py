@@ -1,8 +1,11 @@
-"""Velocities that joints, motors and held strains allow: what a step leaves over is projected away.
+"""Velocities that joints, motors and held strains allow.
 
 A position-level constraint ``g(x) = 0`` asks velocities for ``G x1 = g_t``. The correction is the smallest one as a
 matrix with the constraints' rows measures it: the mass at a start, where it is an impulse, and the factorised matrix of
-the last step later on, whose rows may be some steps old; so it is repeated until nothing is left.
+the last step for what is recorded, whose rows may be some steps old; so it is repeated until nothing is left.
+
+Steps go on from velocities as they leave them. What these lack does not add up, because positions are held; while a
+correction in any other measure than the mass would do work, step after step.
 """
 
 from __future__ import annotations
@@ -11,13 +14,17 @@ from collections.abc import Callable
 
 import numpy as np
 
+from viscorod.mechanics.rotation import retract
 from viscorod.solve.constraints import Constraints
+from viscorod.solve.history import Snapshot
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
 from viscorod.typing import Floats
 
 TOLERANCE = 1e-12
 """Rate of a constraint, over that of the fastest node, that passes for none."""
+CLOSED = 1e-12
+"""Gap over the length (in rad, or strain) that passes for none."""
 MOST = 30
 
 
@@ -37,12 +44,49 @@ def start_consistently(system: System, supports: SupportState, state: State) -> 
     residual = np.zeros((system.problem.pattern.size, 6))
     supports.impose(state, residual, system.matrix, tangent=True)
     system.matrix.factorise()
-    project_twists(system, state)
+    project(constraints, state, system.matrix.solve)
 
 
-def project_twists(system: System, state: State) -> float:
-    """Do what :func:`project` does with the factors of the system's matrix."""
-    return project(system.constraints, state, system.matrix.solve)
+def shown(
+    constraints: Constraints, snapshot: Snapshot, solve: Callable[[Floats], Floats]
+) -> tuple[Snapshot, float]:
+    """Return a snapshot at the end of a step with velocities that are allowed; and what is left, see :func:`project`.
+
+    Args:
+        constraints: measured and driven at the time of the snapshot; solve: see :func:`project`.
+    """
+    state = snapshot.state.copy()
+    left = project(constraints, state, solve)
+    joints = snapshot.joints
+    if joints is not None:
+        joints = joints._replace(rate=constraints.rates(state))
+    return snapshot._replace(state=state, joints=joints), left
+
+
+def close(constraints: Constraints, state: State, solve: Callable[[Floats], Floats]) -> float:
+    """Move ``state`` to where the positions of joints and held strains are as they must be, then :func:`project` it.
+
+    For states between the stages of a step, which polynomials give.
+
+    Returns:
+        the largest gap that is left, in its unit.
+    """
+    if constraints.rows == 0:
+        return 0.0
+    problem, last = constraints.problem, np.inf
+    n = problem.size
+    for _ in range(MOST):
+        gap = constraints.gaps(state)
+        size = float((np.abs(gap) / constraints.unit).max())
+        if size <= CLOSED or size > 0.9 * last:
+            break
+        last = size
+        right = np.zeros((problem.pattern.size, 6))
+        right[n:] = -(constraints.scale * gap).reshape(-1, 6)
+        change = np.ascontiguousarray(solve(right)[:n])
+        retract(state.r, state.q, change, state.r, state.q)
+    project(constraints, state, solve)
+    return size
 
 
 def project(constraints: Constraints, state: State, solve: Callable[[Floats], Floats]) -> float:

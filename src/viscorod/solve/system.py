@@ -154,4 +154,4 @@ class System(Protocol):
         """Return where the Gauss points are, in the same order."""
 
     def worst_place(self, node: int) -> str:
-        """Describe a node for messages: rod, element and arc length."""
+        """Describe a block row for messages: rod, element and arc length, body, joint, or rod with held strains."""

@@ -60,6 +60,8 @@ class Integrator(Protocol):
     4. ``snapshot()`` is everything at ``t``, ``between(parts)`` everything at parts of the last step, with the work and
        the loss up to there.
 
+    ``drift`` is how far joints and held strains were from what they hold: the largest gap of positions over the length
+    of the model (or in rad, or strain) and of velocities over the fastest one, so far; zeros without any.
     ``order`` is that of the error estimate: it grows as the power ``order + 1`` of the step. ``records`` is the number
     of states per step that draw the motion smoothly.
     """
@@ -81,6 +83,10 @@ class Integrator(Protocol):
     @property
     def records(self) -> int:
         """States to record in the last step."""
+
+    @property
+    def drift(self) -> tuple[float, float]:
+        """Largest gap of positions and of velocities so far."""
 
     @property
     def strain(self) -> float:

@@ -28,7 +28,7 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.loads import ExternalLoads, LoadState
 from viscorod.solve.newton import Convergence, Outcome, SingularMatrixError, worst_node
-from viscorod.solve.projection import project_twists, start_consistently
+from viscorod.solve.projection import close, shown, start_consistently
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
 from viscorod.solve.time_step import start_step
@@ -113,6 +113,7 @@ class GeneralizedAlpha:
         self.state = State.reference(system.problem)
         self.kinetic = self.elastic = self.work = self.loss = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
+        self.drift = 0.0, 0.0
         self._power = self._end = self._step = 0.0
         self._trial: tuple[Relation, Solution]
         self._start: tuple[State, Snapshot]
@@ -220,7 +221,7 @@ class GeneralizedAlpha:
     def accept(self) -> None:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         relation, solution = self._trial
-        h = self._end - self.t
+        h, first = self._end - self.t, self._fresh
         self._start = self.state, self._snapshot
         self._accept(solution, relation, self._end)
         if self._fresh:
@@ -237,12 +238,17 @@ class GeneralizedAlpha:
             self._twist_mean = (solution.increment / h - c1 * self._twist_mean) / self.coefficients.gamma
             self._settle()
         power = self._work_rate()
+        if first:  # forces of motors at the start are not known
+            self._power += self.system.constraints.motor_power()
         self.work = 0.5 * h * (self._power + power)
         self.loss = self.system.viscous_loss(h)
         self.elastic = self.system.elastic_energy()
         self._power = power
         self._step = h
         self._snapshot = Snapshot.of(self.state, self.system, self.supports, self.kinetic)
+        constraints = self.system.constraints
+        gap = float((np.abs(constraints.gap) / constraints.unit).max(initial=0.0))
+        self.drift = max(self.drift[0], gap), self.drift[1]
 
     @property
     def strain(self) -> float:
@@ -256,11 +262,15 @@ class GeneralizedAlpha:
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        return self._snapshot
+        if self._fresh or self.system.constraints.rows == 0:
+            return self._snapshot
+        found, left = shown(self.system.constraints, self._snapshot, self.system.matrix.solve)
+        self.drift = self.drift[0], max(self.drift[1], left)
+        return found
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`: cubic in the poses, linear in the rest."""
-        (old, before), new, after = self._start, self.state, self.snapshot()
+        (old, before), new, after = self._start, self.state, self._snapshot
         count = len(parts)
         r, q, twist = (np.empty((count, *shape.shape)) for shape in (new.r, new.q, new.twist))
         interpolate(
@@ -280,9 +290,17 @@ class GeneralizedAlpha:
             q,
             twist,
         )
+        states = [State(r[k], q[k], twist[k], new.multiplier) for k in range(count)]
+        constraints, begin = self.system.constraints, self.t - self._step
+        if constraints.rows:
+            for state, part in zip(states, parts, strict=True):
+                constraints.update(begin + part * self._step)
+                gap = close(constraints, state, self.system.matrix.solve)
+                self.drift = max(self.drift[0], gap), self.drift[1]
+            constraints.update(self.t, True)
         return [
             (
-                before.blend(after, part, State(r[k], q[k], twist[k], new.multiplier), self.system),
+                before.blend(after, part, states[k], self.system),
                 part * self.work,
                 part * self.loss,
             )
@@ -336,6 +354,7 @@ class GeneralizedAlpha:
         self._reach(new, increment, relation)
         inverse_motion_tangent(increment, relation.slope, self._map)
         self._map[self._held] = 0.0
+        system.constraints.pace = relation.slope
         system.assemble(new, loads, self._map, tangent=True, moving=True)
         residual = self._residual(new, relation, tangent=True)
         self.supports.impose(new, residual, system.matrix, tangent=True)
@@ -388,11 +407,10 @@ class GeneralizedAlpha:
         self.t = end
 
     def _settle(self) -> None:
-        """Make the velocities of partly supported and of joined nodes exactly those that are allowed."""
-        if len(self.supports.partial) or self.system.constraints.rows:
+        """Make the velocities of partly supported nodes exactly those that are allowed."""
+        if len(self.supports.partial):
             state = self.state
             self.supports.project_twists(state)
-            project_twists(self.system, state)
             mass = self.system.problem.mass
             self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
 

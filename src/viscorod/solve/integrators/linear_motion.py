@@ -40,6 +40,9 @@ class LinearMotion:
     order = 3
     """Of the error estimate."""
 
+    drift = 0.0, 0.0
+    """There are no joints in linear motions."""
+
     def __init__(
         self, system: System, supports: SupportState, tableau: Tableau, tolerance: float | None = None
     ) -> None:

@@ -9,10 +9,11 @@ import numpy as np
 from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.joints import measure
 from viscorod.solve.constraints import Constraints, JointState
+from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators.links import Links
 from viscorod.solve.integrators.stage_data import Matrices
 from viscorod.solve.integrators.tableau import Tableau
-from viscorod.solve.projection import project
+from viscorod.solve.projection import close, shown
 from viscorod.solve.system import State
 from viscorod.typing import Floats
 
@@ -25,8 +26,8 @@ class Linked:
 
     Attributes:
         links: for the compiled step.
-        drift: largest gap of positions over the length (or in rad, or strain) and of velocities over the fastest one,
-            so far.
+        drift: largest gap of positions over the length (or in rad, or strain), and of recorded velocities over the
+            fastest one, so far.
     """
 
     def __init__(self, constraints: Constraints, tableau: Tableau) -> None:
@@ -90,16 +91,14 @@ class Linked:
             matrices.K,
             matrices.C,
             moving=True,
-            held=(elements.order, elements.nodes, matrices.operators.strain)
-            if len(constraints.held.place)
-            else None,
+            held=(elements.order, matrices.operators.strain) if len(constraints.held.place) else None,
         )
 
-    def arrive(self, state: State, h: float, solve: Callable[[Floats], Floats], *, stage: bool) -> float:
+    def arrive(self, state: State, h: float, *, stage: bool) -> float:
         """Take the end of a step of ``h`` [s]; return the energy [J] of springs that are Python functions.
 
         Args:
-            state: at the end, whose velocities and multipliers are completed; solve: with the real matrix of the step.
+            state: at the end, whose multipliers are completed.
             stage: the end is the last stage, whose multipliers are known; else they are those of the middle.
         """
         constraints, links = self.constraints, self.links
@@ -109,26 +108,45 @@ class Linked:
             self._past = np.concatenate([now[None], stages]), h
         state.multiplier = links.multiplier[-1].copy()
         position = float((np.abs(links.gap[-1]) / constraints.unit).max(initial=0.0))
-        velocity = project(constraints, state, solve)
-        self.drift = max(self.drift[0], position), max(self.drift[1], velocity)
+        self.drift = max(self.drift[0], position), self.drift[1]
         if stage:
             constraints.value, constraints.rate = links.value.copy(), links.rate[-1].copy()
             constraints.force = links.force[-1].copy()
             self.begin(state)
         return constraints.function_energy()
 
+    def shown(self, snapshot: Snapshot, solve: Callable[[Floats], Floats]) -> Snapshot:
+        """Return the ``snapshot`` at the end of a step with allowed velocities; ``solve`` is that of the step."""
+        found, velocity = shown(self.constraints, snapshot, solve)
+        self.drift = self.drift[0], max(self.drift[1], velocity)
+        return found
+
     def state(self) -> JointState:
         """Return the joints at the present time."""
         return self._start
 
-    def between(self, before: JointState, states: list[State], parts: Floats) -> list[JointState]:
-        """Return the joints in ``states`` at ``parts`` of the last step, which began with ``before``."""
+    def between(
+        self,
+        before: JointState,
+        states: list[State],
+        parts: Floats,
+        times: Floats,
+        solve: Callable[[Floats], Floats],
+    ) -> list[JointState]:
+        """Return the joints in ``states``, which are closed.
+
+        Args:
+            before: at the start of the last step; parts, times: of the step, and the times [s] of the states.
+            solve: with the real matrix of the step.
+        """
         constraints, links = self.constraints, self.links
         c = constraints.joints.count
         weights = self.tableau.polynomials(parts)
         forces = before.force - weights @ (links.force + before.force)  # what joints exert has the other sign
         found = []
-        for state, force in zip(states, forces, strict=True):
+        for state, force, t in zip(states, forces, times, strict=True):
+            constraints.update(t)
+            self.drift = max(self.drift[0], close(constraints, state, solve)), self.drift[1]
             value, rate, gradients = np.zeros(c), np.zeros(c), np.zeros((c, 12))
             measure(
                 *constraints.arrays[:3],

@@ -102,7 +102,7 @@ class Midpoint(Collocation):
             supports.update(self._end, True)
         if self.linked is not None:
             self.system.constraints.update(self._end, True)
-            self.linked.arrive(state, self._end - self.t, self.systems.solve_real, stage=False)
+            self.linked.arrive(state, self._end - self.t, stage=False)
         self._settle(self._end, state, before=True, acceleration=stages.acceleration[0])
 
     def _settle(self, t: float, state: State, *, before: bool, acceleration: Floats | None = None) -> None:

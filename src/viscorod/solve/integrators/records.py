@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import numpy as np
 
 from viscorod.mechanics import supports as support_kernels
 from viscorod.mechanics.internal_force import Points
 from viscorod.mechanics.interpolation import interpolate
+from viscorod.solve.constraints import JointState
 from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators.linked import Linked
 from viscorod.solve.integrators.readings import read_between, read_end
@@ -23,7 +26,7 @@ class Records:
     Args:
         body, given, stages, tableau: of the method; supports: correct what is interpolated where they hold in part.
         places: where the Gauss points of the results are in the arrays of the stages, flattened.
-        linked: joints, if there are any.
+        linked: joints, if there are any; solve_real: with the real matrix of the last step.
 
     Attributes:
         snapshot: everything at the present time; strain: largest shear or stretch there.
@@ -40,11 +43,12 @@ class Records:
         supports: SupportState,
         places: Integers,
         linked: Linked | None,
+        solve_real: Callable[[Floats], Floats],
     ) -> None:
         self.body, self.given, self.stages, self.tableau = body, given, stages, tableau
         self.supports = supports
         self._places = places
-        self.linked = linked
+        self.linked, self.solve_real = linked, solve_real
         self.strain = 0.0
         self._fields = np.empty((3, len(places), 6))
         self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
@@ -168,6 +172,9 @@ class Records:
             energies,
         )
         kinetic, work, loss = energies.tolist()
-        joints = [None] * count if self.linked is None else self.linked.between(self._joints, states, parts)
+        joints: Sequence[JointState | None] = [None] * count
+        if self.linked is not None and self._joints is not None:
+            times = t - (1.0 - parts) * h
+            joints = self.linked.between(self._joints, states, parts, times, self.solve_real)
         snapshots = map(Snapshot, states, *points, reaction, kinetic, [0.0] * count, joints)
         return list(zip(snapshots, work, loss, strict=True))

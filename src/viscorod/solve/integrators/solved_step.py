@@ -27,7 +27,7 @@ from viscorod.solve.integrators.links import (
 )
 from viscorod.solve.integrators.stage_data import Body, Ends, Factors, Given, Matrices, Stages, Work
 from viscorod.solve.integrators.tableau import Tableau
-from viscorod.solve.linear.band import solve
+from viscorod.solve.linear.substitution import solve
 from viscorod.typing import Floats, Integers
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from viscorod.mechanics.internal_force import Elements, ElementWork
 from viscorod.mechanics.linearised import Operators
-from viscorod.solve.linear.band import BandFactors
+from viscorod.solve.linear.factors import Factors as MatrixFactors
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem import Problem
 from viscorod.solve.support_state import SupportState
@@ -234,8 +234,8 @@ class Matrices(NamedTuple):
 class Factors(NamedTuple):
     """Factors of the real and the complex matrix; scales ``(6 N,)`` of their rows and of the unknowns."""
 
-    real: BandFactors
-    complex: BandFactors
+    real: MatrixFactors
+    complex: MatrixFactors
     real_rows: Floats
     complex_rows: Floats
     scales: Floats

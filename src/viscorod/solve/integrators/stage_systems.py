@@ -7,9 +7,10 @@ import numpy as np
 from viscorod.solve.integrators import jacobian
 from viscorod.solve.integrators.stage_data import Body, Factors, Matrices
 from viscorod.solve.integrators.tableau import Tableau
-from viscorod.solve.linear.band import BandSolver
+from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.pattern import Pattern
-from viscorod.solve.linear.solver import SingularMatrixError
+from viscorod.solve.linear.plan import Plan
+from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.typing import Floats
 
 
@@ -17,21 +18,20 @@ class StageSystems:
     """Matrices ``mu^2 M + mu C + K`` with the eigenvalues ``mu`` of a method, and their factors.
 
     Args:
-        body: what is integrated; scales: of its unknowns ``(6 N,)``; tableau: the method.
+        body: what is integrated; scales: of its unknowns ``(6 N,)``; tableau: the method; plan: of factorisations.
 
     Attributes:
-        factors: for compiled code.
+        factors: for compiled code, others after every factorisation.
     """
 
-    def __init__(self, body: Body, scales: Floats, tableau: Tableau) -> None:
+    def __init__(self, body: Body, scales: Floats, tableau: Tableau, plan: Plan) -> None:
         self.body, self.tableau = body, tableau
         self._several = len(tableau.nodes) > 1
-        pair = (
-            body.pattern if self._several else Pattern.of(1, ())
-        )  # no complex system: the smallest stands for it
-        self.real, self.pair = BandSolver(body.pattern), BandSolver(pair, complex)
+        # no complex system: the smallest stands for it
+        pair = plan if self._several else Plan.of(Pattern.of(1, ()))
+        self.real, self.pair = DirectSolver(plan), DirectSolver(pair, complex)
         self._real_blocks = np.zeros((len(body.pattern.rows), 6, 6))
-        self._pair_blocks = np.zeros((len(pair.rows), 6, 6), dtype=complex)
+        self._pair_blocks = np.zeros((len(pair.pattern.rows), 6, 6), dtype=complex)
         self.factors = Factors(
             self.real.factors, self.pair.factors, np.ones_like(scales), np.ones_like(scales), scales
         )
@@ -46,6 +46,7 @@ class StageSystems:
                 self.pair.factorise(self._pair_blocks)
         except SingularMatrixError:
             return False
+        self.factors = self.factors._replace(real=self.real.factors, complex=self.pair.factors)
         return True
 
     def solve_real(self, right: Floats) -> Floats:
@@ -53,6 +54,11 @@ class StageSystems:
         x = np.ascontiguousarray(right * self.factors.real_rows.reshape(right.shape))
         self.real.solve(x)
         return np.asarray(x * self.factors.scales.reshape(right.shape))
+
+    def check(self) -> None:
+        """Raise what went wrong in solutions within compiled code."""
+        self.real.check()
+        self.pair.check()
 
     def _combine(self, matrices: Matrices, mu: complex, rows: Floats, blocks: Floats) -> None:
         body, pattern = self.body, self.body.pattern

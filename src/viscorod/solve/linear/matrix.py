@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
 from scipy import sparse
 
 from viscorod.mechanics.compiled import kernel
-from viscorod.solve.linear.band import BandSolver
+from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.pattern import Pattern
-from viscorod.solve.linear.solver import Solver
+from viscorod.solve.linear.plan import Plan
 from viscorod.typing import Floats, Integers
 
 
@@ -23,12 +24,18 @@ def scale_blocks(rows: Integers, columns: Integers, scales: Floats, blocks: Floa
                 blocks[s, j, i] *= scales[6 * rows[s] + i] * scales[6 * columns[s] + j]
 
 
+def unit_of(length: float) -> float:
+    """Return the unit [m] in which displacements of a model are measured where a matrix is factorised."""
+    return 1.0 if 0.1 < length < 10.0 else float(2.0 ** round(np.log2(length)))
+
+
 class Matrix:
     """A real matrix of 6x6 blocks.
 
     Args:
         pattern: which blocks it has.
         length: of the model [m].
+        plan: returns how it is factorised, for most matrices never are; None: as is best without condensing.
 
     Attributes:
         blocks: its values ``(b, 6, 6)``, entry (i, j) of block s at ``blocks[s, j, i]``.
@@ -36,17 +43,18 @@ class Matrix:
             pivoting compares like with like; near one metre this changes nothing.
     """
 
-    def __init__(self, pattern: Pattern, length: float = 1.0) -> None:
-        unit = 1.0 if 0.1 < length < 10.0 else 2.0 ** round(np.log2(length))
+    def __init__(self, pattern: Pattern, length: float = 1.0, plan: Callable[[], Plan] | None = None) -> None:
+        unit = unit_of(length)
         self.pattern = pattern
         self.blocks: Floats = np.zeros((len(pattern.rows), 6, 6))
         self.scales: Floats = np.tile([unit, unit, unit, 1.0, 1.0, 1.0], pattern.size)
         self._scaled = unit != 1.0
+        self._plan = plan
 
     @cached_property
-    def solver(self) -> Solver:
-        """What factorises it; made when it is needed, for most matrices are never factorised."""
-        return BandSolver(self.pattern)
+    def solver(self) -> DirectSolver:
+        """What factorises it, made when it is needed."""
+        return DirectSolver(Plan.of(self.pattern) if self._plan is None else self._plan())
 
     def clear(self) -> None:
         """Set all entries to zero."""

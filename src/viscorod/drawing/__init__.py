@@ -1,0 +1,1 @@
+"""Pictures of models before they are solved."""

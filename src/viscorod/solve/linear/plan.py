@@ -1,0 +1,164 @@
+"""How the matrices of one pattern are factorised: chosen once, by estimated cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from viscorod.solve.linear.elimination import Elimination
+from viscorod.solve.linear.ordering import band_order, reach, sparse_order
+from viscorod.solve.linear.pattern import Pattern
+from viscorod.typing import Integers
+
+NARROW = 12
+"""Bands that reach no farther (in block rows) are never wider than worth it: no sparse LU is tried."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """One way to factorise the matrices of a pattern.
+
+    Attributes:
+        pattern: all blocks.
+        elimination: what is eliminated first, and what remains (``M`` block rows).
+        order: the remaining block rows in the order of elimination ``(M,)``, numbers within what remains.
+        banded: as a band; else as a sparse matrix.
+        cost: estimated time [ns] of one real factorisation.
+    """
+
+    pattern: Pattern
+    elimination: Elimination
+    order: Integers
+    banded: bool
+    cost: float
+
+    @classmethod
+    def of(cls, pattern: Pattern, interiors: Iterable[Integers] = ()) -> Plan:
+        """Choose the cheapest.
+
+        Args:
+            pattern: all blocks.
+            interiors: groups of block rows that couple with no other group, as the inner nodes of elements do; one
+                array ``(count, k)`` per size. Groups that do couple with others are left alone.
+        """
+        return min(plans(pattern, interiors), key=lambda plan: plan.cost)
+
+    @property
+    def description(self) -> str:
+        """What is done, in words."""
+        unknowns = 6 * len(self.order)
+        rest = f"band of half width {self.width}" if self.banded else f"sparse LU of {unknowns} unknowns"
+        return f"element interiors condensed, {rest}" if self.elimination.fronts else rest
+
+    @cached_property
+    def plain(self) -> Plan:
+        """The cheapest way that eliminates nothing first; this one if it is."""
+        return Plan.of(self.pattern) if self.elimination.fronts else self
+
+    @cached_property
+    def width(self) -> int:
+        """Half width of the band of what remains, in unknowns."""
+        return 6 * reach(self.elimination.remaining, self.order) + 5
+
+    @cached_property
+    def ordered(self) -> Pattern:
+        """The pattern of what remains, numbered in the order of elimination."""
+        remaining = self.elimination.remaining
+        place = np.argsort(self.order)
+        return Pattern.of(
+            remaining.size, [np.column_stack([place[remaining.rows], place[remaining.columns]])]
+        )
+
+    @cached_property
+    def rows(self) -> Integers:
+        """The remaining block rows in the order of elimination ``(M,)``."""
+        return np.ascontiguousarray(self.elimination.rows[self.order])
+
+    @cached_property
+    def targets(self) -> Integers:
+        """Where the remaining blocks stand in the values of the band or the sparse matrix ``(c, 2)``.
+
+        Entry (i, j) of block s stands at ``targets[s, 0] + j * targets[s, 1] + i``.
+        """
+        rows, columns, starts = self.ordered[:3]
+        if self.banded:
+            step = np.full(len(rows), 3 * self.width)
+            return np.column_stack([6 * columns * (step + 1) + 2 * self.width + 6 * (rows - columns), step])
+        step = 6 * np.diff(starts)[columns]
+        first = starts[columns]
+        return np.column_stack([36 * first + 6 * (np.arange(len(rows)) - first), step])
+
+    @cached_property
+    def kept(self) -> Integers:
+        """Blocks that remain: their number in the pattern, and in what remains ``(c, 2)``."""
+        place = self._place()
+        rows, columns = place[self.pattern.rows], place[self.pattern.columns]
+        slots = np.flatnonzero((rows >= 0) & (columns >= 0))
+        return np.column_stack([slots, _find(self.ordered, rows[slots], columns[slots])])
+
+    @cached_property
+    def fronts(self) -> tuple[Integers, Integers, Integers]:
+        """The groups that are eliminated, for compiled code.
+
+        Returns:
+            groups: ``(g, 3)``, numbers of block rows in the group and in all, and where its matrix begins.
+            members: block rows ``(sum of all,)``; those that remain are numbered in the order of elimination.
+            slots: blocks ``(sum of squares,)``, column by column: numbers in the pattern, -1 if it has none; between
+                rows that remain, numbers in what remains.
+        """
+        place = self._place()
+        groups, members, slots = [np.zeros((0, 2), int)], [np.zeros(0, int)], [np.zeros(0, int)]
+        for interior, boundary in self.elimination.fronts:
+            k, size = interior.shape[1], interior.shape[1] + boundary.shape[1]
+            edge = place[boundary]
+            every = np.column_stack([interior, boundary])
+            found = _find(self.pattern, every[:, None, :], every[:, :, None])
+            found[:, k:, k:] = _find(self.ordered, edge[:, None, :], edge[:, :, None])
+            groups.append(np.tile([k, size], (len(interior), 1)))
+            members.append(np.column_stack([interior, edge]).ravel())
+            slots.append(found.ravel())
+        sizes = np.concatenate(groups)
+        begins = 2 + np.concatenate([[0], np.cumsum(36 * sizes[:, 1] ** 2)])[:-1]
+        return np.column_stack([sizes, begins]), np.concatenate(members), np.concatenate(slots)
+
+    def _place(self) -> Integers:
+        place = np.full(self.pattern.size, -1)
+        place[self.rows] = np.arange(len(self.rows))
+        return place
+
+    def unknown(self, row: int) -> int:
+        """Return the unknown (of all) that is number ``row`` in the order of elimination of what remains."""
+        return int(6 * self.rows[row // 6] + row % 6)
+
+
+def plans(pattern: Pattern, interiors: Iterable[Integers] = ()) -> Iterator[Plan]:
+    """Yield all ways that might be good."""
+    alone = Elimination.of(pattern, ())
+    condensed = Elimination.of(pattern, interiors)
+    for elimination in (alone, condensed) if condensed.fronts else (alone,):
+        rest = elimination.remaining
+        order = band_order(rest)
+        far, n = reach(rest, order), 6 * rest.size
+        before = elimination.cost
+        yield Plan(pattern, elimination, order, True, before + _band_cost(n, 6 * far + 5))
+        if far > NARROW:
+            order, flops = sparse_order(rest)
+            yield Plan(pattern, elimination, order, False, before + 1.5e3 * n + flops / 4.0)
+
+
+def _band_cost(n: int, width: int) -> float:
+    """Return the time [ns] of LAPACK's band LU as measured: some per column, and more speed for wider bands."""
+    w = min(width, n)
+    rate = 6.5 if width < 32 else min(18.0, 9.0 + w / 40.0)  # LAPACK works on blocks of 32 columns
+    return 75.0 * n + (2.0 * n * w**2 - 4.0 / 3.0 * w**3) / rate
+
+
+def _find(pattern: Pattern, rows: Integers, columns: Integers) -> Integers:
+    """Return the numbers of blocks; -1 for those that are not in the pattern."""
+    keys = pattern.columns * pattern.size + pattern.rows
+    wanted = columns * pattern.size + rows
+    found = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+    return np.where(keys[found] == wanted, found, -1)

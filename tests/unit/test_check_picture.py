@@ -1,0 +1,167 @@
+"""The picture of a model before it is solved, and the tables of what joins its rods."""
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+from viscorod.check import check
+from viscorod.drawing.assembly import draw_assembly
+
+STEEL = {"material": vr.Material(2e11, 0.3, 7850.0), "section": vr.Circle(0.01)}
+
+
+def machine():
+    """Everything that has a symbol, in space."""
+    model = vr.Model()
+    model.add("crank", vr.Rod.straight((0, 0, 0), (0, 0.3, 0.2), **STEEL, constraints="kirchhoff"))
+    model.add("arch", vr.Rod.arc((0, 0.3, 0.2), (1, 0, 0), (0, 0, 1), 0.4, 1.2, **STEEL))
+    model.add("coil", vr.Rod.helix(0.05, 0.05, 2, centre=(1, 0, 0), axis=(0, 0, 1), **STEEL))
+    end = model.position_of("arch.end")
+    points = {"left": tuple(np.add(end, [0, 0.1, 0])), "right": tuple(np.add(end, [0, -0.1, 0]))}
+    model.add(
+        "plate", vr.Body.box(tuple(np.add(end, [0.1, 0, 0])), (0.2, 0.2, 0.02), mass=1.0, points=points)
+    )
+    model.clamp("coil.start")
+    model.attach("arch.end", "plate")
+    model.revolute("crank.start", "ground", (1, 0, 0), motion={"rz": vr.Ramp(0, 1)}, name="motor")
+    model.ball("crank.end", "arch.start", name="ball")
+    model.prismatic("plate", "ground", (0, 0, 1), name="slide")
+    model.support("coil.end", ["ux", "uy"])
+    model.gravity()
+    model.force("coil.end", (0, 0, -5))
+    model.moment("arch@0.2", (0, 2, 0), time=vr.Sine(1.0))
+    model.distributed_force("crank", (0, 0, -30), until=1.0)
+    model.spring("plate.left", stiffness={"ux": 1e3}, damping={"ux": 2.0}, name="mount")
+    model.line_spring("plate.right", (0.4, 0.8, 0.9), stiffness=100.0, name="rope")
+    return model
+
+
+def texts(figure):
+    return [text.get_text() for text in figure.axes[0].texts]
+
+
+def legend(figure):
+    return [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+
+
+def test_everything_is_drawn_and_named(tmp_path):
+    figure = draw_assembly(machine(), "A machine")
+    found = texts(figure)
+    for name in ("crank", "arch", "coil", "plate, 1 kg", "left", "right", "ball", "slide", "mount", "rope"):
+        assert name in found
+    for text in (
+        "motor: rz(t)",
+        "ux, uy",
+        "5 N",
+        "2 N m, varies in time",
+        "30 N/m, until 1 s",
+        "gravity\n9.81 m/s²",
+    ):
+        assert text in found
+    assert {"rod", "node", "body", "clamp", "held in part", "joint", "spring", "force", "moment"} < set(
+        legend(figure)
+    )
+    assert figure.axes[0].get_title(loc="left") == "Reference shape in space"
+    assert machine().draw(tmp_path / "assembly.png", "A machine").stat().st_size > 10_000
+
+
+def test_labels_keep_off_each_other():
+    figure = draw_assembly(machine())
+    figure.draw_without_rendering()
+    axes, renderer = figure.axes[0], figure.canvas.get_renderer()
+    names = ("crank", "arch", "coil", "plate, 1 kg", "left", "right", "ball", "slide", "mount", "rope", "5 N")
+    boxes = [text.get_window_extent(renderer) for text in axes.texts if text.get_text() in names]
+    assert len(boxes) == len(names)
+    overlaps = [(a, b) for k, a in enumerate(boxes) for b in boxes[:k] if a.overlaps(b)]
+    assert not overlaps
+
+
+def test_plane_model_is_drawn_in_its_plane():
+    model = vr.Model()
+    model.add("beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), **STEEL))
+    model.pin("beam.start")
+    model.moment("beam.end", (0, 0, 2))
+    model.force("beam.end", (0, 1, 0), following=False)
+    model.joint("general", "beam@0.5", "ground", free=["ux", "uy", "rz"])
+    figure = draw_assembly(model)
+    assert figure.axes[0].get_title(loc="left") == "Reference shape in the xy plane"
+    assert {"pin", "axis across the paper"} < set(legend(figure))
+
+
+def test_following_load_is_turned_with_its_section():
+    model = vr.Model()
+    model.add("beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), **STEEL))
+    model.clamp("beam.start")
+    model.force("beam.end", (0, 0, 1), following=True)
+    assert "1 N, follows" in texts(draw_assembly(model))
+    from viscorod.drawing.loads import arrows
+
+    (load,) = arrows(model)
+    assert load.values[0] == pytest.approx([1, 0, 0])  # d3 is the tangent
+
+
+def test_gap_of_a_joint_is_shown():
+    model = vr.Model()
+    model.add("a", vr.Rod.straight((0, 0, 0), (1, 0, 0), **STEEL))
+    model.add("b", vr.Rod.straight((1.01, 0, 0), (2, 0, 0), **STEEL))
+    model.clamp("a.start")
+    model.clamp("b.end")
+    model.revolute("b.start", "a.end", (0, 0, 1), name="pivot")
+    figure = draw_assembly(model)
+    assert "pivot, gap 0.01 m" in texts(figure)
+    assert "gap of a joint" in legend(figure)
+
+
+def test_a_hundred_rods_are_drawn_without_names(tmp_path):
+    model = vr.Model()
+    for i in range(10):
+        for j in range(10):
+            end = (i + 1, j, 0) if (i + j) % 2 else (i, j + 1, 0)
+            model.add(f"r{i}_{j}", vr.Rod.straight((i, j, 0), end, **STEEL, elements=1, order=2))
+            model.force(f"r{i}_{j}.end", (0, 0, -1))
+            model.clamp(f"r{i}_{j}.start")
+    figure = draw_assembly(model)
+    assert not any(text.startswith("r") for text in texts(figure))
+    assert not any("N" in text for text in texts(figure))
+
+
+def test_nothing_global_and_no_wrong_model(tmp_path):
+    import matplotlib.pyplot as plt
+
+    machine().draw(tmp_path / "new" / "assembly.svg")
+    assert plt.get_fignums() == []
+    model = machine()
+    model.clamp("crunk.start")
+    with pytest.raises(vr.InputError, match="crunk"):
+        model.draw(tmp_path / "wrong.png")
+
+
+def test_check_lists_bodies_joints_springs_and_held_strains():
+    report = check(machine())
+    assert report.bodies == [
+        {
+            "body": "plate",
+            "mass [kg]": 1.0,
+            "inertia 1 [kg m2]": pytest.approx((0.04 + 0.0004) / 12),
+            "inertia 2 [kg m2]": pytest.approx((0.04 + 0.0004) / 12),
+            "inertia 3 [kg m2]": pytest.approx(0.08 / 12),
+            "points": "left, right",
+        }
+    ]
+    motor, ball, slide = report.joints
+    assert (motor["kind"], motor["free or driven"], motor["gap [m]"]) == ("revolute", "rz(t)", 0.0)
+    assert (ball["a - b"], ball["free or driven"], ball["where [m]"]) == (
+        "crank.end - arch.start",
+        "rx, ry, rz",
+        "(0, 0.3, 0.2)",
+    )
+    assert slide["kind"] == "prismatic"
+    mount, rope = report.springs
+    assert (mount["stiffness [N/m, N m/rad]"], mount["damping [N s/m, N m s/rad]"]) == ("ux 1000", "ux 2")
+    assert rope["stiffness [N/m, N m/rad]"] == "100"
+    crank = next(row for row in report.sections if row["section"] == "crank@0")
+    assert crank["stretch stiffness [N]"] == "held"
+    assert crank["stretch time [s]"] == ""
+    assert isinstance(crank["twist stiffness [N m2]"], float)
+    assert report.conditions > 15
+    assert np.all(report.frequencies > 0.0)
