@@ -1,8 +1,8 @@
 """Rods with constrained strains against limits, closed forms and the balance of angular momentum.
 
 The formulas of unshearable rods are those of D. Liu and C. H.-T. Wang (Variational principle for a special Cosserat
-rod): (60) and (62) the shear forces that the balance of angular momentum asks for, (63) the axial force, (67) what remains of
-that balance.
+rod): (60) and (62) the shear forces that the balance of angular momentum asks for, (63) the axial force, (67) what
+remains of that balance.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The calculus of rotations by complex steps: independent of the package, and against its element.
 
-D. Liu and C. H.-T. Wang check their variational principle with the changes (23)-(25) that an angular variation Phi makes,
-in components along the moving section: of the angular velocity dPhi/dt + w x Phi, of bending and twisting
+D. Liu and C. H.-T. Wang check their variational principle with the changes (23)-(25) that an angular variation Phi
+makes, in components along the moving section: of the angular velocity dPhi/dt + w x Phi, of bending and twisting
 dPhi/ds + u x Phi, and of the other strains dr'.d_i - Phi.(r' x d_i).
 """
 
