@@ -324,7 +324,7 @@ def _check_text(report: CheckReport) -> str:
         _rows_text("Joints", report.joints),
         _rows_text("Springs", report.springs),
         _rows_text("First natural modes about the reference shape (a quick estimate)", modes),
-        f"{report.nodes} nodes, {report.unknowns} unknowns{conditions}; linear systems: {report.linear_solver}",
+        f"{report.nodes} nodes, {report.unknowns} unknowns{conditions}\nLinear systems: {report.linear_solver}",
         "\n".join(["Warnings", *(f"  - {text}" for text in report.warnings)])
         if report.warnings
         else "No warnings",

@@ -143,10 +143,8 @@ def test_check_prints_tables(invoke, solving, monkeypatch):
     assert "beam 0.3 0.03 2 5" in lines
     assert "stiffness 3 1000" in lines  # too wide for the terminal, so turned on its side
     assert "1 0.573 0.036" in lines
-    assert (
-        "11 nodes, 66 unknowns, 5 conditions of joints and held strains; linear systems: band of half width 35"
-        in " ".join(lines)
-    )
+    assert "11 nodes, 66 unknowns, 5 conditions of joints and held strains" in lines
+    assert "Linear systems: band of half width 35" in lines
     assert "body mass [kg]" in lines
     assert "plate 2" in lines
     assert "elbow revolute 0.001" in lines
