@@ -108,7 +108,7 @@ class Result(ABC):
         Returns:
             ``value`` [m or rad], ``rate`` and ``force`` [N or N m] ``(time, motion)``, or ``(load_factor, motion)``;
             motion is the motion word, ``held`` tells which the joint or a motor holds. A force is what acts on a from
-            the joint. Held values are 0 to round-off at the ends of steps, and within the tolerance between.
+            the joint. Held values are what they have to be to 1e-10 of the size.
 
         Raises:
             InputError: no such joint or spring.

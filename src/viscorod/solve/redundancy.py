@@ -57,13 +57,25 @@ def require_independent(system: System, supports: SupportState) -> None:
         Fault(
             "joints" if names[row].startswith("joint") else "rods",
             names[row],
-            f"in the reference shape this is held already by {shown}"
-            if listed
-            else "nothing is left to hold here",
+            (
+                f"in the reference shape this is held already by {shown}"
+                if listed
+                else "nothing is left to hold here"
+            )
+            + _open_by(system, names[row]),
             "let one of them leave that motion free (a joint of kind 'general' with a list of free motions), "
             "or make a part between them flexible",
         )
     )
+
+
+def _open_by(system: System, name: str) -> str:
+    """How far the joint of a condition is open in the reference shape, in words; nothing if it is closed."""
+    for text in system.constraints.open_joints():
+        joint, _, gap = text.rpartition(", ")
+        if name.rpartition(",")[0] == f"joint {joint}":
+            return f"; the joint is open there, {gap}, which nothing can close"
+    return ""
 
 
 def _support_gradients(system: System, supports: SupportState, state: State) -> sparse.csr_array:
