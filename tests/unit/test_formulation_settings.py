@@ -96,7 +96,7 @@ integrator = "generalized_alpha"
 """,
         encoding="utf-8",
     )
-    result = CliRunner().invoke(app, ["check", str(case)])
+    result = CliRunner().invoke(app, ["check", str(case), "-o", str(tmp_path)])
     assert result.exit_code != 0
     text = " ".join((result.output + (result.stderr or "")).split())
     assert "supports[0].kind" in text
