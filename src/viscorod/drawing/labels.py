@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -53,9 +53,9 @@ class Labels:
         figure.draw_without_rendering()  # settles the limits
         axes.set_xlim(axes.get_xlim())
         axes.set_ylim(axes.get_ylim())
-        canvas = figure.canvas
-        assert isinstance(canvas, FigureCanvasAgg)
-        renderer = canvas.get_renderer()  # type: ignore[no-untyped-call]
+        canvas: Any = figure.canvas
+        assert isinstance(figure.canvas, FigureCanvasAgg)
+        renderer = canvas.get_renderer()
         dot = figure.dpi / 72.0
         pixels = axes.transData.transform
         taken = pixels(np.concatenate([np.zeros((2, 0)), *self._taken], axis=1).T)

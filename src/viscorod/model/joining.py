@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 from viscorod.model.any_joint import AnyJoint
 from viscorod.model.attachment import Attachment
@@ -15,6 +15,16 @@ from viscorod.model.place import GROUND
 from viscorod.model.spring import AnySpring, LineSpring, Spring
 
 __all__ = ["Joined"]
+
+
+class Acting(TypedDict, total=False):
+    """What acts along the free motions of a joint, by motion word, and its name; see `AnyJoint`."""
+
+    name: str | None
+    stiffness: Laws | None
+    damping: Laws | None
+    rest: Rest | None
+    motion: Motion | None
 
 
 class Joined:
@@ -38,113 +48,29 @@ class Joined:
         """Hold all relative motions; see `Rigid`."""
         self.joints.append(Rigid(**given(a=a, b=b, name=name)))
 
-    def ball(
-        self,
-        a: str,
-        b: str,
-        *,
-        axes: Sequence[Vector] | None = None,
-        name: str | None = None,
-        stiffness: Laws | None = None,
-        damping: Laws | None = None,
-        rest: Rest | None = None,
-        motion: Motion | None = None,
-    ) -> None:
+    def ball(self, a: str, b: str, *, axes: Sequence[Vector] | None = None, **acting: Unpack[Acting]) -> None:
         """Let a turn in every direction about a point; see `Ball`."""
-        fields = given(a=a, b=b, axes=axes, name=name)
-        self.joints.append(
-            Ball(**fields, **given(stiffness=stiffness, damping=damping, rest=rest, motion=motion))
-        )
+        self.joints.append(Ball(**given(a=a, b=b, axes=axes, **acting)))
 
-    def revolute(
-        self,
-        a: str,
-        b: str,
-        axis: Vector,
-        *,
-        name: str | None = None,
-        stiffness: Laws | None = None,
-        damping: Laws | None = None,
-        rest: Rest | None = None,
-        motion: Motion | None = None,
-    ) -> None:
+    def revolute(self, a: str, b: str, axis: Vector, **acting: Unpack[Acting]) -> None:
         """Let a turn about an axis; see `Revolute`."""
-        fields = given(a=a, b=b, axis=axis, name=name)
-        self.joints.append(
-            Revolute(**fields, **given(stiffness=stiffness, damping=damping, rest=rest, motion=motion))
-        )
+        self.joints.append(Revolute(**given(a=a, b=b, axis=axis, **acting)))
 
-    def universal(
-        self,
-        a: str,
-        b: str,
-        axes: Sequence[Vector],
-        *,
-        name: str | None = None,
-        stiffness: Laws | None = None,
-        damping: Laws | None = None,
-        rest: Rest | None = None,
-        motion: Motion | None = None,
-    ) -> None:
+    def universal(self, a: str, b: str, axes: Sequence[Vector], **acting: Unpack[Acting]) -> None:
         """Let a turn about two perpendicular directions; see `Universal`."""
-        fields = given(a=a, b=b, axes=axes, name=name)
-        self.joints.append(
-            Universal(**fields, **given(stiffness=stiffness, damping=damping, rest=rest, motion=motion))
-        )
+        self.joints.append(Universal(**given(a=a, b=b, axes=axes, **acting)))
 
-    def cylindrical(
-        self,
-        a: str,
-        b: str,
-        axis: Vector,
-        *,
-        name: str | None = None,
-        stiffness: Laws | None = None,
-        damping: Laws | None = None,
-        rest: Rest | None = None,
-        motion: Motion | None = None,
-    ) -> None:
+    def cylindrical(self, a: str, b: str, axis: Vector, **acting: Unpack[Acting]) -> None:
         """Let a turn about and slide along an axis; see `Cylindrical`."""
-        fields = given(a=a, b=b, axis=axis, name=name)
-        self.joints.append(
-            Cylindrical(**fields, **given(stiffness=stiffness, damping=damping, rest=rest, motion=motion))
-        )
+        self.joints.append(Cylindrical(**given(a=a, b=b, axis=axis, **acting)))
 
-    def prismatic(
-        self,
-        a: str,
-        b: str,
-        axis: Vector,
-        *,
-        name: str | None = None,
-        stiffness: Laws | None = None,
-        damping: Laws | None = None,
-        rest: Rest | None = None,
-        motion: Motion | None = None,
-    ) -> None:
+    def prismatic(self, a: str, b: str, axis: Vector, **acting: Unpack[Acting]) -> None:
         """Let a slide along an axis; see `Prismatic`."""
-        fields = given(a=a, b=b, axis=axis, name=name)
-        self.joints.append(
-            Prismatic(**fields, **given(stiffness=stiffness, damping=damping, rest=rest, motion=motion))
-        )
+        self.joints.append(Prismatic(**given(a=a, b=b, axis=axis, **acting)))
 
-    def planar(
-        self,
-        a: str,
-        b: str,
-        normal: Vector,
-        *,
-        name: str | None = None,
-        stiffness: Laws | None = None,
-        damping: Laws | None = None,
-        rest: Rest | None = None,
-        motion: Motion | None = None,
-    ) -> None:
+    def planar(self, a: str, b: str, normal: Vector, **acting: Unpack[Acting]) -> None:
         """Let a slide and turn in a plane; see `Planar`."""
-        fields = given(a=a, b=b, normal=normal, name=name)
-        self.joints.append(
-            Planar(**fields, **given(stiffness=stiffness, damping=damping, rest=rest, motion=motion))
-        )
+        self.joints.append(Planar(**given(a=a, b=b, normal=normal, **acting)))
 
     def spring(
         self,
