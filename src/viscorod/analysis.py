@@ -218,7 +218,7 @@ class Workplace:
         """Move ``state`` to the equilibrium at t = 0-; the reference shape itself if nothing acts."""
         self.supports.update(0.0, True)
         loads = self.static.loads.at(0.0, True)
-        if loads.none and not self.supports.target.any() and not self.system.constraints.strained(0.0):
+        if loads.none and not self.supports.target.any() and not self.system.constraints.strained(state, 0.0):
             return
         self._require_held(loads)
         path = self.static.solve(state)

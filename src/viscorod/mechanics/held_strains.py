@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compiled import kernel, part
-from viscorod.mechanics.joints import scale_of
+from viscorod.mechanics.joint_tangent import scale_of
 from viscorod.typing import Floats, Integers
 
 
@@ -89,9 +89,9 @@ def add_held_strains(
     """Add rows and columns of the multipliers of held strains to a matrix.
 
     Args:
-        orders: of the elements; stiff, length: see ``joints.scale_of``.
+        orders: of the elements; stiff, length: see ``joint_tangent.scale_of``.
         B: change of the strains per nodal increment ``(e, 6 points, 6 nodes)``.
-        scale: output, of all multipliers, as in ``joints.add_joint_tangent``; K: blocks ``(b, 6, 6)``.
+        scale: output, of all multipliers, as in ``joint_tangent.add_joint_tangent``; K: blocks ``(b, 6, 6)``.
     """
     element, point, component, place, _, up, down = held
     for h in range(element.shape[0]):

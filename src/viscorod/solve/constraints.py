@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -9,7 +11,8 @@ import numpy as np
 from viscorod.mechanics.held_strains import add_held_strains
 from viscorod.mechanics.internal_force import Elements, ElementWork, Points, internal_forces
 from viscorod.mechanics.joint_coordinates import DISTANCE, TRANSLATION
-from viscorod.mechanics.joints import add_joint_tangent, joint_forces, measure
+from viscorod.mechanics.joint_tangent import add_joint_tangent
+from viscorod.mechanics.joints import joint_forces
 from viscorod.solve.laws import NUMBERS, Laws
 from viscorod.solve.linear.matrix import unit_of
 from viscorod.solve.problem import Problem
@@ -38,7 +41,7 @@ class Constraints:
     """What couples nodes beside elements.
 
     Args:
-        problem: what they belong to; elements: all of its elements.
+        problem: what they belong to; elements: returns all of its elements, asked for held strains only.
 
     Attributes:
         target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
@@ -47,26 +50,23 @@ class Constraints:
         gap: what multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
     """
 
-    def __init__(self, problem: Problem, elements: Elements) -> None:
+    def __init__(self, problem: Problem, elements: Callable[[], Elements]) -> None:
         self.problem = problem
         self.joints, self.held = problem.joints, problem.held
         self.arrays = problem.joints.arrays
         c, places = self.joints.count, 6 * problem.multipliers
-        self.active = problem.constrained
         self.pace = 0.0
-        self.elements = elements
-        self._points: Points | None = None
+        self._elements = elements
         self.laws = Laws(self.joints.laws)
         self.buffer = np.zeros(NUMBERS)
         self.near, self.target, self.target_rate = np.zeros(c), np.zeros(c), np.zeros(c)
         self.gap, self.scale = np.zeros(places), np.ones(places)
         self.gradients, self.A, self.P = np.zeros((c, 12)), np.zeros((c, 12)), np.zeros((c, 12))
         self.force, self.rate, self.value = np.zeros(c), np.zeros(c), np.zeros(c)
-        self.energy = self.power = 0.0
+        self.energy = 0.0
         self._stiffness, self._damping = self.arrays.stiffness.copy(), self.arrays.damping.copy()
         self._earlier = np.zeros(c)
         self.is_held = self.arrays.place >= 0
-        self._gradients = np.zeros((c, 12))  # scratch
         self._first_gap = self._gaps_of_reference()
         taken = np.zeros(places, dtype=bool)
         taken[self.arrays.place[self.is_held]] = True
@@ -81,72 +81,56 @@ class Constraints:
         """Values of held coordinates in the reference shape: what is not closed there ``(c,)``."""
         problem = self.problem
         still = np.zeros((problem.size, 6))
-        value, rate = np.zeros(self.joints.count), np.zeros(self.joints.count)
-        measure(
-            *self.arrays[:3],
-            problem.positions,
-            problem.quaternions,
-            still,
-            self.near,
-            value,
-            rate,
-            self.gradients,
-        )
+        value, _, _ = self.joints.measured(problem.positions, problem.quaternions, still)
         value[~self.is_held] = 0.0
         value[np.abs(value) < 1e-14 * self.joints.unit] = 0.0
         return value
+
+    @property
+    def elements(self) -> Elements:
+        """All elements."""
+        return self._elements()
+
+    def measured(self, state: State) -> tuple[Floats, Floats, Floats]:
+        """Return values and rates ``(c,)`` and gradients ``(c, 12)`` of all coordinates in a state."""
+        return self.joints.measured(state.r, state.q, state.twist, self.near)
 
     @property
     def rows(self) -> int:
         """Number of conditions that multipliers enforce."""
         return len(self.used)
 
-    def gradients_at(self, r: Floats, q: Floats) -> Floats:
-        """Return the gradients of all coordinates ``(c, 12)``."""
-        value, rate, out = (
-            np.zeros(self.joints.count),
-            np.zeros(self.joints.count),
-            np.zeros((self.joints.count, 12)),
-        )
-        measure(*self.arrays[:3], r, q, np.zeros((len(r), 6)), self.near, value, rate, out)
-        return out
-
-    def rates(self, state: State) -> Floats:
-        """Return the rates of all coordinates ``(c,)``."""
-        value, rate, gradients = np.zeros(self.joints.count), np.zeros(self.joints.count), self._gradients
-        measure(*self.arrays[:3], state.r, state.q, state.twist, self.near, value, rate, gradients)
-        return rate
-
     def rate_gaps(self, state: State) -> Floats:
         """Return the rates of all gaps ``(places,)`` [1/s and units of the gaps], 0 where velocities are allowed."""
-        out = np.zeros_like(self.gap)
-        if self.joints.count:
-            out[self.arrays.place[self.is_held]] = (self.rates(state) - self.target_rate)[self.is_held]
-        if len(self.held.place):
-            held, points = self.held, self._strains(state)
-            out[held.place] = points.strain_rate[0, held.element, held.point, held.component]
-        return out
+        _, rate, _ = self.measured(state)
+        strains = self._strains(state).strain_rate if len(self.held.place) else None
+        return self._by_place(rate - self.target_rate, strains)
 
     def gaps(self, state: State) -> Floats:
         """Return all gaps ``(places,)``, 0 where positions are as the last :meth:`update` wants them."""
-        out = np.zeros_like(self.gap)
-        if self.joints.count:
-            value, rate = np.zeros(self.joints.count), np.zeros(self.joints.count)
-            measure(*self.arrays[:3], state.r, state.q, state.twist, self.near, value, rate, self._gradients)
-            out[self.arrays.place[self.is_held]] = (value - self.target)[self.is_held]
-        if len(self.held.place):
-            held, points = self.held, self._strains(state)
-            out[held.place] = points.strain[0, held.element, held.point, held.component]
+        value, _, _ = self.measured(state)
+        strains = self._strains(state).strain if len(self.held.place) else None
+        return self._by_place(value - self.target, strains)
+
+    def _by_place(self, coordinates: Floats, strains: Floats | None) -> Floats:
+        """Arrange what is said of all coordinates ``(c,)`` and Gauss points ``(1, e, points, 6)`` by multiplier."""
+        out, held = np.zeros_like(self.gap), self.held
+        out[self.arrays.place[self.is_held]] = coordinates[self.is_held]
+        if strains is not None:
+            out[held.place] = strains[0, held.element, held.point, held.component]
         return out
 
     def _strains(self, state: State) -> Points:
         """Return the Gauss points of a state."""
-        if self._points is None:
-            self._points = Points.of(self.elements, 1)
-        work, force = ElementWork.of(self.elements.nodes.shape[1] - 1), np.zeros((1, *state.twist.shape))
-        where = state.r[None], state.q[None], state.twist[None]
-        internal_forces(self.elements, *where, self._points, work, force)
-        return self._points
+        points, work, force = self._evaluation
+        internal_forces(self.elements, state.r[None], state.q[None], state.twist[None], points, work, force)
+        return points
+
+    @cached_property
+    def _evaluation(self) -> tuple[Points, ElementWork, Floats]:
+        """Room for :meth:`_strains`."""
+        width = self.elements.nodes.shape[1]
+        return Points.of(self.elements, 1), ElementWork.of(width - 1), np.zeros((1, self.problem.size, 6))
 
     def speed(self, state: State) -> float:
         """Return the largest velocity [m/s], or angular velocity times the length, of a state or of motors."""
@@ -170,14 +154,12 @@ class Constraints:
             for c in np.flatnonzero(np.abs(gaps) > CLOSED * self.joints.unit)
         ]
 
-    def strained(self, t: float) -> bool:
-        """Whether the reference shape is not at rest by itself: open joints, motors away from 0, springs that pull."""
+    def strained(self, reference: State, t: float) -> bool:
+        """Whether the ``reference`` shape is not at rest: open joints, motors away from 0, springs that pull."""
         self.update(t, True)
         if np.abs(self.target).max(initial=0.0) > 0.0 or self.open_joints():
             return True
-        problem = self.problem
-        state = problem.positions, problem.quaternions, np.zeros((problem.size, 6))
-        self.add_forces(*state, np.zeros_like(self.gap), np.zeros((problem.size, 6)))
+        self.add_forces(reference, np.zeros_like(reference.twist))
         return bool(np.any(self.force[~self.is_held] != 0.0))
 
     def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
@@ -190,8 +172,8 @@ class Constraints:
             self.target_rate[c] = scale * motion.rate(t, before)
         self.near[self.is_held] = self.target[self.is_held]
 
-    def add_forces(self, r: Floats, q: Floats, twist: Floats, multiplier: Floats, internal: Floats) -> None:
-        """Add the forces of joints and springs in one state to ``internal (n, 6)``; measure all coordinates."""
+    def add_forces(self, state: State, internal: Floats) -> None:
+        """Add the forces of joints and springs in a state to ``internal (n, 6)``; measure all coordinates."""
         if self.joints.count == 0:
             return
         a = self.arrays
@@ -203,11 +185,10 @@ class Constraints:
             self.buffer,
             self.near,
             self.target[None],
-            multiplier[None],
-            force,
-            r[None],
-            q[None],
-            twist[None],
+            state.multiplier[None],
+            state.r[None],
+            state.q[None],
+            state.twist[None],
             self.value,
             rate,
             force,
@@ -218,7 +199,7 @@ class Constraints:
         )
         self.laws.callback.check()
         self.force, self.rate = force[0], rate[0]
-        self.energy, self.power = float(energy[0]) + self.function_energy(), float(power[0])
+        self.energy = float(energy[0]) + self.function_energy()
 
     def function_energy(self) -> float:
         """Return the energy [J] of springs that are Python functions, at the values measured last."""
@@ -232,9 +213,7 @@ class Constraints:
 
     def add_tangent(
         self,
-        r: Floats,
-        q: Floats,
-        twist: Floats,
+        state: State,
         rate_map: Floats,
         K: Floats,
         C: Floats,
@@ -247,24 +226,47 @@ class Constraints:
         Args:
             held: orders of all elements and the change of their strains, see ``add_held_strains``.
         """
-        pattern, n = self.problem.pattern, self.problem.size
         a = self.arrays
         for c in np.flatnonzero(a.law >= 0):
-            self.buffer[:3] = a.law[c], self.value[c], self.rate[c]
-            self.laws.slopes(self.buffer)
-            self._stiffness[c], self._damping[c] = self.buffer[1], self.buffer[2]
-        diagonal = pattern.diagonal
-        stiff, length = self._stiffest(K), unit_of(self.problem.length)
+            law = int(a.law[c])
+            self._stiffness[c], self._damping[c] = self.laws.slopes(
+                law, float(self.value[c]), float(self.rate[c])
+            )
+        stiff = self._stiffest(K)
+        self._add(state, self.force, self._stiffness, self._damping, moving, rate_map, stiff, K, C, held)
+
+    def add_rows(self, state: State, K: Floats, held: tuple[Integers, Floats] | None) -> None:
+        """Add the rows and columns of multipliers, and nothing else, to the blocks ``K``."""
+        none, still = np.zeros(self.joints.count), np.zeros((self.problem.size, 6, 6))
+        stiff = self._largest(K)
+        self._add(state, none, none, none, False, still, stiff, K, np.zeros((0, 6, 6)), held)
+
+    def _add(
+        self,
+        state: State,
+        force: Floats,
+        stiffness: Floats,
+        damping: Floats,
+        moving: bool,
+        rate_map: Floats,
+        stiff: float,
+        K: Floats,
+        C: Floats,
+        held: tuple[Integers, Floats] | None,
+    ) -> None:
+        """Add joints with the given forces and slopes, held strains, and ones for idle multipliers."""
+        diagonal, n = self.problem.pattern.diagonal, self.problem.size
+        length = unit_of(self.problem.length)
         if self.joints.count:
             add_joint_tangent(
-                a,
-                r,
-                q,
-                twist,
+                self.arrays,
+                state.r,
+                state.q,
+                state.twist,
                 self.near,
-                self.force,
-                self._stiffness,
-                self._damping,
+                force,
+                stiffness,
+                damping,
                 moving,
                 rate_map,
                 stiff,
@@ -283,26 +285,15 @@ class Constraints:
             K[diagonal[n + place // 6], place % 6, place % 6] = 1.0
 
     def _stiffest(self, K: Floats) -> float:
+        """Return the largest diagonal entry of all nodes with their inertia, or of springs, or 1."""
+        return self._largest(K, self.pace**2) or float(np.abs(self._stiffness).max(initial=0.0)) or 1.0
+
+    def _largest(self, K: Floats, inertia: float = 0.0) -> float:
         """Return the largest diagonal entry of all nodes, displacements measured in the unit of the matrix."""
         problem = self.problem
         found = np.abs(np.einsum("kii->ki", K[problem.pattern.diagonal[: problem.size]]))
-        if self.pace > 0.0:
-            found = found + self.pace**2 * np.einsum("kii->ki", problem.mass)
-        largest = float((found * ([unit_of(problem.length) ** 2] * 3 + [1.0] * 3)).max())
-        springs = float(np.abs(self._stiffness).max(initial=0.0))
-        return largest or springs or 1.0
-
-    def add_rows(self, r: Floats, q: Floats, K: Floats, held: tuple[Integers, Floats] | None) -> None:
-        """Add the rows and columns of multipliers, and nothing else, to the blocks ``K``."""
-        c, n = self.joints.count, self.problem.size
-        none, arrays = np.zeros(c), self.arrays
-        saved = self.force, self._stiffness, self._damping, self.pace
-        self.force, self._stiffness, self._damping, self.pace = none, none, none, 0.0
-        self.arrays = arrays._replace(law=np.full(c, -1, dtype=np.int64))
-        still, empty = np.zeros((n, 6)), np.zeros((0, 6, 6))
-        self.add_tangent(r, q, still, np.zeros((n, 6, 6)), K, empty, moving=False, held=held)
-        self.arrays = arrays
-        self.force, self._stiffness, self._damping, self.pace = saved
+        found = found + inertia * np.einsum("kii->ki", problem.mass)
+        return float((found * ([unit_of(problem.length) ** 2] * 3 + [1.0] * 3)).max())
 
     def state(self) -> JointState:
         """Return what was measured last."""

@@ -8,12 +8,13 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.mechanics import geometric, loading
-from viscorod.mechanics.basis import lobatto
 from viscorod.mechanics.held_strains import HeldStrains
 from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.lanes import LANES
 from viscorod.mechanics.linearised import Operators, collect
+from viscorod.solve.constraint_rows import gradients_of_gaps
 from viscorod.solve.constraints import Constraints
+from viscorod.solve.element_arrays import all_elements, gauss_places, gauss_positions
 from viscorod.solve.element_forces import ElementForces, GeometricForces
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.loads import NO_LOADS, LoadState
@@ -79,34 +80,12 @@ class GeometricSystem:
         self._no_blocks = np.zeros((0, 6, 6))
         self._no_operator = np.zeros((0, 1, 6, 6, LANES))
         self._operators: Operators | None = None
-        self.constraints = Constraints(problem, self._all)
+        self.constraints = Constraints(problem, self.elements)
         first = 0
         for part in self.parts:
             part.hold(problem.held, first)
             first += len(part.elements.nodes)
-        self._order, self._positions = self._gauss_positions()
-
-    def _gauss_positions(self) -> tuple[Integers, GaussPositions]:
-        """Order of the Gauss points by rod and arc length, and their places in that order."""
-        rod, s, length, half_width, damping = [], [], [], [], []
-        for part in self.parts:
-            e = part.elements
-            count = e.section.shape[1]
-            inside = e.shapes @ lobatto(e.order)[0]  # xi of the points
-            rod.append(np.repeat(e.rod, count))
-            s.append((e.start[:, None] + e.half_lengths[:, None] * (1.0 + inside)).ravel())
-            length.append((e.half_lengths[:, None] * e.weights).ravel())
-            half_width.append(e.half_widths.ravel())
-            damping.append(e.damping[e.section].reshape(-1, 6, 6))
-        rods, places = np.concatenate(rod), np.concatenate(s)
-        order = np.lexsort((places, rods))
-        return order, GaussPositions(
-            rods[order],
-            places[order],
-            np.concatenate(length)[order],
-            np.concatenate(half_width)[order],
-            np.concatenate(damping)[order],
-        )
+        self._order, self._positions = gauss_positions(problem.sets)
 
     def assemble(
         self,
@@ -141,7 +120,7 @@ class GeometricSystem:
             if tangent and part.constrained:
                 self._collect(part, first, strain_operator, self._own_operators())
             first += len(part.elements.nodes)
-        if self.constraints.active:
+        if problem.constrained:
             self._add_constraints(state, rates, blocks, rate_blocks, tangent=tangent, moving=moving)
         if len(loads.nodes):
             loading.add_nodal_loads(
@@ -177,7 +156,7 @@ class GeometricSystem:
 
     def _own_operators(self) -> Operators:
         if self._operators is None:
-            self._operators = Operators.of(self.elements())
+            self._operators = Operators.of(self._all)
         return self._operators
 
     def _add_constraints(
@@ -187,17 +166,12 @@ class GeometricSystem:
         constraints = self.constraints
         for part in self.parts:
             constraints.gap[part.place] = part.strain[part.held_at]
-        twist = state.twist if moving else np.zeros_like(state.twist)
-        constraints.add_forces(state.r, state.q, twist, state.multiplier, self.internal)
+        at = state if moving else State(state.r, state.q, np.zeros_like(state.twist), state.multiplier)
+        constraints.add_forces(at, self.internal)
         if tangent:
-            if (
-                len(C) and not moving
-            ):  # dampers at rest: twists follow nothing, yet their derivative is wanted
-                rate_map = np.zeros((len(twist), 6, 6))
-            held = self._held_rows()
-            constraints.add_tangent(
-                state.r, state.q, twist, rate_map, K, C, moving=moving or len(C) > 0, held=held
-            )
+            apart = len(C) > 0  # dampers at rest have a derivative by twists all the same
+            maps = rate_map if moving else self._no_map
+            constraints.add_tangent(at, maps, K, C, moving=moving or apart, held=self._held_rows())
 
     def _held_rows(self) -> tuple[Integers, Floats] | None:
         if not any(part.constrained for part in self.parts):
@@ -213,42 +187,21 @@ class GeometricSystem:
             held = self._held_rows()
         matrix.clear()
         matrix.blocks[problem.pattern.diagonal[: problem.size]] = np.swapaxes(problem.mass, 1, 2)
-        constraints.add_rows(state.r, state.q, matrix.blocks, held)
+        constraints.add_rows(state, matrix.blocks, held)
 
     def residual(self) -> Floats:
         """See :class:`~viscorod.solve.system.System`."""
         unbalanced: Floats = self.internal - self.external
-        if not self.constraints.active:
+        if not self.problem.constrained:
             return unbalanced
         gaps = self.constraints.scale * self.constraints.gap
         return np.concatenate([unbalanced, gaps.reshape(-1, 6)])
 
     def constraint_gradients(self, state: State) -> sparse.csr_array:
         """See :class:`~viscorod.solve.system.System`."""
-        problem, constraints = self.problem, self.constraints
-        held, arrays = problem.held, constraints.arrays
-        mine = np.flatnonzero(constraints.is_held)
-        gradients = constraints.gradients_at(state.r, state.q)[mine].reshape(-1, 2, 6)
-        nodes = arrays.nodes[mine]
-        present = nodes >= 0
-        rows = [np.repeat(np.broadcast_to(arrays.place[mine][:, None], nodes.shape)[present], 6)]
-        columns = [(6 * nodes[present][:, None] + np.arange(6)).ravel()]
-        values = [gradients[present].ravel()]
-        if len(held.place):
+        if len(self.problem.held.place):
             self.assemble(state, NO_LOADS, None, tangent=True, moving=False)
-            B, elements = self._own_operators().strain, self._all
-            own = np.repeat(
-                np.arange(elements.nodes.shape[1]) <= elements.order[held.element][:, None], 6, axis=1
-            )
-            found = B[held.element, 6 * held.point + held.component]
-            at = (6 * elements.nodes[held.element][:, :, None] + np.arange(6)).reshape(found.shape)
-            rows.append(np.broadcast_to(held.place[:, None], found.shape)[own])
-            columns.append(at[own])
-            values.append(found[own])
-        shape = (6 * problem.multipliers, 6 * problem.size)
-        flat = [np.concatenate(parts) for parts in (values, rows, columns)]
-        whole = sparse.coo_array((flat[0], (flat[1], flat[2])), shape=shape).tocsr()
-        return sparse.csr_array(whole[constraints.used])
+        return gradients_of_gaps(self.constraints, state, self._held_rows())
 
     def multiplier_change(self, increment: Floats) -> Floats:
         """See :class:`~viscorod.solve.system.System`."""
@@ -399,13 +352,7 @@ class GeometricSystem:
 
     def gauss_places(self) -> Integers:
         """See :class:`~viscorod.solve.system.System`."""
-        top = max(e.order for e in self.problem.sets)
-        places, first = [], 0
-        for e in self.problem.sets:
-            numbers = top * np.arange(first, first + len(e.nodes))[:, None] + np.arange(e.order)
-            places.append(numbers.ravel())
-            first += len(e.nodes)
-        return np.concatenate(places)[self._order]
+        return gauss_places(self.problem.sets)[self._order]
 
     def gauss_positions(self) -> GaussPositions:
         """See :class:`~viscorod.solve.system.System`."""
@@ -413,49 +360,11 @@ class GeometricSystem:
 
     @cached_property
     def _all(self) -> Elements:
-        return self.elements()
+        return all_elements(self.problem, [part.reference for part in self.parts])
 
     def elements(self) -> Elements:
         """See :class:`~viscorod.solve.system.System`."""
-        problem = self.problem
-        top = max(e.order for e in problem.sets)
-        count = sum(len(e.nodes) for e in problem.sets)
-        shapes, slopes = np.zeros((top + 1, top, top + 1)), np.zeros((top + 1, top, top + 1))
-        weights = np.zeros((top + 1, top))
-        nodes = np.zeros((count, top + 1), dtype=np.int64)
-        links = np.full((count, top + 1), -1, dtype=np.int64)
-        slots = np.zeros((count, top + 1, top + 1), dtype=np.int64)
-        section = np.zeros((count, top), dtype=np.int64)
-        reference = np.zeros((count, top, 6))
-        first = first_section = 0
-        for part in self.parts:
-            e, p = part.elements, part.elements.order
-            rows = slice(first, first + len(e.nodes))
-            shapes[p, :p, : p + 1], slopes[p, :p, : p + 1], weights[p, :p] = e.shapes, e.slopes, e.weights
-            nodes[rows, : p + 1], links[rows, : p + 1] = e.nodes, e.links
-            slots[rows, : p + 1, : p + 1] = e.slots
-            section[rows, :p] = e.section + first_section
-            reference[rows, :p] = part.reference
-            first += len(e.nodes)
-            first_section += len(e.stiffness)
-        damping = np.concatenate([e.damping for e in problem.sets])
-        return Elements(
-            np.repeat([e.order for e in problem.sets], [len(e.nodes) for e in problem.sets]),
-            nodes,
-            links,
-            problem.link_positions,
-            problem.link_quaternions,
-            shapes,
-            slopes,
-            weights,
-            np.concatenate([e.half_lengths for e in problem.sets]),
-            section,
-            np.concatenate([e.stiffness for e in problem.sets]),
-            damping,
-            bool(damping.any()),
-            reference,
-            slots,
-        )
+        return self._all
 
     def element_forces(self, elements: Elements, stages: int) -> ElementForces:
         """See :class:`~viscorod.solve.system.System`."""

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics import joint_coordinates as kinds
-from viscorod.mechanics.joints import Joints
+from viscorod.mechanics.joints import Joints, measure
 from viscorod.mechanics.quaternion import from_matrices, matrices
 from viscorod.model.any_joint import ResolvedJoint
 from viscorod.model.laws import Law
@@ -71,6 +71,24 @@ class JointSet:
     def count(self) -> int:
         """Number of coordinates."""
         return len(self.words)
+
+    @property
+    def pulls(self) -> np.ndarray:
+        """Which coordinates have springs, numbers or functions ``(c,)``; dampers do not hold anything."""
+        found: np.ndarray = self.arrays.stiffness != 0.0
+        for c in np.flatnonzero(self.arrays.law >= 0):
+            stiffness = self.laws[self.arrays.law[c]][0]
+            found[c] = callable(stiffness) or stiffness != 0.0
+        return found
+
+    def measured(
+        self, r: Floats, q: Floats, twist: Floats, near: Floats | None = None
+    ) -> tuple[Floats, Floats, Floats]:
+        """Return values and rates ``(c,)`` and gradients ``(c, 12)`` of all coordinates; see ``joints.measure``."""
+        value, rate, gradients = np.zeros(self.count), np.zeros(self.count), np.zeros((self.count, 12))
+        known = np.zeros(self.count) if near is None else near
+        measure(*self.arrays[:3], r, q, twist, known, value, rate, gradients)
+        return value, rate, gradients
 
     def label(self, coordinate: int) -> str:
         """Name a coordinate for messages: "hinge, ux"."""

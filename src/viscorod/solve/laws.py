@@ -11,8 +11,8 @@ from viscorod.typing import Floats
 STEP = 1e-6
 """Part of a value (or of 1) over which slopes are taken."""
 
-NUMBERS = 5
-"""Exchanged in a call: number of the law, value and rate; then force, slopes, dissipated power."""
+NUMBERS = 3
+"""Exchanged in a call: number of the law, value and rate; then force and dissipated power."""
 
 
 class Laws:
@@ -29,18 +29,16 @@ class Laws:
         self._stretch = [0.0] * len(laws)
 
     def _answer(self, numbers: Floats) -> None:
-        """Replace number, value and rate by force, slopes by value and rate, 0 and the dissipated power [W]."""
+        """Replace number and value of the law by force and dissipated power [W]."""
         law, value, rate = int(numbers[0]), float(numbers[1]), float(numbers[2])
         stiffness, damping, rest = self.laws[law]
-        stretch = value - rest
         resisting = law_value(damping, rate)
-        numbers[0] = law_value(stiffness, stretch) + resisting
-        numbers[1], numbers[2] = _slope(stiffness, stretch), _slope(damping, rate)
-        numbers[3], numbers[4] = 0.0, resisting * rate
+        numbers[0], numbers[1] = law_value(stiffness, value - rest) + resisting, resisting * rate
 
-    def slopes(self, numbers: Floats) -> None:
-        """Answer as a kernel would be answered; errors are raised at once."""
-        self._answer(numbers)
+    def slopes(self, law: int, value: float, rate: float) -> tuple[float, float]:
+        """Return the derivatives of a law's force by value and rate."""
+        stiffness, damping, rest = self.laws[law]
+        return _slope(stiffness, value - rest), _slope(damping, rate)
 
     def power(self, law: int, rate: float) -> float:
         """Return the power [W] that the damper of a law takes at a rate."""

@@ -22,9 +22,7 @@ from viscorod.solve.system import State, System
 from viscorod.typing import Floats
 
 TOLERANCE = 1e-12
-"""Rate of a constraint, over that of the fastest node, that passes for none."""
-CLOSED = 1e-12
-"""Gap over the length (in rad, or strain) that passes for none."""
+"""Gap over the length (in rad, or strain) that passes for none; rates are measured in that of the fastest node."""
 MOST = 30
 
 
@@ -59,7 +57,7 @@ def shown(
     left = project(constraints, state, solve)
     joints = snapshot.joints
     if joints is not None:
-        joints = joints._replace(rate=constraints.rates(state))
+        joints = joints._replace(rate=constraints.measured(state)[1])
     return snapshot._replace(state=state, joints=joints), left
 
 
@@ -71,22 +69,13 @@ def close(constraints: Constraints, state: State, solve: Callable[[Floats], Floa
     Returns:
         the largest gap that is left, in its unit.
     """
-    if constraints.rows == 0:
-        return 0.0
-    problem, last = constraints.problem, np.inf
-    n = problem.size
-    for _ in range(MOST):
-        gap = constraints.gaps(state)
-        size = float((np.abs(gap) / constraints.unit).max())
-        if size <= CLOSED or size > 0.9 * last:
-            break
-        last = size
-        right = np.zeros((problem.pattern.size, 6))
-        right[n:] = -(constraints.scale * gap).reshape(-1, 6)
-        change = np.ascontiguousarray(solve(right)[:n])
+
+    def move(change: Floats) -> None:
         retract(state.r, state.q, change, state.r, state.q)
+
+    left = _remove(constraints, lambda: constraints.gaps(state), move, solve)
     project(constraints, state, solve)
-    return size
+    return left
 
 
 def project(constraints: Constraints, state: State, solve: Callable[[Floats], Floats]) -> float:
@@ -98,17 +87,33 @@ def project(constraints: Constraints, state: State, solve: Callable[[Floats], Fl
     Returns:
         what is left, over the velocity of the fastest node.
     """
+
+    def gaps() -> Floats:
+        return constraints.rate_gaps(state) / constraints.speed(state)
+
+    def change_twists(change: Floats) -> None:
+        state.twist += constraints.speed(state) * change
+
+    return _remove(constraints, gaps, change_twists, solve)
+
+
+def _remove(
+    constraints: Constraints,
+    gaps: Callable[[], Floats],
+    change: Callable[[Floats], None],
+    solve: Callable[[Floats], Floats],
+) -> float:
+    """Change nodes ``(n, 6)`` until the gaps ``(places,)`` are gone or do not fall any more; return the largest."""
     if constraints.rows == 0:
         return 0.0
     problem, last = constraints.problem, np.inf
-    n = problem.size
     for _ in range(MOST):
-        gap = constraints.rate_gaps(state)
-        size = float((np.abs(gap) / constraints.unit).max()) / constraints.speed(state)
+        gap = gaps()
+        size = float((np.abs(gap) / constraints.unit).max())
         if size <= TOLERANCE or size > 0.9 * last:
             break
         last = size
         right = np.zeros((problem.pattern.size, 6))
-        right[n:] = -(constraints.scale * gap).reshape(-1, 6)
-        state.twist += solve(right)[:n]
+        right[problem.size :] = -(constraints.scale * gap).reshape(-1, 6)
+        change(np.ascontiguousarray(solve(right)[: problem.size]))
     return size

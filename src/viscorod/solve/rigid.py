@@ -8,7 +8,6 @@ from typing import TypeAlias
 import numpy as np
 from scipy import sparse
 
-from viscorod.mechanics.joints import measure
 from viscorod.mechanics.quaternion import matrices
 from viscorod.solve.problem import Problem
 from viscorod.typing import Floats
@@ -44,10 +43,12 @@ def free_motions(problem: Problem) -> list[FreeMotion]:
     """
     found: list[FreeMotion] = []
     parts, labels = _parts(problem)
-    centres = np.array([problem.positions[labels == part].mean(axis=0) for part in range(parts)])
+    centres = np.zeros((parts, 3))
+    np.add.at(centres, labels, problem.positions)
+    centres /= np.bincount(labels, minlength=parts)[:, None]
     conditions = _conditions(problem, labels, centres)
-    for group in _groups(parts, conditions):
-        rows = [_row(condition, group) for condition in conditions if condition[0][0] in group]
+    for group, mine in _groups(parts, conditions):
+        rows = [_row(condition, group) for condition in mine]
         matrix = np.concatenate([np.zeros((1, 6 * len(group))), *rows])
         for motion in _null_space(matrix):
             found.append(_free_motion(problem, labels, centres, group, motion))
@@ -75,9 +76,10 @@ def _conditions(problem: Problem, labels: np.ndarray, centres: Floats) -> list[C
         moves = np.kron(np.eye(2), A.T @ R[node]) @ increments(node)
         found.append([(int(labels[node]), moves[problem.supports.fixed[k] > 0.0])])
     joints = problem.joints.arrays
-    held = (joints.place >= 0) | (joints.stiffness != 0.0) | (joints.law >= 0)
-    gradients = reference_gradients(problem)
-    for c in np.flatnonzero(held):
+    _, _, gradients = problem.joints.measured(
+        problem.positions, problem.quaternions, np.zeros((problem.size, 6))
+    )
+    for c in np.flatnonzero((joints.place >= 0) | problem.joints.pulls):
         sides = [(side, int(node)) for side, node in enumerate(joints.nodes[c]) if node >= 0]
         unit = np.repeat([1.0, 1.0 / problem.length], 3)  # per spin times length
         rows = [
@@ -89,24 +91,6 @@ def _conditions(problem: Problem, labels: np.ndarray, centres: Floats) -> list[C
     return found
 
 
-def reference_gradients(problem: Problem) -> Floats:
-    """Return the gradients of all coordinates of joints in the reference shape ``(c, 12)``."""
-    count = problem.joints.count
-    value, rate, gradients = np.zeros(count), np.zeros(count), np.zeros((count, 12))
-    still, near = np.zeros((problem.size, 6)), np.zeros(count)
-    measure(
-        *problem.joints.arrays[:3],
-        problem.positions,
-        problem.quaternions,
-        still,
-        near,
-        value,
-        rate,
-        gradients,
-    )
-    return gradients
-
-
 def _row(condition: Condition, group: list[int]) -> Floats:
     """The rows of a condition in the motions of a group of parts."""
     row = np.zeros((len(condition[0][1]), 6 * len(group)))
@@ -116,17 +100,22 @@ def _row(condition: Condition, group: list[int]) -> Floats:
     return row
 
 
-def _groups(parts: int, conditions: list[Condition]) -> list[list[int]]:
-    """Parts that conditions couple."""
+def _groups(parts: int, conditions: list[Condition]) -> list[tuple[list[int], list[Condition]]]:
+    """Parts that conditions couple, and these."""
     if parts == 1:
-        return [[0]]
+        return [([0], conditions)]
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
 
     pairs = np.array([(c[0][0], c[-1][0]) for c in conditions] or [(0, 0)])
     graph = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(parts, parts))
     count, label = connected_components(graph, directed=False)
-    return [np.flatnonzero(label == k).tolist() for k in range(int(count))]
+    groups: list[tuple[list[int], list[Condition]]] = [([], []) for _ in range(int(count))]
+    for part, k in enumerate(label):
+        groups[k][0].append(part)
+    for condition in conditions:
+        groups[label[condition[0][0]]][1].append(condition)
+    return groups
 
 
 def _free_motion(

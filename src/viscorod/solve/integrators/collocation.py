@@ -268,7 +268,7 @@ class Collocation:
         self.forces.evaluate(state, points, internal)
         constraints = self.system.constraints
         if self.linked is not None:
-            constraints.add_forces(state.r, state.q, state.twist, state.multiplier, internal)
+            constraints.add_forces(state, internal)
             self.linked.begin(state)
         external.fill(0.0)
         self.actions.add_loads(t, state, external, before=before)

@@ -7,7 +7,6 @@ from collections.abc import Callable
 import numpy as np
 
 from viscorod.mechanics.internal_force import Elements
-from viscorod.mechanics.joints import measure
 from viscorod.solve.constraints import Constraints, JointState
 from viscorod.solve.history import Snapshot
 from viscorod.solve.integrators.links import Links
@@ -82,11 +81,9 @@ class Linked:
     def linearise(self, state: State, turning: Floats, elements: Elements, matrices: Matrices) -> None:
         """Add the constraints to the matrices of the Jacobian, whose operators are known (see ``Collocation``)."""
         constraints = self.constraints
-        constraints.add_forces(state.r, state.q, state.twist, state.multiplier, np.zeros_like(state.twist))
+        constraints.add_forces(state, np.zeros_like(state.twist))
         constraints.add_tangent(
-            state.r,
-            state.q,
-            state.twist,
+            state,
             turning,
             matrices.K,
             matrices.C,
@@ -140,23 +137,12 @@ class Linked:
             solve: with the real matrix of the step.
         """
         constraints, links = self.constraints, self.links
-        c = constraints.joints.count
         weights = self.tableau.polynomials(parts)
         forces = before.force - weights @ (links.force + before.force)  # what joints exert has the other sign
         found = []
         for state, force, t in zip(states, forces, times, strict=True):
             constraints.update(t)
             self.drift = max(self.drift[0], close(constraints, state, solve)), self.drift[1]
-            value, rate, gradients = np.zeros(c), np.zeros(c), np.zeros((c, 12))
-            measure(
-                *constraints.arrays[:3],
-                state.r,
-                state.q,
-                state.twist,
-                constraints.near,
-                value,
-                rate,
-                gradients,
-            )
+            value, rate, _ = constraints.measured(state)
             found.append(JointState(value, rate, force))
         return found
