@@ -3,14 +3,28 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.model.described import Described, RefusedError, show
 from viscorod.model.values import NOT_GIVEN, OptionalNonNegative, PoissonsRatio, Positive
 
-__all__ = ["KelvinVoigt", "Material"]
+__all__ = ["Branch", "KelvinVoigt", "Material"]
+
+
+class Branch(NamedTuple):
+    """A Maxwell branch of an isotropic material: spring and dashpot in series, beside the equilibrium moduli.
+
+    Attributes:
+        time: relaxation time, s.
+        youngs_modulus: what it adds to Young's modulus in fast extension, Pa.
+        shear_modulus: what it adds to the shear modulus in fast shear, Pa.
+    """
+
+    time: float
+    youngs_modulus: float
+    shear_modulus: float
 
 
 class KelvinVoigt(Described):
@@ -100,6 +114,11 @@ class Material(Described):
         """K = E/3(1-2nu), Pa; infinite for nu = 0.5."""
         compressibility = 1.0 - 2.0 * self.poissons_ratio
         return self.youngs_modulus / (3.0 * compressibility) if compressibility > 0.0 else math.inf
+
+    @property
+    def branches(self) -> tuple[Branch, ...]:
+        """Maxwell branches, by time; none in a Kelvin-Voigt material."""
+        return ()
 
     @property
     def shear_time(self) -> float:

@@ -15,7 +15,7 @@ from viscorod.model.constraint_words import constrained_strains, constraint_word
 from viscorod.model.described import Described, RefusedError, show
 from viscorod.model.material import Material
 from viscorod.model.profile import AnySection, Piecewise, SectionProfile, Taper, section_profile
-from viscorod.model.section import MaterialSection, Matrices
+from viscorod.model.section import Branches, MaterialSection, Matrices
 from viscorod.model.stiffness_section import StiffnessSection
 from viscorod.model.values import OptionalDirection, choose, number, whole_number
 from viscorod.typing import Floats
@@ -219,6 +219,11 @@ class Rod(Described):
         """Stiffness C, damping D and inertia M per length (6, 6) of the section at the arc length `s`."""
         section = self.section_at(s)
         return section.matrices(self.material if isinstance(section, MaterialSection) else None)
+
+    def branches_at(self, s: float) -> Branches:
+        """Maxwell branches of the section at the arc length `s`: times (n,), s, and stiffnesses (n, 6, 6)."""
+        section = self.section_at(s)
+        return section.branch_matrices(self.material if isinstance(section, MaterialSection) else None)
 
     def frames(self, s: Floats | Sequence[float]) -> tuple[Floats, Floats]:
         """Positions (n, 3) and frames (n, 3, 3; columns d1, d2, d3) of the reference shape, global axes."""

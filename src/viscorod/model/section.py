@@ -18,9 +18,10 @@ from viscorod.model.material import Material
 from viscorod.model.values import Positive
 from viscorod.typing import Floats
 
-__all__ = ["MaterialSection", "Matrices", "Section"]
+__all__ = ["Branches", "MaterialSection", "Matrices", "Section"]
 
 Matrices: TypeAlias = tuple[Floats, Floats, Floats]
+Branches: TypeAlias = tuple[Floats, Floats]
 
 
 class MaterialSection(Described):
@@ -49,29 +50,58 @@ class MaterialSection(Described):
         """What the user should know about the formulas used for this section."""
         return ()
 
+    def geometry(self, poissons_ratio: float) -> Matrices:
+        """What the shape alone gives: C_E (m^2, m^4), C_G (likewise) and inertia per density, (6, 6) each.
+
+        C_E = diag(0, 0, A, I1, I2, 0), C_G = diag(k1 A, k2 A, 0, 0, 0, J) and diag(A, A, A, I1, I2, I1 + I2)
+        (Linn, Lang and Tuganov 2013, equations 3-5), about the centre of the section and its principal axes.
+        """
+        area, inertia_1, inertia_2 = self.moments()
+        k1, k2 = self.shear_factors(poissons_ratio)
+        extensional = np.diag([0.0, 0.0, area, inertia_1, inertia_2, 0.0])
+        shearing = np.diag([k1 * area, k2 * area, 0.0, 0.0, 0.0, self.torsion()])
+        inertia = np.diag([area, area, area, inertia_1, inertia_2, inertia_1 + inertia_2])
+        return extensional, shearing, inertia
+
     def matrices(self, material: Material | None) -> Matrices:
         """Stiffness C, damping D and inertia M per length, (6, 6) each.
 
-        C = E C_E + G C_G and D = eta_E C_E + eta C_G with C_E = diag(0, 0, A, I1, I2, 0) and
-        C_G = diag(k1 A, k2 A, 0, 0, 0, J), and M = density diag(A, A, A, I1, I2, I1 + I2)
-        (Linn, Lang and Tuganov 2013, equations 3-5). The order is (shear_1, shear_2, stretch, bend_1, bend_2,
-        twist) in C (N, N m^2) and D (N s, N m^2 s), and (v1, v2, v3, w1, w2, w3) in M (kg/m, kg m).
+        C = E C_E + G C_G, D = eta_E C_E + eta C_G and M = density times the inertia of the :meth:`geometry`.
+        The order is (shear_1, shear_2, stretch, bend_1, bend_2, twist) in C (N, N m^2) and D (N s, N m^2 s),
+        and (v1, v2, v3, w1, w2, w3) in M (kg/m, kg m). A material with Maxwell branches has D = 0 here; its
+        viscosity is in the :meth:`branch_matrices`.
 
         Raises:
             InputError: there is no material.
         """
-        if material is None:
-            raise InputError(
-                Problem("material", "", "this section needs one for its stiffness and mass", "add material")
-            )
-        area, inertia_1, inertia_2 = self.moments()
-        k1, k2 = self.shear_factors(material.poissons_ratio)
-        extensional = np.array([0.0, 0.0, area, inertia_1, inertia_2, 0.0])
-        shearing = np.array([k1 * area, k2 * area, 0.0, 0.0, 0.0, self.torsion()])
-        mass = np.array([area, area, area, inertia_1, inertia_2, inertia_1 + inertia_2])
+        material = _required(material)
+        extensional, shearing, inertia = self.geometry(material.poissons_ratio)
         stiffness = material.youngs_modulus * extensional + material.shear_modulus * shearing
-        damping = material.extensional_viscosity * extensional + material.shear_viscosity * shearing
-        return np.diag(stiffness), np.diag(damping), np.diag(material.density * mass)
+        damping = np.zeros((6, 6))
+        if not material.branches:
+            damping = material.extensional_viscosity * extensional + material.shear_viscosity * shearing
+        return stiffness, damping, material.density * inertia
+
+    def branch_matrices(self, material: Material | None) -> Branches:
+        """Maxwell branches: relaxation times (n,), s, and their stiffnesses E_j C_E + G_j C_G (n, 6, 6).
+
+        Raises:
+            InputError: there is no material.
+        """
+        material = _required(material)
+        extensional, shearing, _ = self.geometry(material.poissons_ratio)
+        branches = material.branches
+        times = np.array([branch.time for branch in branches])
+        stiffness = [b.youngs_modulus * extensional + b.shear_modulus * shearing for b in branches]
+        return times, np.array(stiffness).reshape(-1, 6, 6)
+
+
+def _required(material: Material | None) -> Material:
+    if material is None:
+        raise InputError(
+            Problem("material", "", "this section needs one for its stiffness and mass", "add material")
+        )
+    return material
 
 
 class Section(MaterialSection):

@@ -11,11 +11,11 @@ from pydantic import Field, PlainValidator
 from viscorod.errors import InputError, Problem
 from viscorod.model.described import Described, RefusedError, show
 from viscorod.model.material import Material
-from viscorod.model.section import Matrices
-from viscorod.model.values import numbers, sequence
+from viscorod.model.section import Branches, Matrices
+from viscorod.model.values import Positive, numbers, sequence
 from viscorod.typing import Floats
 
-__all__ = ["STRAINS", "TWISTS", "Matrix", "StiffnessSection"]
+__all__ = ["STRAINS", "TWISTS", "Matrix", "MaxwellBranch", "StiffnessSection"]
 
 Matrix: TypeAlias = tuple[tuple[float, ...], ...]
 Given: TypeAlias = Sequence[float] | Sequence[Sequence[float]] | Floats
@@ -128,6 +128,38 @@ def _damping(value: Any) -> Matrix | None:
     return matrix
 
 
+def _branch_stiffness(value: Any) -> Matrix:
+    matrix = symmetric(value, STRAINS)
+    refuse_indefinite(matrix, STRAINS, zero_allowed=True, meaning="a branch must never give energy away")
+    return matrix
+
+
+class MaxwellBranch(Described):
+    """A Maxwell branch of a section: a spring and a dashpot in series, beside the stiffness.
+
+    It adds `stiffness` to strains much faster than `time`, and nothing to much slower ones.
+
+    Args:
+        time: relaxation time, s.
+        stiffness: symmetric, positive semi-definite; N, N m, N m^2.
+    """
+
+    time: Positive = Field(description="relaxation time, s")
+    stiffness: Annotated[Given, PlainValidator(_branch_stiffness)] = Field(
+        description="6 numbers or 6 rows of 6"
+    )
+
+
+def _branches(value: Any) -> tuple[MaxwellBranch, ...]:
+    branches = []
+    for index, item in enumerate(sequence(value)):
+        try:
+            branches.append(item if isinstance(item, MaxwellBranch) else MaxwellBranch.model_validate(item))
+        except RefusedError as error:
+            raise RefusedError(error.why, error.instead, found=error.found, at=(index, *error.at)) from None
+    return tuple(branches)
+
+
 class StiffnessSection(Described):
     """A section given by symmetric 6x6 matrices per length, or by their six diagonal numbers.
 
@@ -138,6 +170,7 @@ class StiffnessSection(Described):
         stiffness: C, positive definite; N, N m, N m^2.
         inertia: M, positive definite; kg/m, kg, kg m.
         damping: D of S = C eps + D eps_t, positive semi-definite; the units of the stiffness times s.
+        branches: Maxwell branches, each with its relaxation `time` and its `stiffness`.
     """
 
     tag: ClassVar[str | None] = "shape"
@@ -145,6 +178,7 @@ class StiffnessSection(Described):
     stiffness: Annotated[Given, PlainValidator(_stiffness)] = Field(description="6 numbers or 6 rows of 6")
     inertia: Annotated[Given, PlainValidator(_inertia)] = Field(description="6 numbers or 6 rows of 6")
     damping: Annotated[Given | None, PlainValidator(_damping)] = None
+    branches: Annotated[tuple[MaxwellBranch, ...], PlainValidator(_branches)] = ()
 
     @property
     def half_width(self) -> float | None:
@@ -167,3 +201,9 @@ class StiffnessSection(Described):
             )
         damping = np.zeros((6, 6)) if self.damping is None else np.array(self.damping)
         return np.array(self.stiffness), damping, np.array(self.inertia)
+
+    def branch_matrices(self, material: Material | None = None) -> Branches:
+        """Maxwell branches: relaxation times (n,), s, and their stiffnesses (n, 6, 6)."""
+        del material
+        times = np.array([branch.time for branch in self.branches])
+        return times, np.array([branch.stiffness for branch in self.branches]).reshape(-1, 6, 6)
