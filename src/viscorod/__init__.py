@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
     from viscorod.model.material import KelvinVoigt, Material
     from viscorod.model.profile import Piecewise, Taper
+    from viscorod.model.prony import Prony
+    from viscorod.model.relaxation import Relaxation
     from viscorod.model.rod import Rod
     from viscorod.model.section import Section
     from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
@@ -54,6 +56,8 @@ _HOMES = {
     "model.spring": ("LineSpring", "Spring"),
     "model.load": ("DistributedForce", "DistributedMoment", "Force", "Gravity", "Moment", "MovingForce"),
     "model.material": ("KelvinVoigt", "Material"),
+    "model.prony": ("Prony",),
+    "model.relaxation": ("Relaxation",),
     "model.profile": ("Piecewise", "Taper"),
     "model.rod": ("Rod",),
     "model.section": ("Section",),
@@ -115,8 +119,10 @@ __all__ = [
     "Planar",
     "Points",
     "Prismatic",
+    "Prony",
     "Ramp",
     "Rectangle",
+    "Relaxation",
     "Revolute",
     "Rigid",
     "Rod",
