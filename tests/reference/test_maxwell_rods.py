@@ -9,7 +9,6 @@ from scipy.linalg import expm
 import viscorod as vr
 from viscorod.mechanics.relaxation import add_section_stiffness
 from viscorod.model.prony import Prony
-from viscorod.model.stiffness_section import MaxwellBranch
 from viscorod.solve.discretise import discretise
 from viscorod.solve.geometric_system import GeometricSystem
 from viscorod.solve.integrators.radau import Radau
@@ -43,7 +42,7 @@ def root_of(omega, ratios=RATIOS, times=TIMES):
 def section(ratios=RATIOS, times=TIMES, damping=None, wide=0.012, light=1.0):
     """A section all of whose strains relax alike; ``light`` is a part of its mass."""
     C, _, M = vr.Rectangle(0.01, wide).matrices(vr.Material(1e6, poissons_ratio=0.3, density=1000.0))
-    branches = [MaxwellBranch(time=t, stiffness=g * C) for g, t in zip(ratios, times, strict=True)]
+    branches = [vr.MaxwellBranch(time=t, stiffness=g * C) for g, t in zip(ratios, times, strict=True)]
     return vr.StiffnessSection(
         C, light * M, branches=branches, **({} if damping is None else {"damping": damping * C})
     )
@@ -106,7 +105,7 @@ def test_complex_frequencies_of_bars_match_the_complex_moduli():
 def test_complex_frequencies_of_bending_match_the_complex_modulus():
     """Closed form: Euler-Bernoulli with a relaxing EI, s^2 + (beta L)^4 (EI)*(s)/(mu L^4) = 0 (C1)."""
     bend = np.diag([0.0, 0.0, 0.0, 1.0, 1.0, 0.0])
-    branches = [MaxwellBranch(time=t, stiffness=g * bend) for g, t in zip(RATIOS, TIMES, strict=True)]
+    branches = [vr.MaxwellBranch(time=t, stiffness=g * bend) for g, t in zip(RATIOS, TIMES, strict=True)]
     given = vr.StiffnessSection(
         [1e3, 1e3, 1e3, 1.0, 1.0, 1.0], [1, 1, 1, 1e-10, 1e-10, 2e-3], branches=branches
     )
@@ -203,8 +202,9 @@ def test_creep_in_bending_with_large_rotations(method):
         x = np.where(angle > 1e-9, LENGTH * np.sin(angle) / angle, LENGTH)
         y = np.where(angle > 1e-9, LENGTH * (1 - np.cos(angle)) / angle, 0.0)
     tip = run.data.position[:, -1].values
-    assert tip[:, 0] == pytest.approx(x, abs=3e-4 * LENGTH)
-    assert tip[:, 1] == pytest.approx(y, abs=3e-4 * LENGTH)
+    # ends of steps: in between motions follow velocities, which jump after the ramp where inertia is next to nothing
+    assert tip[::4, 0] == pytest.approx(x[::4], abs=1e-4 * LENGTH)
+    assert tip[::4, 1] == pytest.approx(y[::4], abs=1e-4 * LENGTH)
 
 
 # --- energy
@@ -301,7 +301,7 @@ def test_held_strains_have_no_branches():
         if stiffer is not None:
             K[0, 0] *= stiffer
             K[1, 1] *= stiffer
-        branches = [MaxwellBranch(time=t, stiffness=g * K) for g, t in zip(RATIOS, TIMES, strict=True)]
+        branches = [vr.MaxwellBranch(time=t, stiffness=g * K) for g, t in zip(RATIOS, TIMES, strict=True)]
         rod = vr.Rod.straight(
             (0, 0, 0), (LENGTH, 0, 0), section=vr.StiffnessSection(K, M, branches=branches), elements=2, order=4,
             constraints=() if stiffer else "unshearable",
