@@ -22,7 +22,8 @@ from viscorod.model.settings import PathSettings, SimulateSettings
 from viscorod.results.dataset import dataset
 from viscorod.results.places import Sites
 from viscorod.results.run import Equilibrium, Run
-from viscorod.results.schema import AXES
+from viscorod.results.schema import AXES, annotated
+from viscorod.results.storage import read
 from viscorod.solve import modes as small_motion
 from viscorod.solve.arc_length import Path, PathFollower, PathPoint
 from viscorod.solve.discretise import discretise
@@ -47,6 +48,8 @@ from viscorod.solve.transient import Transient
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from viscorod.streaming import Stream
 
 __all__ = ["Workplace"]
 
@@ -256,8 +259,21 @@ class Workplace:
                 "Add supports, or start a simulation from the reference shape (initial = 'reference')"
             )
 
-    def simulate(self, settings: SimulateSettings, progress: Progress | None, attrs: dict[str, Any]) -> Run:
-        """Compute the motion; see ``Model.simulate``."""
+    def simulate(
+        self,
+        settings: SimulateSettings,
+        progress: Progress | None,
+        attrs: dict[str, Any],
+        stream: Stream | None = None,
+        stop: Callable[[], str] | None = None,
+    ) -> Run:
+        """Compute the motion; see ``Model.simulate``.
+
+        Args:
+            settings, progress: as there; attrs: of the data set.
+            stream: where states go as they come; without one they stay in memory.
+            stop: called after every step; returns why the run is to stop, or nothing.
+        """
         state = State.reference(self.problem)
         if self.problem.initial_strain:
             self.system.given_strain = strain_rods(self.system, state)
@@ -271,11 +287,29 @@ class Workplace:
         integrator, control, chosen = self._stepping(settings, state)
         transient = Transient(self.problem, integrator, control, self.system.worst_place)
         began = time.perf_counter()
+
+        def build(history: History) -> xr.Dataset:
+            data = dataset("simulate", self.problem, self.system.gauss_positions(), history, attrs)
+            return annotated(data, "simulate")
+
+        def after_step() -> str:
+            if stream is not None:
+                stream.after_step(build, transient.saved)
+            return "" if stop is None else stop()
+
         result = transient.run(
-            state, settings.duration, output_interval=settings.output_interval, progress=progress
+            state,
+            settings.duration,
+            output_interval=settings.output_interval,
+            progress=progress,
+            history=stream,
+            checkpoint=None if stream is None else stream.checkpoint,
+            after_step=after_step,
         )
         effort = result.effort
         self.history = result.history
+        if stream is not None and result.outcome is Outcome.INTERRUPTED:
+            stream.save(build, transient.saved)
         attrs |= chosen | {
             "outcome": result.outcome.name.lower(),
             "integrator": settings.integrator,
@@ -300,18 +334,33 @@ class Workplace:
             attrs["linear_solver"] = self.problem.plan.description
         if settings.formulation == "intrinsic" and settings.dynamics == "nonlinear":
             attrs["pose_gap"], attrs["rotation_gap"] = pose_gap(self.system, self.history)
+        message = ""
         if result.outcome is Outcome.INTERRUPTED:
             message = f"Stopped at t = {integrator.t:.6g} s: {result.reason}"
-            raise SolveError(message, Run(self._dataset("simulate", attrs | {"message": message})))
-        if result.outcome is not Outcome.COMPLETED:
+        elif result.outcome is not Outcome.COMPLETED:
             assert result.report is not None
             message = (
                 f"The motion could not be followed beyond t = {integrator.t:.6g} s (a step to {result.failed_at:.6g} s "
                 f"failed): {result.outcome.value}.{self._where(result.report)} "
                 f"What to try: {result.outcome.advice(static=False)}."
             )
-            raise SolveError(message, Run(self._dataset("simulate", attrs | {"message": message})))
-        return Run(self._dataset("simulate", attrs))
+        run = self._run(attrs | {"message": message}, stream, build, result.outcome is Outcome.INTERRUPTED)
+        if message:
+            raise SolveError(message, run)
+        return run
+
+    def _run(
+        self,
+        attrs: dict[str, Any],
+        stream: Stream | None,
+        build: Callable[[History], xr.Dataset],
+        interrupted: bool,
+    ) -> Run:
+        """Return the result of a motion; one that was streamed is a file then, unless it can still go on."""
+        if stream is None:
+            return Run(self._dataset("simulate", attrs))
+        stream.flush(build)
+        return Run(read(stream.finish(self._complete(attrs), keep=interrupted)))
 
     def _stepping(
         self, settings: SimulateSettings, state: State
@@ -346,13 +395,16 @@ class Workplace:
 
     def _later(self, kind: str, attrs: dict[str, Any]) -> Callable[[], xr.Dataset]:
         """The data set of what is known now, built when asked for: that takes half as long as a small equilibrium."""
-        complete = {
+        complete = self._complete(attrs)
+        return partial(dataset, kind, self.problem, self.system.gauss_positions(), self.history, complete)
+
+    def _complete(self, attrs: dict[str, Any]) -> dict[str, Any]:
+        return {
             "message": "",
             "scale_length": self.problem.length,
             "energy_scale": self.problem.length * max(float(s.stiffness.max()) for s in self.problem.sets),
             "wall_time_s": time.perf_counter() - self.began,
         } | attrs
-        return partial(dataset, kind, self.problem, self.system.gauss_positions(), self.history, complete)
 
     def _static_failure(self, path: StaticPath) -> str:
         assert path.report is not None

@@ -131,6 +131,9 @@ class Model(ModelDescription):
         dynamics: str = "nonlinear",
         progress: Progress | None = None,
         title: str = "",
+        folder: str | Path | None = None,
+        resume: bool = False,
+        stop: Callable[[], str] | None = None,
     ) -> Run:
         """Compute the motion from t = 0 to ``duration``.
 
@@ -150,10 +153,14 @@ class Model(ModelDescription):
             dynamics: "nonlinear", or "linear" about the initial state (intrinsic formulation, linearised damping).
             progress: called with (time, step) after every step.
             title: kept with the result.
+            folder: where the states go as they come, so that memory stays bounded and a run that is stopped can go on;
+                ``run.nc`` is there in the end. Without it everything stays in memory.
+            resume: go on with the run that was stopped in that folder; model and settings have to be the same.
+            stop: called after every step; a reason that it returns ends the run.
 
         Raises:
             InputError: the model or a setting is wrong.
-            SolveError: a step failed however small; ``run`` holds the motion up to there.
+            SolveError: a step failed however small, or the run was stopped; ``run`` holds the motion up to there.
         """
         given: dict[str, Any] = {
             "duration": duration,
@@ -172,8 +179,15 @@ class Model(ModelDescription):
         given |= {name: value for name, value in optional.items() if value is not None}
         settings = SimulateSettings(**given)
         require_fit(self, settings)
+        if resume and folder is None:
+            raise InputError("resume: give the folder of the run that is to go on")
         work = self._discretised(settings.formulation, settings.damping)
-        return work.simulate(settings, progress, self._attrs(title))
+        if folder is None:
+            return work.simulate(settings, progress, self._attrs(title), stop=stop)
+        from viscorod.streaming import Stream
+
+        stream = Stream(folder=Path(folder), resuming=resume)
+        return work.simulate(settings, progress, self._attrs(title), stream, stop)
 
     def draw(self, path: str | Path, title: str = "") -> Path:
         """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from viscorod.errors import InputError
 
@@ -15,20 +15,39 @@ if TYPE_CHECKING:
     from viscorod.results.sweep import Sweep
 
 
-def write(data: xr.Dataset, path: str | Path, group: str | None = None) -> Path:
+LARGE = 2.5e8
+"""Bytes from which on a file is not read into memory."""
+
+
+def write(
+    data: xr.Dataset,
+    path: str | Path,
+    group: str | None = None,
+    *,
+    unlimited: str | None = None,
+    chunk: int = 0,
+) -> Path:
     """Write a data set to ``path`` as netCDF4, making its folder; returns the path.
 
-    A ``group`` is added to the file that is there.
+    A ``group`` is added to the file that is there. The dimension ``unlimited`` can grow afterwards and is stored in
+    pieces of ``chunk`` places.
 
     Raises:
         InputError: the place cannot be written.
     """
     path = Path(path)
-    unfilled = {name: {"_FillValue": None} for name in data.variables}  # results hold no gaps to mark
+    # results hold no gaps to mark
+    encoding: dict[Any, dict[str, Any]] = {name: {"_FillValue": None} for name in data.variables}
+    for name, variable in data.variables.items():
+        if unlimited in variable.dims:
+            encoding[name]["chunksizes"] = (chunk, *variable.shape[1:])
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         mode: Literal["a", "w"] = "a" if group else "w"
-        data.to_netcdf(path, engine="h5netcdf", encoding=unfilled, group=group, mode=mode)
+        growing = [unlimited] if unlimited else None
+        data.to_netcdf(
+            path, engine="h5netcdf", encoding=encoding, group=group, mode=mode, unlimited_dims=growing
+        )
     except OSError as error:
         raise InputError(
             f"{path} cannot be written ({error.strerror or error}); name another place"
@@ -37,7 +56,7 @@ def write(data: xr.Dataset, path: str | Path, group: str | None = None) -> Path:
 
 
 def read(path: str | Path, group: str | None = None) -> xr.Dataset:
-    """Read a data set (that of a group of the file) wholly into memory and close the file.
+    """Read a data set (that of a group of the file): into memory, or piece by piece when asked for if it is large.
 
     Raises:
         InputError: no such file, or not a netCDF4 file.
@@ -48,6 +67,8 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"{path} is no file; name a run.nc that viscorod wrote")
     try:
+        if path.stat().st_size > LARGE:
+            return xr.open_dataset(path, engine="h5netcdf", group=group, cache=False)
         return xr.load_dataset(path, engine="h5netcdf", group=group)
     except OSError as error:
         raise InputError(

@@ -207,11 +207,14 @@ class History:
     iterations: list[int] = field(default_factory=list)
     branches: list[Floats] = field(default_factory=list)  # energy lost by each Maxwell branch so far
     unstable: list[int] = field(default_factory=list)  # negative eigenvalues of the points of a path
+    count: int = 0
+    """States recorded so far."""
 
     def record(
         self, instant: float, snapshot: Snapshot, account: EnergyAccount, step_size: float, iterations: int
     ) -> None:
         """Append a snapshot and the energy account at an instant."""
+        self.count += 1
         self.instant.append(instant)
         self.snapshots.append(snapshot)
         self.energy.append(
@@ -220,3 +223,9 @@ class History:
         self.branches.append(account.branches)
         self.step_size.append(step_size)
         self.iterations.append(iterations)
+
+    def sampled(self, most: int) -> list[Snapshot]:
+        """Return at most about so many of the recorded states, evenly."""
+        count = len(self.snapshots)
+        chosen = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
+        return [self.snapshots[k] for k in chosen]

@@ -20,9 +20,7 @@ def pose_gap(system: System, history: History) -> tuple[float, float]:
     Integration along a rod begins at its start.
     """
     problem, gauss = system.problem, system.gauss_positions()
-    count = len(history.snapshots)
-    chosen = np.unique(np.linspace(0, count - 1, min(count, MOST)).round().astype(int))
-    snapshots = [history.snapshots[k] for k in chosen]
+    snapshots = history.sampled(MOST)
     r = np.array([snapshot.state.r for snapshot in snapshots])
     q = np.array([snapshot.state.q for snapshot in snapshots])
     position, rotation, _, _ = StationReader(problem).read(r, q, np.zeros((*r.shape[:2], 6)))

@@ -13,6 +13,7 @@ from viscorod.solve.history import EnergyAccount, History
 from viscorod.solve.integrators.contract import Integrator, StepReport
 from viscorod.solve.newton import Outcome
 from viscorod.solve.problem import Problem
+from viscorod.solve.saved_state import Tree, restore, saved
 from viscorod.solve.step_control import StepControl
 from viscorod.solve.system import State
 
@@ -79,6 +80,8 @@ class Transient:
         self.integrator = integrator
         self.control = control
         self.account = EnergyAccount()
+        self.effort = Effort()
+        self.notes: list[str] = []
 
     def run(
         self,
@@ -87,6 +90,9 @@ class Transient:
         *,
         output_interval: float | None = None,
         progress: Callable[[float, float], None] | None = None,
+        history: History | None = None,
+        checkpoint: Tree = None,
+        after_step: Callable[[], str] | None = None,
     ) -> TransientResult:
         """Integrate from ``state`` at t = 0 to ``duration`` [s].
 
@@ -94,14 +100,17 @@ class Transient:
             state: initial poses and twists (overwritten).
             output_interval: time between records [s]; None records every step and what lies between.
             progress: called with (time, step) after every step.
+            history: what records; None keeps everything in memory.
+            checkpoint: what :meth:`saved` returned in a run that was stopped: this one goes on from there.
+            after_step: called after every step; returns why the run is to stop, or nothing.
         """
-        result = TransientResult()
+        result = TransientResult(history or History(), effort=self.effort, notes=self.notes)
         try:
-            self._march(result, state, duration, output_interval, progress)
+            self._march(result, state, duration, output_interval, progress, checkpoint, after_step)
         except KeyboardInterrupt:
             result.outcome, result.reason = Outcome.INTERRUPTED, "interrupted from the keyboard"
         except InputError as error:
-            if not result.history.instant:
+            if not result.history.count:
                 raise
             result.outcome, result.reason = Outcome.INTERRUPTED, str(error)
         effort, integrator = result.effort, self.integrator
@@ -116,6 +125,8 @@ class Transient:
         duration: float,
         output_interval: float | None,
         progress: Callable[[float, float], None] | None,
+        checkpoint: Tree,
+        after_step: Callable[[], str] | None,
     ) -> None:
         integrator, account, control, effort = self.integrator, self.account, self.control, result.effort
         history = result.history
@@ -124,11 +135,18 @@ class Transient:
         account.kinetic = integrator.kinetic
         account.start = account.kinetic + account.elastic
         account.branches = np.zeros(len(self.problem.relaxation_times))
-        history.record(0.0, integrator.snapshot(), account, 0.0, 0)
+        if checkpoint is None:
+            history.record(0.0, integrator.snapshot(), account, 0.0, 0)
+        else:
+            self._resume(checkpoint)
         corners, jumps = self._corners(duration)
-        t, restart = 0.0, True
+        t, restart, resumed = integrator.t, True, checkpoint is not None
         for corner in corners:
-            control.begin(t, corner, first=integrator.first_step(duration) if restart else None)
+            if resumed and corner < t:
+                continue
+            if not resumed:
+                control.begin(t, corner, first=integrator.first_step(duration) if restart else None)
+            resumed = False
             while integrator.t < corner:
                 t = integrator.t
                 end = control.aim(t)
@@ -173,9 +191,25 @@ class Transient:
                 if control.exhausted:
                     result.outcome, result.failed_at = Outcome.TOO_SMALL, end
                     return
+                reason = after_step() if after_step is not None else ""
+                if reason and end < duration:
+                    result.outcome, result.reason = Outcome.INTERRUPTED, reason
+                    return
             t, restart = corner, corner in jumps
             if restart:
                 self._begin(corner, integrator.state)
+
+    def saved(self) -> Tree:
+        """Return from what another run of the same model can go on."""
+        parts = (self.integrator, self.control, self.account, self.effort)
+        return {"parts": [saved(part) for part in parts], "notes": list(self.notes)}
+
+    def _resume(self, checkpoint: Tree) -> None:
+        parts = (self.integrator, self.control, self.account, self.effort)
+        for part, tree in zip(parts, checkpoint["parts"], strict=True):
+            restore(part, tree)
+        self.notes[:] = checkpoint["notes"]
+        self.integrator.resume()
 
     def _records(self, t: float, end: float, output_interval: float | None, final: bool) -> list[float]:
         """Return the times in the step from ``t`` to ``end`` at which states are recorded."""

@@ -249,6 +249,11 @@ class Collocation:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         return np.zeros((len(parts), 0)) if self.relaxed is None else self.relaxed.lost_until(parts)
 
+    def resume(self) -> None:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`: factors follow from the Jacobian."""
+        if self._factor_step > 0.0:
+            self.systems.factorise(self.matrices, self._factor_step)
+
     # --- what methods differ in
 
     def _judge(self, error: float, unknown: int) -> tuple[float, int]:

@@ -63,6 +63,8 @@ class Integrator(Protocol):
     ``branch_loss (n,)`` is what each Maxwell branch took during the step, part of ``loss``; ``branch_losses(parts)``,
     ``(k, n)``, is the same up to parts of it.
 
+    ``resume()`` is called after everything else was put back as it was saved (see ``saved_state``).
+
     ``drift`` is how far joints and held strains were from what they hold: the largest gap of positions over the length
     of the model (or in rad, or strain) and of velocities over the fastest one, so far; zeros without any.
     ``order`` is that of the error estimate: it grows as the power ``order + 1`` of the step. ``records`` is the number
@@ -116,6 +118,9 @@ class Integrator(Protocol):
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start."""
+
+    def resume(self) -> None:
+        """Make again what is not saved."""
 
     def branch_losses(self, parts: Floats) -> Floats:
         """Return what each Maxwell branch took ``(k, n)`` [J] from the start of the last step to ``parts (k,)``."""

@@ -312,6 +312,9 @@ class GeneralizedAlpha:
             for k, part in enumerate(parts)
         ]
 
+    def resume(self) -> None:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`: every iteration factorises."""
+
     def branch_losses(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`: linear in time."""
         return np.multiply.outer(parts, self.branch_loss)

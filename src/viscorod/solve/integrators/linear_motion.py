@@ -169,6 +169,10 @@ class LinearMotion:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`: there are no Maxwell branches."""
         return np.zeros(0)
 
+    def resume(self) -> None:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`: the next step factorises."""
+        self._factor_step = 0.0
+
     def branch_losses(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         return np.zeros((len(parts), 0))
