@@ -63,7 +63,7 @@ class ChronoRayleigh(ProgramInputs):
         beta = number_text(self.beta)
         return (
             f"auto damping = chrono_types::make_shared<ChDampingCosseratRayleigh>(elasticity, {beta});\n"
-            f"// or, for ChElementBeamEuler: section->SetBeamRaleyghDamping({beta});  (newer: SetRayleighDamping)"
+            f"// or, for ChElementBeamEuler: section->SetBeamRaleyghDamping({beta});  // as named in the source read"
         )
 
     def warnings(self, data: SectionData) -> tuple[str, ...]:

@@ -34,7 +34,7 @@ class MBDyn(ProgramInputs):
     meaning: ClassVar[str] = "F = S eps + S' eps_t with any 6x6 S' (or S' = factor S, `proportional`)"
     words: ClassVar[tuple[str, ...]] = ("factor",)
     sources: ClassVar[tuple[str, ...]] = (
-        "alex-marinov/mbdyn: mbdyn/base/constltp.cc, LinearViscoElasticGenericCLR",
+        "alex-marinov/mbdyn: mbdyn/base/constltp_impl.cc, LinearViscoElasticGenericCLR",
         "alex-marinov/mbdyn: manual/input/beam.tex, Beam Elements (order of the six components)",
     )
 

@@ -94,9 +94,9 @@ class MuJoCo(ProgramInputs):
         """Versions, and the integrator."""
         return (
             *super().warnings(data),
-            "the elements composite and plugin that a cable needs were read and run with mujoco 3.17; "
-            "mujoco 4.0.0 refuses "
-            "both",
+            "run with mujoco 3.17; mujoco 4.0.0 as installed from the package index knows no composite "
+            "and finds no plugin "
+            "mujoco.elasticity.cable",
         )
 
 

@@ -87,9 +87,9 @@ class Newton(ProgramInputs):
         """What changed between versions, and the integrator."""
         return (
             *super().warnings(data),
-            "read in newton 1.8.0, where the constants are absolute; earlier versions multiplied them by "
-            "the stiffness "
-            "(newton-physics/newton, pull request 1097), so that the same number means something else",
+            "read in newton 1.8.0, where the constants are absolute; the threads 1058 and 1097 of its "
+            "repository describe "
+            "them as factors of the stiffness: with another version, check which it has",
             "its VBD solver takes the rate from implicit Euler, which damps by itself, more with larger steps",
         )
 

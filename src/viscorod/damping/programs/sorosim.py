@@ -38,7 +38,7 @@ class SoRoSim(ProgramInputs):
     )
     words: ClassVar[tuple[str, ...]] = ("Eta",)
     sources: ClassVar[tuple[str, ...]] = (
-        "Ikhlas-Ben-Hmida/SoRoSim: SoRoSim Live/SorosimTwist files/MEG.m",
+        "Ikhlas-Ben-Hmida/SoRoSim: SoRoSim Live/SorosimTwist files/MEG.m (Ix = Iy + Iz)",
         "SoRoSim/SoRoSim: Differentiable_SoRoSim/SorosimLink_files/SorosimLink.m (Eta, Pa s)",
     )
 
@@ -80,6 +80,15 @@ class SoRoSim(ProgramInputs):
         material = _material(type(self), data)
         shear, extension = material.shear_viscosity, material.extensional_viscosity
         out = super().losses(data)
+        if data.section is not None:
+            _, first, second = data.section.moments()
+            ratio = (first + second) / data.section.torsion()
+            if abs(ratio - 1.0) > 1e-9:
+                out = (
+                    *out,
+                    f"its torsion stiffness is G (I1 + I2), {ratio:.4g} times G J of this section, and its shear "
+                    "factors are 1",
+                )
         if abs(extension - 3.0 * shear) <= 1e-9 * extension:
             return out or (f"nothing: eta_E = 3 eta for this material (nu = {material.poissons_ratio:g})",)
         return (
@@ -107,7 +116,7 @@ class SoRoMoX(SoRoSim):
     words: ClassVar[tuple[str, ...]] = ("material_damping_coefficient",)
     sources: ClassVar[tuple[str, ...]] = (
         "tud-phi/soromox: src/soromox/systems/pcs/pcs.py and gvs/construction.py, damping_operator (package 0.5.0)",
-        "tud-phi/soromox: src/soromox/systems/components/cross_sections.py (Ix = Iy + Iz also for rectangles)",
+        "tud-phi/soromox: src/soromox/systems/components/cross_sections.py (Ix = Iy + Iz)",
     )
 
     def text(self) -> str:
