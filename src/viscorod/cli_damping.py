@@ -295,11 +295,12 @@ def blade(
             _write(output, json.dumps(gxbeam_from_rod(chosen, elements), indent=1) + "\n")
             typer.echo(f"\nWritten: {output}")
             return
+        points = key_points(chosen, found.stations)
         write_beamdyn_blade(chosen, output, found.stations)
         typer.echo(
             f"\nWritten: {output}\nKey points for the primary file (kp_xr kp_yr kp_zr [m], initial_twist [deg]):"
         )
-        for row in key_points(chosen, found.stations):
+        for row in points:
             typer.echo("  " + "  ".join(f"{value: .10E}" for value in row))
 
 

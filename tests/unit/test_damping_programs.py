@@ -109,7 +109,7 @@ def test_six_times_are_checked(times, message):
 
 
 def test_poissons_ratio_of_a_fit_is_checked():
-    with pytest.raises(InputError, match="poissons_ratio: 0.6"):
+    with pytest.raises(InputError, match=r"poissons_ratio: 0\.6"):
         vd.fit_material([0.1] * 6, 0.6)
 
 
@@ -450,8 +450,8 @@ def test_coupled_products_are_warned_of_and_recovered_symmetric():
     stiffness[2, 5] = stiffness[5, 2] = 0.7 * 20.0
     data = data_of(vr.StiffnessSection(stiffness, np.eye(6)))
     numbers = [0.01, 0.01, 0.001, 0.01, 0.01, 0.1]
-    for kind, given in ((vd.BeamDyn, numbers), (vd.GXBeam, [0.001, 0.01, 0.01, 0.1, 0.01, 0.01])):
-        inputs = kind.from_numbers(given, data)
+    for kind, theirs in ((vd.BeamDyn, numbers), (vd.GXBeam, [0.001, 0.01, 0.01, 0.1, 0.01, 0.01])):
+        inputs = kind.from_numbers(theirs, data)
         (first, *_) = inputs.warnings(data)
         assert "creates energy in some motions: the coupling of stretch and twist is 0.7 of" in first
         assert "from 0.198 on this pair alone does" in first
@@ -482,7 +482,7 @@ def test_lost_couplings_are_told():
         ),
         (lambda d: vd.ChronoTapered.from_numbers([1, 1, -1, 1], d), "chrono-tapered.bz: -1: outside"),
         (
-            lambda d: vd.MuJoCo.from_section(d),
+            vd.MuJoCo.from_section,
             "segment_length: this program needs it; give segment_length (m)",
         ),
         (lambda d: vd.MuJoCo.from_section(d, segment_length=0.0), "segment_length: 0: outside"),
@@ -571,7 +571,9 @@ def test_exudyn_itself():
 
 
 def _exudyn_cantilever(exudyn):
-    from exudyn import itemInterface as item
+    import exudyn.itemInterface
+
+    item = exudyn.itemInterface
 
     inputs = vd.Exudyn.from_section(data_of())
     container = exudyn.SystemContainer()

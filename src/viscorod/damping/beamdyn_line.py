@@ -113,23 +113,19 @@ def beamdyn_axis(tangent: Floats, angle: float) -> Floats:
     """BeamDyn's x axis of a section (3,) for the unit tangent (3,) and the angle about it, rad.
 
     Raises:
-        InputError: the tangent is along the root's Y axis, where BeamDyn's axis is not defined.
+        InputError: the tangent does not point along +Z, in which BeamDyn's blades run.
     """
-    flat = float(np.hypot(tangent[0], tangent[2]))
-    if flat < 1e-9:
+    if tangent[2] < 1e-6:
+        x, y, z = tangent.tolist()
         raise InputError(
             Problem(
                 "centreline",
-                "a tangent along Y",
-                "BeamDyn's section axes are not defined there",
-                "turn the blade so that it runs along Z",
+                f"a tangent along ({x:.3g}, {y:.3g}, {z:.3g})",
+                "BeamDyn's blades run along +Z from root to tip",
+                "turn the rod so that it does",
             )
         )
-    first = np.array([abs(tangent[2]) / flat, 0.0, -tangent[0] / flat])
-    if tangent[2] < 0.0:
-        raise InputError(
-            Problem("centreline", "a tangent against Z", "BeamDyn's blades run along +Z", "turn the blade")
-        )
+    first = np.array([tangent[2], 0.0, -tangent[0]]) / np.hypot(tangent[0], tangent[2])
     return np.asarray(np.cos(angle) * first + np.sin(angle) * np.cross(tangent, first))
 
 

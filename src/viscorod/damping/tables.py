@@ -21,11 +21,11 @@ Row: TypeAlias = dict[str, object]
 
 def law_row(word: str, time: float, frequency: float | None, viscosity: float | None = None) -> Row:
     """Everything that a time means: viscosity where it is known, and the numbers at a frequency (Hz)."""
+    ratio = damping_ratio(time, 1.0 if frequency is None else frequency)
     row: Row = {"law": word, "time [s]": time}
     if viscosity is not None:
         row["viscosity [Pa s]"] = viscosity
     if frequency is not None:
-        ratio = damping_ratio(time, frequency)
         row["loss factor"] = loss_factor(time, frequency)
         row["damping ratio"] = ratio
         row["log decrement"] = log_decrement(ratio) if ratio < 1.0 else "overdamped"
