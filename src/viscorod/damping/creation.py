@@ -3,7 +3,7 @@
 Several programs multiply the section stiffness S by a diagonal of six times mu, as mu S or S mu. The power that
 such a law takes from the motion is ``eps_t . sym(mu S) eps_t`` for either order, since one is the transpose of
 the other. With a coupling c between two strains of different times it can be negative: the 2x2 block of
-sym(mu S) is indefinite when |c| > 2 sqrt(mu_i mu_j)/(mu_i + mu_j) sqrt(S_ii S_jj).
+sym(mu S) is indefinite when ``|c| > 2 sqrt(mu_i mu_j)/(mu_i + mu_j) sqrt(S_ii S_jj)``.
 """
 
 from __future__ import annotations
