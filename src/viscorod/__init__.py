@@ -23,11 +23,13 @@ if TYPE_CHECKING:
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
     from viscorod.model.material import KelvinVoigt, Material
     from viscorod.model.profile import Piecewise, Taper
+    from viscorod.model.prony import Prony
+    from viscorod.model.relaxation import Relaxation
     from viscorod.model.rod import Rod
     from viscorod.model.section import Section
     from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
     from viscorod.model.spring import LineSpring, Spring
-    from viscorod.model.stiffness_section import StiffnessSection
+    from viscorod.model.stiffness_section import MaxwellBranch, StiffnessSection
     from viscorod.model.support import Clamp, Guide, Pin, Roller, Support
     from viscorod.model.time_function import Constant, Ramp, Sine, SpinUp, Until
     from viscorod.model.time_table import Function, Table
@@ -54,11 +56,13 @@ _HOMES = {
     "model.spring": ("LineSpring", "Spring"),
     "model.load": ("DistributedForce", "DistributedMoment", "Force", "Gravity", "Moment", "MovingForce"),
     "model.material": ("KelvinVoigt", "Material"),
+    "model.prony": ("Prony",),
+    "model.relaxation": ("Relaxation",),
     "model.profile": ("Piecewise", "Taper"),
     "model.rod": ("Rod",),
     "model.section": ("Section",),
     "model.shapes": ("Annulus", "Circle", "Ellipse", "Rectangle", "SquareTube"),
-    "model.stiffness_section": ("StiffnessSection",),
+    "model.stiffness_section": ("MaxwellBranch", "StiffnessSection"),
     "model.body_velocity": ("BodyVelocity",),
     "model.support": ("Clamp", "Guide", "Pin", "Roller", "Support"),
     "model.time_function": ("Constant", "Ramp", "Sine", "SpinUp", "Until"),
@@ -106,6 +110,7 @@ __all__ = [
     "KelvinVoigt",
     "LineSpring",
     "Material",
+    "MaxwellBranch",
     "Member",
     "Model",
     "Moment",
@@ -115,8 +120,10 @@ __all__ = [
     "Planar",
     "Points",
     "Prismatic",
+    "Prony",
     "Ramp",
     "Rectangle",
+    "Relaxation",
     "Revolute",
     "Rigid",
     "Rod",
