@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
@@ -374,7 +374,7 @@ def _material(given: dict[str, float]) -> Material:
     from viscorod.damping.conversions import bulk_time
     from viscorod.model.material import KelvinVoigt, Material
 
-    values = dict(given)
+    values: dict[str, Any] = dict(given)
     for key in ("youngs_modulus", "poissons_ratio"):
         if key not in values:
             raise InputError(

@@ -5,8 +5,10 @@ The worked examples are those of docs/reference/damping_programs.md: the cantile
 """
 
 import math
+import re
 import warnings
 from itertools import pairwise
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -268,6 +270,29 @@ def test_mbdyn_text_holds_both_matrices(couple):
     assert factor.law(data.stiffness) == pytest.approx(0.02 * data.stiffness)
 
 
+def test_matrices_of_other_programs_come_back():
+    """A symmetric matrix is taken as it is, an unsymmetric one (MBDyn does not check) becomes T C T with a warning."""
+    stiffness = coupled(7)
+    damping = vd.symmetric_damping(stiffness, [0.01, 0.02, 0.03, 0.04, 0.05, 0.06])
+    data = data_of(vr.StiffnessSection(stiffness, np.eye(6), damping))
+    places = [2, 0, 1, 5, 3, 4]
+    ordered = damping[np.ix_(places, places)]
+    for kind in (vd.MBDyn, vd.Exudyn):
+        for numbers in (ordered[np.triu_indices(6)], ordered.ravel()):
+            found = kind.from_numbers(numbers, data).recovered(data)
+            assert found.damping == pytest.approx(damping, rel=1e-12)
+            assert found.difference == 0.0
+    wrong = ordered.copy()
+    wrong[0, 4] *= -3.0
+    inputs = vd.MBDyn.from_numbers(wrong.ravel(), data)
+    found = inputs.recovered(data)
+    assert found.damping == pytest.approx(damping, rel=1e-12)
+    assert any("is not symmetric" in text for text in found.warnings)
+    assert "matr, " in inputs.text()
+    with pytest.raises(InputError, match="mbdyn: 7 numbers: MBDyn has a 6x6 matrix here; give 6 numbers"):
+        vd.MBDyn.from_numbers([1.0] * 7, data)
+
+
 def test_chrono_tapered_coefficients_enter_squared():
     """Rm(0,0) = EA/L bx^2 and Rlaw = mb^T Klaw mb with mb = diag(bx, by, bz, bt, bz, by) (FPM element)."""
     section = vr.Rectangle(0.01, 0.02)
@@ -421,10 +446,9 @@ def test_numbers_come_back(word):
     kind, data = vd.PROGRAMS[word], data_of()
     options = given_options(kind)
     inputs = kind.from_section(data, **options)
-    if word != "mbdyn":  # whose number is the factor of the stiffness
-        again = kind.from_numbers(inputs.numbers, data, **options)
-        assert again.law(data.stiffness) == pytest.approx(inputs.law(data.stiffness), rel=1e-12)
-        assert again.numbers == pytest.approx(inputs.numbers, rel=1e-12)
+    again = kind.from_numbers(inputs.numbers, data, **options)
+    assert again.law(data.stiffness) == pytest.approx(inputs.law(data.stiffness), rel=1e-12)
+    assert again.numbers == pytest.approx(inputs.numbers, rel=1e-12)
     found = inputs.recovered(data)
     assert found.difference == 0.0
     assert found.damping == pytest.approx(inputs.law(data.stiffness), rel=1e-12)
@@ -500,6 +524,42 @@ def test_maxwell_branches_are_refused():
     section = vr.StiffnessSection(np.eye(6), np.eye(6), branches=[{"time": 0.1, "stiffness": [1.0] * 6}])
     with pytest.raises(InputError, match="its section has Maxwell branches"):
         data_of(section)
+
+
+def test_the_table_of_the_reference_page():
+    """The worked example in docs/reference/damping_programs.md is what the package gives."""
+    page = (Path(__file__).parents[2] / "docs" / "reference" / "damping_programs.md").read_text(
+        encoding="utf-8"
+    )
+    rows = [
+        [cell.strip() for cell in line.strip("|").split("|")] for line in page.splitlines() if "|" in line
+    ]
+    table = {row[0]: row[-1] for row in rows if len(row) == 4}
+    data = data_of()
+    for title, kind in (
+        ("BeamDyn", vd.BeamDyn),
+        ("GXBeam.jl", vd.GXBeam),
+        ("MBDyn", vd.MBDyn),
+        ("Chrono, tapered Timoshenko", vd.ChronoTapered),
+        ("Chrono, linear Cosserat", vd.ChronoLinear),
+        ("Chrono, Rayleigh", vd.ChronoRayleigh),
+        ("MuJoCo cable", vd.MuJoCo),
+        ("Newton rod", vd.Newton),
+        ("SoRoSim, SoRoMoX", vd.SoRoSim),
+        ("PyElastica", vd.PyElastica),
+    ):
+        printed = [
+            float(word) for word in re.findall(r"-?\d+\.\d+(?:e-?\d+)?|(?<![\w.])0(?![\w.])", table[title])
+        ]
+        expected = kind.from_section(data, **given_options(kind)).numbers
+        assert printed[: len(expected)] == pytest.approx(expected, rel=1e-5), title
+    limits = {row[0]: row[1] for row in rows if len(row) == 2 and row[0].isdigit()}
+    for ratio, limit in limits.items():
+        times = [0.01] * 5 + [0.01 * float(ratio)]
+        stiffness = np.eye(6)
+        stiffness[2, 5] = stiffness[5, 2] = 0.1
+        found = vd.check_product(stiffness, times).couplings[0].limit
+        assert float(limit.split()[0]) == pytest.approx(found, abs=6e-4)
 
 
 # ---- the programs themselves, where they are installed

@@ -175,7 +175,7 @@ def blade_from_rod(
     if any(rod.branches_at(float(s))[0].size for s in fractions * rod.length):
         raise InputError(
             Problem("rod", "", "its sections have Maxwell branches, which BeamDyn has not",
-                    "give Kelvin-Voigt times for slow motion")
+                    "a Prony series with law = \"kelvin_voigt\" has the viscosity of slow motion instead")
         )  # fmt: skip
     stiffness, damping, inertia = (np.array(parts) for parts in zip(*matrices, strict=True))
     times = np.array([component_times(c, d) for c, d in zip(stiffness, damping, strict=True)])

@@ -53,7 +53,7 @@ class SectionData:
                     "rod",
                     "",
                     "its section has Maxwell branches, and the programs translated to know Kelvin-Voigt damping only",
-                    "give the material its Kelvin-Voigt times for slow motion",
+                    'a Prony series with law = "kelvin_voigt" has the viscosity of slow motion instead',
                 )
             )
         section = rod.section_at(s)
@@ -230,6 +230,31 @@ def listed(program: type[ProgramInputs], numbers: Sequence[float], count: int) -
                 )
             )
     return values
+
+
+def matrix_of(program: type[ProgramInputs], numbers: Sequence[float]) -> Floats:
+    """A 6x6 matrix from 6 numbers (a diagonal), 21 (the upper triangle, row by row) or 36 (row by row).
+
+    Raises:
+        InputError: there is another count, or a number is not finite.
+    """
+    values = np.array([float(value) for value in numbers])
+    if values.size not in (6, 21, 36) or not np.isfinite(values).all():
+        raise InputError(
+            Problem(
+                program.program,
+                f"{values.size} numbers",
+                f"{program.title} has a 6x6 matrix here",
+                "give 6 numbers (its diagonal), 21 (its upper triangle, row by row) or 36, in the program's order",
+            )
+        )
+    if values.size == 6:
+        return np.diag(values)
+    if values.size == 36:
+        return values.reshape(6, 6)
+    matrix = np.zeros((6, 6))
+    matrix[np.triu_indices(6)] = values
+    return np.asarray(matrix + np.triu(matrix, 1).T)
 
 
 def option(name: str, options: dict[str, float], unit: str) -> float:

@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from viscorod.damping.axes import from_axial_first, to_axial_first
-from viscorod.damping.programs.base import ProgramInputs, SectionData, listed, number_text
+from viscorod.damping.programs.base import ProgramInputs, SectionData, matrix_of, number_text
 from viscorod.typing import Floats
 
 __all__ = ["Exudyn"]
@@ -51,9 +51,9 @@ class Exudyn(ProgramInputs):
 
     @classmethod
     def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
-        """The six diagonal entries."""
+        """The matrix: 6 (its diagonal), 21 or 36 numbers."""
         del data, options
-        return cls(tuple(map(tuple, np.diag(listed(cls, numbers, 6)).tolist())))
+        return cls(tuple(map(tuple, matrix_of(cls, numbers).tolist())))
 
     @property
     def numbers(self) -> tuple[float, ...]:

@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from viscorod.damping.axes import from_axial_first, to_axial_first
-from viscorod.damping.programs.base import ProgramInputs, SectionData, listed, number_text
+from viscorod.damping.programs.base import ProgramInputs, SectionData, listed, matrix_of, number_text
 from viscorod.typing import Floats
 
 __all__ = ["MBDyn"]
@@ -32,7 +32,7 @@ class MBDyn(ProgramInputs):
     program: ClassVar[str] = "mbdyn"
     title: ClassVar[str] = "MBDyn"
     meaning: ClassVar[str] = "F = S eps + S' eps_t with any 6x6 S' (or S' = factor S, `proportional`)"
-    words: ClassVar[tuple[str, ...]] = ("factor",)
+    words: ClassVar[tuple[str, ...]] = ("factor, or 6, 21 or 36 entries of the viscosity",)
     sources: ClassVar[tuple[str, ...]] = (
         "alex-marinov/mbdyn: mbdyn/base/constltp_impl.cc, LinearViscoElasticGenericCLR",
         "alex-marinov/mbdyn: manual/input/beam.tex, Beam Elements (order of the six components)",
@@ -46,11 +46,13 @@ class MBDyn(ProgramInputs):
 
     @classmethod
     def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
-        """One number, the factor of `proportional`, s."""
+        """One number, the factor of `proportional` (s), or the matrix: 6, 21 (`sym`) or 36 (`matr`) numbers."""
         del options
-        (factor,) = listed(cls, numbers, 1)
         stiffness = to_axial_first(data.stiffness)
-        return cls(_rows(stiffness), _rows(factor * stiffness))
+        if len(numbers) == 1:
+            (factor,) = listed(cls, numbers, 1)
+            return cls(_rows(stiffness), _rows(factor * stiffness))
+        return cls(_rows(stiffness), _rows(matrix_of(cls, numbers)))
 
     @property
     def numbers(self) -> tuple[float, ...]:
@@ -84,5 +86,7 @@ def _matrix(rows: Rows) -> str:
     array = np.array(rows)
     if not np.any(array - np.diag(np.diag(array))):
         return "diag, " + ", ".join(number_text(value) for value in np.diag(array))
+    if np.any(array != array.T):
+        return "matr, " + ",\n\t\t".join(", ".join(number_text(value) for value in row) for row in array)
     lines = [", ".join(number_text(value) for value in row[k:]) for k, row in enumerate(array)]
     return "sym, " + ",\n\t\t".join(lines)
