@@ -242,7 +242,12 @@ def blade(
     rod: RodName = None,
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="OUT", help="Write BeamDyn's blade file, or GXBeam's .json."),
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT",
+            help="Write a case (.toml), GXBeam's .json, or BeamDyn's blade file.",
+        ),
     ] = None,
     stations: Annotated[
         int | None,
@@ -250,7 +255,9 @@ def blade(
             min=2, help="Stations of the blade file [default: as read, else 11]", show_default=False
         ),
     ] = None,
-    elements: Annotated[int, typer.Option(min=1, help="Elements of the GXBeam description.")] = 20,
+    elements: Annotated[
+        int, typer.Option(min=1, help="Elements of a GXBeam description, pieces of a case.")
+    ] = 40,
 ) -> None:
     """Read a blade or a beam, say what its damping does to energy, and write it for the other program."""
     with readable_errors():
@@ -260,6 +267,7 @@ def blade(
 
         from viscorod.damping.beamdyn_line import key_points
         from viscorod.damping.blade_rod import BladeSections, blade_from_rod, write_beamdyn_blade
+        from viscorod.damping.case_text import case_text
         from viscorod.damping.gxbeam_assembly import gxbeam_from_rod
 
         chosen = _any_rod(source, centreline, length, same_power, rod)
@@ -291,9 +299,14 @@ def blade(
         _warnings(losses)
         if output is None:
             return
-        if output.suffix == ".json":
-            _write(output, json.dumps(gxbeam_from_rod(chosen, elements), indent=1) + "\n")
-            typer.echo(f"\nWritten: {output}")
+        if output.suffix in (".json", ".toml"):
+            text = (
+                case_text(chosen, elements, title=source.stem)
+                if output.suffix == ".toml"
+                else json.dumps(gxbeam_from_rod(chosen, elements), indent=1) + "\n"
+            )
+            _write(output, text)
+            typer.echo(f"\nWritten: {output}, with {elements} sections")
             return
         points = key_points(chosen, found.stations)
         write_beamdyn_blade(chosen, output, found.stations)

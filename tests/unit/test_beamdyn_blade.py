@@ -9,6 +9,7 @@ import pytest
 import viscorod as vr
 from blades import HEAD, MODAL, MU, PRIMARY, assembly, blade_text, matrices
 from viscorod import damping as vd
+from viscorod.cases.case import parse_case
 from viscorod.damping.beamdyn_line import beamdyn_axis
 from viscorod.damping.blade_rod import BladeSections
 from viscorod.errors import InputError
@@ -239,6 +240,30 @@ def test_other_refusals(tmp_path, blade_file, primary):
 def test_axis_of_an_upright_tangent():
     assert beamdyn_axis(np.array([0.0, 0.0, 1.0]), 0.0) == pytest.approx([1.0, 0.0, 0.0])
     assert beamdyn_axis(np.array([0.0, 0.0, 1.0]), math.pi / 2) == pytest.approx([0.0, 1.0, 0.0])
+
+
+@pytest.mark.parametrize("curved", [False, True])
+def test_a_blade_as_a_case_file(blade_file, primary, curved):
+    """Pieces have the matrices of the blade at their middle, seen from the same directions in space."""
+    blade = vd.rod_from_blade(
+        blade_file, primary if curved else [[0, 0, 0, 13.0], [0, 0, 5, 4.0], [0, 0, 10, 0.0]]
+    )
+    case = parse_case(vd.case_text(blade, 20, title="a blade"))
+    assert case.title == "a blade"
+    rod = case.description.rods["blade"]
+    assert rod.length == pytest.approx(blade.length, rel=1e-6)
+    for s in (0.025, 0.475, 0.975):
+        _, (here,) = blade.frames([s * blade.length])
+        _, (there,) = rod.frames([s * rod.length])
+        for ours, theirs in zip(
+            blade.matrices_at(s * blade.length), rod.matrices_at(s * rod.length), strict=True
+        ):
+            size = np.sqrt(np.outer(np.diag(ours), np.diag(ours)))
+            ours, theirs = (
+                np.kron(np.eye(2), frame) @ matrix @ np.kron(np.eye(2), frame).T
+                for frame, matrix in ((here, ours), (there, theirs))
+            )
+            assert np.abs(ours - theirs).max() < (1e-4 if curved else 1e-12) * size.max()
 
 
 # ---- GXBeam-style descriptions

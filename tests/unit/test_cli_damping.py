@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 from blades import PRIMARY, assembly, blade_text
 from viscorod import damping as vd
+from viscorod.cases.case import load_case
 from viscorod.cases.shipped import shipped_case
 from viscorod.cli import app
 
@@ -135,6 +136,9 @@ def test_blade_is_read_and_written(invoke, tmp_path):
     table = [[float(word) for word in line.split()] for line in result.output.splitlines()[-5:]]
     assert table[0] == pytest.approx([0.0, 0.0, 0.0, 13.0], abs=1e-6)
     assert table[-1] == pytest.approx([0.5, 0.3, 7.0, 0.0], abs=1e-6)
+    case = invoke("blade", "blade.dat", "--centreline", "primary.dat", "-o", "case.toml", "--elements", 3)
+    assert "Written: case.toml, with 3 sections" in case.output
+    assert load_case(tmp_path / "case.toml").description.rods["blade"].length == pytest.approx(7.1, abs=0.1)
     power = invoke("blade", "blade.dat", "--length", 10, "--same-power")
     assert "The rod's D is the symmetric part of mu S" in power.output
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 from viscorod.damping.beamdyn_blade import BeamDynBlade, read_beamdyn_blade, write_beamdyn_blade_file
 from viscorod.damping.beamdyn_line import ReferenceLine, key_points
 from viscorod.damping.blade_rod import blade_from_rod, product_damping, rod_from_blade, write_beamdyn_blade
+from viscorod.damping.case_text import case_text
 from viscorod.damping.conversions import (
     bulk_time,
     critical_frequency,
@@ -87,6 +88,7 @@ __all__ = [
     "SoRoSim",
     "blade_from_rod",
     "bulk_time",
+    "case_text",
     "check_product",
     "component_times",
     "creates_energy",

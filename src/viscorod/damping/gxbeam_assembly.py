@@ -27,7 +27,7 @@ from viscorod.model.rod import Rod
 from viscorod.model.stiffness_section import StiffnessSection
 from viscorod.typing import Floats
 
-__all__ = ["gxbeam_from_rod", "rod_from_gxbeam"]
+__all__ = ["gxbeam_from_rod", "rod_from_gxbeam", "section_turn"]
 
 KEYS = ("points", "stiffness", "compliance", "mass", "damping", "frames")
 _ALIGNED = 0.05  # rad between an element's x axis and the spline's tangent at its middle
@@ -91,7 +91,7 @@ def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "sym
     _, natural = curve.frames(middles, d1)
     pieces = []
     for k in range(count):
-        turn = _turn(frames[k], natural[k], k)
+        turn = section_turn(frames[k], natural[k], k)
         elastic, inertia = (turn @ from_axial_first(m) @ turn.T for m in (stiffness[k], mass[k]))
         # mu belongs to the element's own axes: D is formed there
         own = from_axial_first(stiffness[k])
@@ -127,8 +127,8 @@ def gxbeam_from_rod(rod: Rod, elements: int) -> dict[str, Any]:
     }
 
 
-def _turn(frame: Floats, natural: Floats, element: int) -> Floats:
-    """The rotation of section vectors (6, 6) from an element's axes to the rod's."""
+def section_turn(frame: Floats, natural: Floats, element: int) -> Floats:
+    """The rotation of section vectors (6, 6) from an element's axes (x along it first) to the rod's."""
     if not np.allclose(frame.T @ frame, np.eye(3), atol=1e-6) or np.linalg.det(frame) < 0.0:
         raise InputError(
             Problem(
