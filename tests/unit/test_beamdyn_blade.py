@@ -255,15 +255,20 @@ def test_a_blade_as_a_case_file(blade_file, primary, curved):
     for s in (0.025, 0.475, 0.975):
         _, (here,) = blade.frames([s * blade.length])
         _, (there,) = rod.frames([s * rod.length])
-        for ours, theirs in zip(
-            blade.matrices_at(s * blade.length), rod.matrices_at(s * rod.length), strict=True
-        ):
-            size = np.sqrt(np.outer(np.diag(ours), np.diag(ours)))
-            ours, theirs = (
-                np.kron(np.eye(2), frame) @ matrix @ np.kron(np.eye(2), frame).T
-                for frame, matrix in ((here, ours), (there, theirs))
-            )
-            assert np.abs(ours - theirs).max() < (1e-4 if curved else 1e-12) * size.max()
+        turns = [np.kron(np.eye(2), frame) for frame in (here, there)]
+        pairs = zip(blade.matrices_at(s * blade.length), rod.matrices_at(s * rod.length), strict=True)
+        for ours, theirs in pairs:
+            size = float(np.diag(ours).max())
+            difference = turns[0] @ ours @ turns[0].T - turns[1] @ theirs @ turns[1].T
+            assert np.abs(difference).max() < (1e-4 if curved else 1e-12) * size
+
+
+def test_a_case_file_of_a_maxwell_rod_is_refused():
+    section = vr.StiffnessSection([1.0] * 6, [1.0] * 6, branches=[{"time": 0.1, "stiffness": [1.0] * 6}])
+    rod = vr.Rod.straight((0, 0, 0), (0, 0, 1), section=section)
+    for call in (vd.case_text, vd.blade_from_rod):
+        with pytest.raises(InputError, match="have Maxwell branches"):
+            call(rod)
 
 
 # ---- GXBeam-style descriptions

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.damping.gxbeam_assembly import section_turn
+from viscorod.errors import InputError, Problem
 from viscorod.model.centreline import Points, Straight
 from viscorod.model.rod import Rod
 from viscorod.typing import Floats
@@ -23,7 +24,16 @@ def case_text(rod: Rod, pieces: int = 40, *, title: str = "Blade") -> str:
         rod: any rod without Maxwell branches.
         pieces: number of sections.
         title: of the case.
+
+    Raises:
+        InputError: the rod has Maxwell branches.
     """
+    if rod.branches_at(0.0)[0].size:
+        raise InputError(
+            Problem(
+                "rod", "", "its sections have Maxwell branches", "write the case by hand, with its material"
+            )
+        )
     ends = np.linspace(0.0, rod.length, pieces + 1)
     middles = (ends[1:] + ends[:-1]) / 2.0
     points, start = rod.frames(ends)
