@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from viscorod.cli_damping import app as damping_app
+from viscorod.damping_commands import app as damping_app
 from viscorod.errors import InputError, SolveError
 from viscorod.terminal import existing, readable_errors, rows_text
 
