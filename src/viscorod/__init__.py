@@ -157,6 +157,8 @@ def __getattr__(name: str) -> object:
 
         globals()[name] = version("viscorod")
         return globals()[name]
+    if name == "damping":  # a package of its own: viscorod.damping.BeamDyn
+        return importlib.import_module("viscorod.damping")
     if name in _MODULES:
         value = getattr(importlib.import_module(_MODULES[name]), name)
         globals()[name] = value

@@ -8,17 +8,17 @@ from __future__ import annotations
 import gc
 import json
 import os
-import shutil
 import sys
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from viscorod.damping_commands import app as damping_app
 from viscorod.errors import InputError, SolveError
+from viscorod.terminal import existing, readable_errors, rows_text
 
 if TYPE_CHECKING:
     from viscorod.cases.case import Case
@@ -34,6 +34,8 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
+
+app.add_typer(damping_app, name="damping")
 
 CaseFile = Annotated[
     Path, typer.Argument(metavar="CASE.toml", help="Case file; `viscorod example` lists some.")
@@ -64,13 +66,13 @@ def run(
     ] = None,
 ) -> None:
     """Compute a case: print a report, write data and pictures."""
-    with _readable_errors():
+    with readable_errors():
         from viscorod.cases.case import load_case
         from viscorod.front import run_case
         from viscorod.model.settings import SimulateSettings
         from viscorod.progress import reporting
 
-        loaded = load_case(_existing(case))
+        loaded = load_case(existing(case))
         folder = output or Path("out") / case.stem
         _writable(folder)
         doubts = _doubts(loaded)
@@ -108,12 +110,12 @@ def check(
     ] = None,
 ) -> None:
     """Validate a case, draw its model and print it in tables."""
-    with _readable_errors():
+    with readable_errors():
         from viscorod.cases.case import load_case
         from viscorod.check import check as check_model
         from viscorod.front import as_model
 
-        loaded = load_case(_existing(case))
+        loaded = load_case(existing(case))
         folder = output or Path("out") / case.stem
         _writable(folder)
         # before anything is solved: the picture shows why something may fail
@@ -150,12 +152,12 @@ def sweep(
     ] = None,
 ) -> None:
     """Compute a case several times with other values, in parallel: print a table, write data."""
-    with _readable_errors():
+    with readable_errors():
         from viscorod.cases.case import load_case
         from viscorod.progress import counting
         from viscorod.sweeps import sweep as compute
 
-        loaded = load_case(_existing(case))
+        loaded = load_case(existing(case))
         table = dict(map(_column, values))
         folder = output or Path("out") / case.stem
         _writable(folder)
@@ -198,7 +200,7 @@ def example(
     ] = Path(),
 ) -> None:
     """List the cases that come with viscorod, or copy one."""
-    with _readable_errors():
+    with readable_errors():
         from viscorod.cases.shipped import shipped_case, shipped_cases
 
         if name is not None:
@@ -227,16 +229,6 @@ def main() -> None:
         os._exit(code)
 
 
-@contextmanager
-def _readable_errors() -> Iterator[None]:
-    """Turn wrong input into one message and exit code 2."""
-    try:
-        yield
-    except InputError as error:
-        typer.echo(f"error: {error}", err=True)
-        raise typer.Exit(2) from None
-
-
 def _column(text: str) -> tuple[str, list[Any]]:
     """A key and its values from ``key=1,2,4``; values are written as in a case file."""
     key, sign, values = text.partition("=")
@@ -250,12 +242,6 @@ def _column(text: str) -> tuple[str, list[Any]]:
             'rods.beam.elements=1,2,4 or rods.beam.section="thin","thick"'
         )
     return key.strip(), column
-
-
-def _existing(case: Path) -> Path:
-    if not case.is_file():
-        raise InputError(f"{case} is no file; name a case file, or copy one with: viscorod example NAME")
-    return case
 
 
 def _copied(case: Path, folder: Path) -> Path:
@@ -318,34 +304,15 @@ def _check_text(report: CheckReport) -> str:
     ]
     conditions = f", {report.conditions} conditions of joints and held strains" if report.conditions else ""
     blocks = [
-        _rows_text("Rods", report.rods),
-        _rows_text("Sections", report.sections),
-        _rows_text("Rigid bodies", report.bodies),
-        _rows_text("Joints", report.joints),
-        _rows_text("Springs", report.springs),
-        _rows_text("First natural modes about the reference shape (a quick estimate)", modes),
+        rows_text("Rods", report.rods),
+        rows_text("Sections", report.sections),
+        rows_text("Rigid bodies", report.bodies),
+        rows_text("Joints", report.joints),
+        rows_text("Springs", report.springs),
+        rows_text("First natural modes about the reference shape (a quick estimate)", modes),
         f"{report.nodes} nodes, {report.unknowns} unknowns{conditions}\nLinear systems: {report.linear_solver}",
         "\n".join(["Warnings", *(f"  - {text}" for text in report.warnings)])
         if report.warnings
         else "No warnings",
     ]
     return "\n\n".join(block for block in blocks if block)
-
-
-def _rows_text(title: str, rows: Sequence[Mapping[str, object]]) -> str:
-    """A table of rows; turned on its side where it would be wider than the terminal."""
-    from viscorod.results.text import table
-
-    if not rows:
-        return ""
-    keys = list(dict.fromkeys(key for row in rows for key in row))
-    cells = [[_cell(row.get(key, "")) for key in keys] for row in rows]
-    text = table(title, keys, cells)
-    if max(map(len, text.splitlines())) <= shutil.get_terminal_size((100, 24)).columns:
-        return text
-    turned = [list(column) for column in zip(keys, *cells, strict=True)]
-    return table(title, turned[0], turned[1:])
-
-
-def _cell(value: object) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
