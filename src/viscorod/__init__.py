@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from viscorod.model.body_shapes import Box, Cylinder, Sphere
     from viscorod.model.body_velocity import BodyVelocity
     from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
+    from viscorod.model.event import Crossing, Decayed, SteadyState
     from viscorod.model.initial_strain import InitialStrain
     from viscorod.model.joint import Ball, Joint, Rigid, Universal
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
@@ -51,6 +52,7 @@ _HOMES = {
     "model.centreline": ("Arc", "Curve", "Helix", "Points", "Straight"),
     "model.body": ("Body",),
     "model.body_shapes": ("Box", "Cylinder", "Sphere"),
+    "model.event": ("Crossing", "Decayed", "SteadyState"),
     "model.joint": ("Ball", "Joint", "Rigid", "Universal"),
     "model.axis_joint": ("Cylindrical", "Planar", "Prismatic", "Revolute"),
     "model.spring": ("LineSpring", "Spring"),
@@ -89,9 +91,11 @@ __all__ = [
     "Circle",
     "Clamp",
     "Constant",
+    "Crossing",
     "Curve",
     "Cylinder",
     "Cylindrical",
+    "Decayed",
     "Decrement",
     "DistributedForce",
     "DistributedMoment",
@@ -137,6 +141,7 @@ __all__ = [
     "Spring",
     "SquareTube",
     "Steady",
+    "SteadyState",
     "StiffnessSection",
     "Straight",
     "Support",

@@ -18,15 +18,17 @@ from viscorod.mechanics.held_strains import add_held_strains
 from viscorod.mechanics.joints import joint_forces
 from viscorod.mechanics.relaxation import remember
 from viscorod.model.description import ModelDescription
+from viscorod.model.event import Crossing, Decayed
 from viscorod.model.settings import PathSettings, SimulateSettings
 from viscorod.results.dataset import dataset
-from viscorod.results.places import Sites
+from viscorod.results.places import Site, Sites
 from viscorod.results.run import Equilibrium, Run
 from viscorod.results.schema import AXES, annotated
 from viscorod.results.storage import read
 from viscorod.solve import modes as small_motion
 from viscorod.solve.arc_length import Path, PathFollower, PathPoint
 from viscorod.solve.discretise import discretise
+from viscorod.solve.events import CrossingMonitor, FadedMotion, LastingMonitor, Monitor, StillStrains, Watch
 from viscorod.solve.formulations import FORMULATIONS
 from viscorod.solve.history import EnergyAccount, History, Snapshot, StationReader
 from viscorod.solve.initial_shape import strain_rods
@@ -187,10 +189,7 @@ class Workplace:
         assert settings.displacement is not None
         problem, reader = self.problem, StationReader(self.problem)
         start = reader.read(problem.positions, problem.quaternions, np.zeros((problem.size, 6)))[0]
-        stations = problem.stations
-        site = Sites.of(
-            np.array(problem.rods)[stations.rod], stations.s, problem.rod_orders[stations.rod]
-        ).at(settings.place)
+        site = self._site(settings.place)
         component, wanted = AXES.index(settings.axis), settings.displacement
 
         def lacking(point: PathPoint) -> float:
@@ -305,6 +304,7 @@ class Workplace:
             history=stream,
             checkpoint=None if stream is None else stream.checkpoint,
             after_step=after_step,
+            watch=Watch(self._monitors(settings, state)),
         )
         effort = result.effort
         self.history = result.history
@@ -328,6 +328,10 @@ class Workplace:
             "smallest_step_why": effort.smallest_why,
             "warnings": json.dumps(result.notes),
         }
+        if settings.events:
+            watch = transient.watch
+            events = [{"time": t, "event": label} for t, label in zip(watch.times, watch.labels, strict=True)]
+            attrs |= {"events": json.dumps(events), "ended_by": watch.ended_by}
         if self.system.constraints.rows:
             attrs["drift_position"], attrs["drift_velocity"] = integrator.drift
         if settings.dynamics == "nonlinear":
@@ -361,6 +365,71 @@ class Workplace:
             return Run(self._dataset("simulate", attrs))
         stream.flush(build)
         return Run(read(stream.finish(self._complete(attrs), keep=interrupted)))
+
+    def _monitors(self, settings: SimulateSettings, state: State) -> list[Monitor]:
+        """What the run is watched for."""
+        found: list[Monitor] = []
+        for event in settings.events:
+            if isinstance(event, Crossing):
+                found.append(
+                    CrossingMonitor(
+                        event.label,
+                        event.stop,
+                        self._quantity(event),
+                        rising=event.direction != "falling",
+                        falling=event.direction != "rising",
+                    )
+                )
+                continue
+            during = event.during or self._slowest_period(settings, state)
+            so: Callable[[Snapshot], bool]
+            if isinstance(event, Decayed):
+                so = FadedMotion(event.amplitude**2)
+            else:
+                so = StillStrains(self.system.gauss_positions(), event.change / during)
+            found.append(LastingMonitor(event.label, event.stop, so, during))
+        return found
+
+    def _quantity(self, event: Crossing) -> Callable[[Snapshot], float]:
+        """The quantity of a crossing, less the value that is crossed."""
+        reader, site = StationReader(self.problem), self._site(event.at)
+        start = reader.read(
+            self.problem.positions, self.problem.quaternions, np.zeros((self.problem.size, 6))
+        )[0]
+        component = AXES.index(event.quantity[-1])
+        kind = event.quantity[:-1]
+
+        def quantity(snapshot: Snapshot) -> float:
+            state = snapshot.state
+            position, _, velocity, _ = reader.read(state.r, state.q, state.twist)
+            field = velocity if kind == "v" else position - start if kind == "u" else position
+            return float(site.of(field)[component]) - event.value
+
+        return quantity
+
+    def _site(self, place: str) -> Site:
+        """A place by its name, before there is a data set."""
+        problem = self.problem
+        stations = problem.stations
+        names, still = list(problem.bodies.names), np.zeros(len(problem.bodies.names))
+        return Sites.of(
+            np.array([*np.array(problem.rods)[stations.rod], *names]),
+            np.append(stations.s, still),
+            np.append(problem.rod_orders[stations.rod], still.astype(np.int64)),
+        ).at(place)
+
+    def _slowest_period(self, settings: SimulateSettings, state: State) -> float:
+        """Period of the slowest undamped vibration about the state that a motion starts from [s]."""
+        linear = small_motion.linearise(
+            self.static, state, scale=1.0 if settings.initial == "equilibrium" else 0.0
+        )
+        frequencies = small_motion.natural_frequencies(linear, 16)
+        vibrating = frequencies[frequencies > 0.0]
+        if not len(vibrating):
+            raise InputError(
+                "events: nothing vibrates, so that there is no period to wait for; give during (s)"
+            )
+        return float(2.0 * np.pi / vibrating.min())
 
     def _stepping(
         self, settings: SimulateSettings, state: State

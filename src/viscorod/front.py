@@ -26,6 +26,7 @@ from viscorod.model.values import number
 
 if TYPE_CHECKING:
     from viscorod.analysis import Workplace
+    from viscorod.model.event import AnyEvent
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady import Steady
     from viscorod.solve.modes import Modes
@@ -131,6 +132,7 @@ class Model(ModelDescription):
         dynamics: str = "nonlinear",
         progress: Progress | None = None,
         title: str = "",
+        events: Sequence[AnyEvent] = (),
         folder: str | Path | None = None,
         resume: bool = False,
         stop: Callable[[], str] | None = None,
@@ -153,6 +155,7 @@ class Model(ModelDescription):
             dynamics: "nonlinear", or "linear" about the initial state (intrinsic formulation, linearised damping).
             progress: called with (time, step) after every step.
             title: kept with the result.
+            events: what is watched for and recorded, and may end the run: `Crossing`, `Decayed`, `SteadyState`.
             folder: where the states go as they come, so that memory stays bounded and a run that is stopped can go on;
                 ``run.nc`` is there in the end. Without it everything stays in memory.
             resume: go on with the run that was stopped in that folder; model and settings have to be the same.
@@ -169,6 +172,7 @@ class Model(ModelDescription):
             "formulation": formulation,
             "damping": damping,
             "dynamics": dynamics,
+            "events": events,
         }
         optional = {
             "tolerance": tolerance,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.model.described import Described, RefusedError, show
+from viscorod.model.event import AnyEvent, event_list
 from viscorod.model.values import (
     OptionalDirection,
     OptionalNumber,
@@ -49,6 +51,7 @@ class SimulateSettings(Described):
         damping: "full" Kelvin-Voigt damping, which never damps rigid motions, or "linearised" (Artola, Wynn and
             Palacios), which also damps rotations of bent rods; the latter with the intrinsic formulation.
         dynamics: "nonlinear", or "linear" about the state that the motion starts from, with linearised damping.
+        events: what is watched for and recorded, and may end the run: `Crossing`, `Decayed`, `SteadyState`.
     """
 
     duration: Positive = Field(description="simulated time, s")
@@ -65,6 +68,7 @@ class SimulateSettings(Described):
     formulation: Annotated[Literal["geometric", "intrinsic"], one_of("geometric", "intrinsic")] = "geometric"
     damping: Annotated[Literal["full", "linearised"], one_of("full", "linearised")] = "full"
     dynamics: Annotated[Literal["nonlinear", "linear"], one_of("nonlinear", "linear")] = "nonlinear"
+    events: Annotated[Sequence[AnyEvent], PlainValidator(event_list)] = ()
 
     @model_validator(mode="after")
     def _fits_formulation(self) -> Self:
