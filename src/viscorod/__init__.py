@@ -18,10 +18,12 @@ if TYPE_CHECKING:
     from viscorod.model.body_shapes import Box, Cylinder, Sphere
     from viscorod.model.body_velocity import BodyVelocity
     from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
+    from viscorod.model.composite import Composite, Region
     from viscorod.model.initial_strain import InitialStrain
     from viscorod.model.joint import Ball, Joint, Rigid, Universal
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
     from viscorod.model.material import KelvinVoigt, Material
+    from viscorod.model.outline import Outline
     from viscorod.model.profile import Piecewise, Taper
     from viscorod.model.rod import Rod
     from viscorod.model.section import Section
@@ -54,6 +56,8 @@ _HOMES = {
     "model.spring": ("LineSpring", "Spring"),
     "model.load": ("DistributedForce", "DistributedMoment", "Force", "Gravity", "Moment", "MovingForce"),
     "model.material": ("KelvinVoigt", "Material"),
+    "model.composite": ("Composite", "Region"),
+    "model.outline": ("Outline",),
     "model.profile": ("Piecewise", "Taper"),
     "model.rod": ("Rod",),
     "model.section": ("Section",),
@@ -84,6 +88,7 @@ __all__ = [
     "Box",
     "Circle",
     "Clamp",
+    "Composite",
     "Constant",
     "Curve",
     "Cylinder",
@@ -110,6 +115,7 @@ __all__ = [
     "Model",
     "Moment",
     "MovingForce",
+    "Outline",
     "Piecewise",
     "Pin",
     "Planar",
@@ -117,6 +123,7 @@ __all__ = [
     "Prismatic",
     "Ramp",
     "Rectangle",
+    "Region",
     "Revolute",
     "Rigid",
     "Rod",

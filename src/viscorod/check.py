@@ -14,7 +14,6 @@ from viscorod.model.description import ModelDescription
 from viscorod.model.fit import require_fit
 from viscorod.model.laws import Laws
 from viscorod.model.rod import Rod
-from viscorod.model.section import MaterialSection
 from viscorod.model.settings import AnySettings, SimulateSettings, SteadySettings
 from viscorod.model.spring import AnySpring, ResolvedSpring
 from viscorod.solve.discretise import discretise
@@ -225,7 +224,7 @@ def _rod_warnings(name: str, rod: Rod) -> list[str]:
     curvature = np.linalg.norm(np.diff(tangents, axis=0), axis=1) / np.diff(s)
     warnings = []
     section = rod.section_at(0.0)
-    half = section.half_width if isinstance(section, MaterialSection) else None
+    half = section.half_width
     if half is not None:
         worst = float(half * curvature.max())
         if worst > THICK:
@@ -238,8 +237,7 @@ def _rod_warnings(name: str, rod: Rod) -> list[str]:
                 f"rod {name}: its half width is {half / rod.length:.2g} of its length; "
                 "a rod model is meant for slender bodies"
             )
-    if isinstance(section, MaterialSection):
-        warnings.extend(f"rod {name}: {remark}" for remark in section.remarks())
+    warnings.extend(f"rod {name}: {remark}" for remark in section.remarks())
     return warnings
 
 
