@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from viscorod.errors import InputError, Problem
 from viscorod.model.any_section import AnySection, Branches, Matrices
@@ -112,20 +112,11 @@ class Region(Described):
         return placed(self._own, self.at, self.angle)
 
 
-def _regions(value: Any) -> tuple[Region, ...]:
-    found = []
-    for index, item in enumerate(sequence(value)):
-        if isinstance(item, Region):
-            found.append(item)
-            continue
-        if not isinstance(item, Mapping):
-            raise RefusedError(
-                "a region is a table", "give a table with material and section or points", at=(index,)
-            )
-        found.append(Region.model_validate(item))
-    if not found:
+def _some_regions(value: Any) -> tuple[Any, ...]:
+    items = tuple(sequence(value))
+    if not items:
         raise RefusedError("a composite section needs at least one region", "give regions")
-    return tuple(found)
+    return items
 
 
 class Composite(AnySection):
@@ -149,7 +140,7 @@ class Composite(AnySection):
     no_material: ClassVar[str | None] = "the regions of a composite section have their own materials"
     can_taper: ClassVar[bool] = False
     shape: Literal["composite"] = Field(default="composite", kw_only=True, repr=False)
-    regions: Annotated[Sequence[Region], PlainValidator(_regions)] = Field(description="list of tables")
+    regions: Annotated[Sequence[Region], BeforeValidator(_some_regions)] = Field(description="list of tables")
     origin: Origin = "centroid"
     axes: Axes = "given"
     mesh_size: MeshSize = None

@@ -136,9 +136,10 @@ def _area(shapely: Any, ring: Ring, name: str, at: tuple[str | int, ...]) -> Any
     size = float(np.ptp(points, axis=0).max())
     shape = shapely.Polygon((points - points.mean(axis=0)) / size)
     if not shape.is_valid or shape.area < 1e-12:
+        flat = shape.convex_hull.area < 1e-12
         reason = shapely.is_valid_reason(shape)
         where = ""
-        if "[" in reason:
+        if "[" in reason and not flat:
             x, y = np.array(reason.partition("[")[2].rstrip("]").split(), dtype=float) * size + points.mean(
                 axis=0
             )
