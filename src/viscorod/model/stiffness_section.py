@@ -267,7 +267,7 @@ class StiffnessSection(AnySection):
         stiffness = np.array(self.stiffness)
         if self.times is not None:
             root = np.sqrt(np.array(self.times))
-            damping = root[:, None] * stiffness * root[None, :]
+            damping = stiffness * np.outer(root, root)
         else:
             damping = np.zeros((6, 6)) if self.damping is None else np.array(self.damping)
         return stiffness, damping, np.array(self.inertia)
