@@ -265,7 +265,7 @@ def test_a_case_file_names_materials_and_sections_in_the_regions():
         ("[-0.01, 0.001]", "[-0.01, 0.0]", "sections.coated.regions[1]", "overlaps region 1"),
         ("[-0.01, 0.001]", "[nan, 0.001]", "sections.coated.regions[1].points[0][0]", "finite"),
         ('origin = "given"', 'origin = "middle"', "sections.coated.origin", "shear_centre"),
-        ("regions = [", "mesh_size = 1e-9\nregions = [", "sections.coated.mesh_size", "more than 100000"),
+        ("regions = [", "mesh_size = 1e-9\nregions = [", "sections.coated.mesh_size", "more than 50000"),
     ],
 )
 def test_what_is_wrong_in_a_case_file(old, new, where, text):
@@ -300,7 +300,7 @@ BOX = Rectangle(1.0, 1.0)
         ),
         (lambda: Outline(SQUARE, [BOW]), "Outline.holes[0]", "hole 1 crosses or touches itself"),
         (lambda: Outline(SQUARE, mesh_size=0.0), "Outline.mesh_size", "> 0"),
-        (lambda: Outline(SQUARE, mesh_size=1e-4), "Outline.mesh_size", "give a number above 0.0048"),
+        (lambda: Outline(SQUARE, mesh_size=1e-4), "Outline.mesh_size", "give a number above 0.0068"),
         (lambda: Outline(SQUARE, axes="main"), "Outline.axes", "principal"),
         (lambda: Outline.from_geometry(3), "", "one connected region"),
         (lambda: Region(LAW), "Region", "one outline"),

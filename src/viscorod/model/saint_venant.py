@@ -46,7 +46,7 @@ __all__ = ["SectionAnalysis", "analysed", "area_moments", "shear_shares"]
 
 ACCURACY = 2e-3
 """Refinement ends when the shear and torsion stiffnesses change by less than this fraction."""
-ENOUGH = 30_000
+ENOUGH = 10_000
 """Triangles beyond which the mesh is not refined further."""
 
 
@@ -96,14 +96,15 @@ def analysed(
         return _once(polygons, *moduli, nu, side)
     side = first_size(polygons)
     coarse = _once(polygons, *moduli, nu, side)
-    while True:
+    while coarse.triangles < ENOUGH:
         side /= 2.0
         fine = _once(polygons, *moduli, nu, side)
         before, after = (np.einsum("r,rii->i", moduli[1], x.strains) for x in (coarse, fine))
         change = float(np.abs(before / after - 1.0).max())
-        if change < ACCURACY or fine.triangles > ENOUGH / 4:
-            return SectionAnalysis(fine.centre, fine.moments, fine.strains, fine.triangles, side, change)
-        coarse = fine
+        coarse = SectionAnalysis(fine.centre, fine.moments, fine.strains, fine.triangles, side, change)
+        if change < ACCURACY:
+            break
+    return coarse
 
 
 def _once(
