@@ -33,7 +33,7 @@ THICK = 0.1
 QUICK = 0.5
 """First angular frequency times retardation time above which Kelvin-Voigt is doubtful (LLT 2.6)."""
 
-SMALL = 1e-5
+SMALL = 1e-4
 """Couplings of a section smaller than this fraction of the root of their diagonal entries are not shown."""
 
 COMPONENTS = ("shear 1", "shear 2", "stretch", "bend 1", "bend 2", "twist")
