@@ -25,11 +25,13 @@ if TYPE_CHECKING:
     from viscorod.model.material import KelvinVoigt, Material
     from viscorod.model.outline import Outline
     from viscorod.model.profile import Piecewise, Taper
+    from viscorod.model.prony import Prony
+    from viscorod.model.relaxation import Relaxation
     from viscorod.model.rod import Rod
     from viscorod.model.section import Section
     from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
     from viscorod.model.spring import LineSpring, Spring
-    from viscorod.model.stiffness_section import StiffnessSection
+    from viscorod.model.stiffness_section import MaxwellBranch, StiffnessSection
     from viscorod.model.support import Clamp, Guide, Pin, Roller, Support
     from viscorod.model.time_function import Constant, Ramp, Sine, SpinUp, Until
     from viscorod.model.time_table import Function, Table
@@ -58,11 +60,13 @@ _HOMES = {
     "model.material": ("KelvinVoigt", "Material"),
     "model.composite": ("Composite", "Region"),
     "model.outline": ("Outline",),
+    "model.prony": ("Prony",),
+    "model.relaxation": ("Relaxation",),
     "model.profile": ("Piecewise", "Taper"),
     "model.rod": ("Rod",),
     "model.section": ("Section",),
     "model.shapes": ("Annulus", "Circle", "Ellipse", "Rectangle", "SquareTube"),
-    "model.stiffness_section": ("StiffnessSection",),
+    "model.stiffness_section": ("MaxwellBranch", "StiffnessSection"),
     "model.body_velocity": ("BodyVelocity",),
     "model.support": ("Clamp", "Guide", "Pin", "Roller", "Support"),
     "model.time_function": ("Constant", "Ramp", "Sine", "SpinUp", "Until"),
@@ -111,6 +115,7 @@ __all__ = [
     "KelvinVoigt",
     "LineSpring",
     "Material",
+    "MaxwellBranch",
     "Member",
     "Model",
     "Moment",
@@ -121,9 +126,11 @@ __all__ = [
     "Planar",
     "Points",
     "Prismatic",
+    "Prony",
     "Ramp",
     "Rectangle",
     "Region",
+    "Relaxation",
     "Revolute",
     "Rigid",
     "Rod",

@@ -1,85 +1,56 @@
-"""Isotropic Kelvin-Voigt materials (Linn, Lang and Tuganov 2013, called LLT, equations 3-4)."""
+"""Isotropic materials: elastic constants, density, and the damping that one of several kinds of data gives."""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, NamedTuple, Self
+from typing import Annotated, Any, Self, cast
 
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, PlainValidator, PrivateAttr, model_validator
 
-from viscorod.model.described import Described, RefusedError, show
-from viscorod.model.values import NOT_GIVEN, OptionalNonNegative, PoissonsRatio, Positive
+from viscorod.errors import InputError
+from viscorod.model.damping import Behaviour, Branch, Damping, Elastic
+from viscorod.model.described import Described, RefusedError, plain_value, show
+from viscorod.model.kelvin_voigt import KelvinVoigt
+from viscorod.model.prony import Prony
+from viscorod.model.values import NOT_GIVEN, PoissonsRatio, Positive, choose
 
-__all__ = ["Branch", "KelvinVoigt", "Material"]
+__all__ = ["DAMPINGS", "Branch", "KelvinVoigt", "Material"]
 
+DAMPINGS: dict[str, type[Described]] = {
+    "kelvin_voigt": KelvinVoigt,
+    "prony": Prony,
+}
+"""The kinds of damping by their word in a case file; a new one is one class and one line here."""
 
-class Branch(NamedTuple):
-    """A Maxwell branch of an isotropic material: spring and dashpot in series, beside the equilibrium moduli.
-
-    Attributes:
-        time: relaxation time, s.
-        youngs_modulus: what it adds to Young's modulus in fast extension, Pa.
-        shear_modulus: what it adds to the shear modulus in fast shear, Pa.
-    """
-
-    time: float
-    youngs_modulus: float
-    shear_modulus: float
+_one_damping = choose("kind", DAMPINGS, "kelvin_voigt")
 
 
-class KelvinVoigt(Described):
-    """Viscosity of a material in shear and in volume change: one pair of times or one pair of viscosities.
-
-    Args:
-        shear_time: retardation time in shear, viscosity over shear modulus, s.
-        bulk_time: retardation time in volume change, viscosity over bulk modulus, s.
-        shear_viscosity: Pa s.
-        bulk_viscosity: Pa s.
-    """
-
-    shear_time: OptionalNonNegative = None
-    bulk_time: OptionalNonNegative = None
-    shear_viscosity: OptionalNonNegative = None
-    bulk_viscosity: OptionalNonNegative = None
-
-    @model_validator(mode="after")
-    def _one_pair(self) -> Self:
-        times = (self.shear_time, self.bulk_time)
-        viscosities = (self.shear_viscosity, self.bulk_viscosity)
-        given = [name for name in type(self).model_fields if getattr(self, name) is not None]
-        complete = [pair for pair in (times, viscosities) if None not in pair]
-        if len(given) != 2 or len(complete) != 1:
-            raise RefusedError(
-                "the viscosity needs one complete pair",
-                "give shear_time and bulk_time (s), or shear_viscosity and bulk_viscosity (Pa s)",
-                found=f"given: {', '.join(given) or 'nothing'}",
-            )
-        return self
-
-
-def _damping(value: Any) -> KelvinVoigt | None:
-    return value if value is None or isinstance(value, KelvinVoigt) else KelvinVoigt.model_validate(value)
+def _damping(value: Any) -> Damping | None:
+    return None if value is None else cast(Damping, _one_damping(value))
 
 
 class Material(Described):
-    """Isotropic, linearly elastic material with Kelvin-Voigt viscosity.
+    """Isotropic, linearly viscoelastic material.
 
     Young's modulus E is given, and one of Poisson's ratio nu and shear modulus G = E/2(1+nu); both can be
-    read afterwards.
+    read afterwards. Read back, they are the moduli in equilibrium, also if instantaneous ones were given (`Prony`).
 
     Args:
         youngs_modulus: E > 0, Pa.
         poissons_ratio: nu in (-1, 0.5]; 0.5 is incompressible.
         density: mass per volume > 0, kg/m^3.
         shear_modulus: G > 0, Pa, instead of Poisson's ratio.
-        damping: the viscosity; None for a purely elastic material.
+        damping: the viscosity, one of `KelvinVoigt` and `Prony`; None for a purely elastic material.
     """
 
     youngs_modulus: Positive = Field(description="Young's modulus, Pa")
     poissons_ratio: PoissonsRatio = NOT_GIVEN
     density: Positive = NOT_GIVEN
     shear_modulus: Positive = NOT_GIVEN
-    damping: Annotated[KelvinVoigt | None, PlainValidator(_damping)] = None
+    damping: Annotated[Damping | None, PlainValidator(_damping)] = None
+
+    _behaviour: Behaviour = PrivateAttr()
+    _given: dict[str, float] = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -95,9 +66,22 @@ class Material(Described):
                 "give poissons_ratio, or shear_modulus (Pa)",
                 found=f"given: {given}",
             )
-        if math.isnan(shear):
-            self.__dict__["shear_modulus"] = young / (2.0 * (1.0 + nu))
-            return self
+        if math.isnan(nu):
+            nu = self._ratio(young, shear)
+        self._given = {"youngs_modulus": young} | (
+            {"poissons_ratio": nu} if math.isnan(shear) else {"shear_modulus": shear}
+        )
+        self._behaviour = self._resolved(Elastic(young, nu))
+        found = self._behaviour
+        self.__dict__["youngs_modulus"] = found.youngs_modulus
+        self.__dict__["poissons_ratio"] = found.poissons_ratio
+        if math.isnan(shear) or found.youngs_modulus != young:
+            self.__dict__["shear_modulus"] = found.youngs_modulus / (2.0 * (1.0 + found.poissons_ratio))
+        return self
+
+    @staticmethod
+    def _ratio(young: float, shear: float) -> float:
+        """Poisson's ratio from the two moduli."""
         nu = young / (2.0 * shear) - 1.0
         if not -1.0 < nu <= 0.5 + 1e-12:
             raise RefusedError(
@@ -106,8 +90,25 @@ class Material(Described):
                 found=show(shear),
                 at=("shear_modulus",),
             )
-        self.__dict__["poissons_ratio"] = min(nu, 0.5)
-        return self
+        return min(nu, 0.5)
+
+    def _resolved(self, elastic: Elastic) -> Behaviour:
+        """What the damping makes of the elastic constants."""
+        if self.damping is None:
+            return Behaviour(*elastic)
+        try:
+            return self.damping.behaviour(elastic)
+        except RefusedError as error:
+            raise RefusedError(
+                error.why, error.instead, found=error.found, at=("damping", *error.at)
+            ) from None
+        except InputError as error:
+            raise RefusedError(str(error), "change the values", found="", at=("damping",)) from None
+
+    def to_dict(self) -> dict[str, Any]:
+        """The material as it was given, in the words of the case file."""
+        given = {name: plain_value(value) for name, value in self._given.items()}
+        return {name: given.get(name, value) for name, value in super().to_dict().items()}
 
     @property
     def bulk_modulus(self) -> float:
@@ -118,25 +119,22 @@ class Material(Described):
     @property
     def branches(self) -> tuple[Branch, ...]:
         """Maxwell branches, by time; none in a Kelvin-Voigt material."""
-        return ()
+        return self._behaviour.branches
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What was assumed of the damping, one sentence each."""
+        return self._behaviour.assumptions
 
     @property
     def shear_time(self) -> float:
-        """Retardation time in shear, tau_S = eta/G, s."""
-        if self.damping is None:
-            return 0.0
-        if self.damping.shear_time is not None:
-            return self.damping.shear_time
-        return (self.damping.shear_viscosity or 0.0) / self.shear_modulus
+        """Retardation time in shear, tau_S = eta/G, s; of a Maxwell material that of slow motion."""
+        return self._behaviour.shear_time
 
     @property
     def bulk_time(self) -> float:
-        """Retardation time in volume change, tau_B = zeta/K, s."""
-        if self.damping is None:
-            return 0.0
-        if self.damping.bulk_time is not None:
-            return self.damping.bulk_time
-        return (self.damping.bulk_viscosity or 0.0) / self.bulk_modulus
+        """Retardation time in volume change, tau_B = zeta/K, s; of a Maxwell material that of slow motion."""
+        return self._behaviour.bulk_time
 
     @property
     def shear_viscosity(self) -> float:
@@ -146,8 +144,8 @@ class Material(Described):
     @property
     def bulk_viscosity(self) -> float:
         """Viscosity in volume change zeta = K tau_B, Pa s; infinite for nu = 0.5 and a positive bulk time."""
-        if self.damping is not None and self.damping.bulk_viscosity is not None:
-            return self.damping.bulk_viscosity
+        if self._behaviour.bulk_viscosity is not None:
+            return self._behaviour.bulk_viscosity
         return self.bulk_modulus * self.bulk_time if self.bulk_time > 0.0 else 0.0
 
     @property
