@@ -13,6 +13,7 @@ from viscorod.model.composite import Composite, Region
 from viscorod.model.material import Branch, KelvinVoigt, Material
 from viscorod.model.outline import Outline
 from viscorod.model.profile import Piecewise, Taper
+from viscorod.model.prony import Prony
 from viscorod.model.rod import Rod
 from viscorod.model.saint_venant import _once
 from viscorod.model.section import Section
@@ -150,6 +151,28 @@ def test_maxwell_branches_of_the_regions(monkeypatch):
     slope = (torsion(1e4) - torsion(-1e4)) / 2e4
     centred = Composite(section.regions, origin="shear_centre").branch_matrices()[1]
     assert centred[0, 5, 5] == pytest.approx(4e6 * slope, rel=1e-6)
+
+
+def test_a_prony_material_in_a_region():
+    """Its branches are those that it has alone in the same outline, since the other region has none."""
+    rubber = Material(
+        1e7,
+        0.45,
+        1000.0,
+        damping=Prony(shear_moduli=[1e6, 2e6], shear_times=[0.1, 1e-3], constant="poissons_ratio"),
+    )
+    steel = material(2e11, nu=0.3)
+    section = strip(steel, rubber, origin="given")
+    times, stiffness = section.branch_matrices()
+    corners = [(-0.02, 0.0), (0.02, 0.0), (0.02, 0.02), (-0.02, 0.02)]
+    alone_times, alone = Outline(corners, origin="given").branch_matrices(rubber)
+    assert len(times) == len(rubber.branches) == 2
+    assert times == pytest.approx(alone_times)
+    extension = np.ix_(range(len(times)), (2, 3, 4), (2, 3, 4))
+    assert stiffness[extension] == pytest.approx(alone[extension], rel=1e-9, abs=1e-6)
+    for matrix in stiffness:
+        size = np.sqrt(np.diag(matrix))
+        assert np.linalg.eigvalsh(matrix / np.outer(size, size)).min() > -1e-9
 
 
 def test_regions_are_placed_and_turned():
