@@ -14,6 +14,7 @@ from viscorod.cases import schema
 from viscorod.model.attachment import Attachment
 from viscorod.model.body import BODIES, Body
 from viscorod.model.body_velocity import BodyVelocity
+from viscorod.model.composite import SIMPLE, Region
 from viscorod.model.initial_strain import InitialStrain
 from viscorod.model.joint import JOINTS, Rigid
 from viscorod.model.load import LOADS
@@ -22,6 +23,7 @@ from viscorod.model.motion_words import MOTIONS, VELOCITIES
 from viscorod.model.profile import SECTIONS, Piece, Taper
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.spring import SPRINGS, Spring
+from viscorod.model.stiffness_section import MaxwellBranch
 from viscorod.model.support import SUPPORTS, Support
 from viscorod.model.time_table import TIME_FUNCTIONS
 from viscorod.model.velocity import InitialVelocity
@@ -39,6 +41,8 @@ PARTS = {
     "materials.damping": KelvinVoigt,
     "sections.piece": Piece,
     "sections.taper": Taper,
+    "sections.region": Region,
+    "sections.branch": MaxwellBranch,
     **{f"sections.{word}": kind for word, kind in SECTIONS.items()},
     **{f"rods.{word}": kind for word, kind in CENTRELINES.items()},
     "attachments": Attachment,
@@ -81,7 +85,7 @@ ROD = {
     "material": (
         "name of a material in quotes, or a table",
         "\N{EN DASH}",
-        "for all sections but `stiffness`",
+        "for all sections but `stiffness` and `composite`",
     ),
 }
 
@@ -106,6 +110,14 @@ TEXTS = {
     "_several": "list of 2 numbers or more",
     "_points": "list of 2 points or more, 3 numbers each",
     "_density": "3 numbers",
+    "corners": "list of 3 points or more, 2 numbers each",
+    "rings": "list of such lists",
+    "_at": "2 numbers",
+    "_some_regions": "list of tables, see below",
+    "composite._material": "name of a material in quotes, or a table",
+    "_times": "6 numbers >= 0",
+    "stiffness_section._branches": "list of tables, see below",
+    "_branch_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
     "_twist": "number",
     "_strain": "6 numbers",
     "_spin": "number > 0, or 3 numbers",
@@ -159,7 +171,7 @@ def allowed(check):
     if name == "one_of.<locals>.check":
         return " or ".join(f'`"{word}"`' for word in inside["allowed"])
     if name == "choose.<locals>.parse":
-        return SECTION if inside["kinds"] is SECTIONS else f"table with `{inside['tag']}`"
+        return SECTION if inside["kinds"] in (SECTIONS, SIMPLE) else f"table with `{inside['tag']}`"
     if name == "_table.<locals>.parse":
         return f"table from motion words to {allowed(inside['check']).replace('number', 'numbers')}"
     module = check.__module__.rpartition(".")[2]

@@ -18,11 +18,13 @@ if TYPE_CHECKING:
     from viscorod.model.body_shapes import Box, Cylinder, Sphere
     from viscorod.model.body_velocity import BodyVelocity
     from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
+    from viscorod.model.composite import Composite, Region
     from viscorod.model.event import Crossing, Decayed, SteadyState
     from viscorod.model.initial_strain import InitialStrain
     from viscorod.model.joint import Ball, Joint, Rigid, Universal
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
     from viscorod.model.material import KelvinVoigt, Material
+    from viscorod.model.outline import Outline
     from viscorod.model.profile import Piecewise, Taper
     from viscorod.model.prony import Prony
     from viscorod.model.relaxation import Relaxation
@@ -58,6 +60,8 @@ _HOMES = {
     "model.spring": ("LineSpring", "Spring"),
     "model.load": ("DistributedForce", "DistributedMoment", "Force", "Gravity", "Moment", "MovingForce"),
     "model.material": ("KelvinVoigt", "Material"),
+    "model.composite": ("Composite", "Region"),
+    "model.outline": ("Outline",),
     "model.prony": ("Prony",),
     "model.relaxation": ("Relaxation",),
     "model.profile": ("Piecewise", "Taper"),
@@ -90,6 +94,7 @@ __all__ = [
     "Box",
     "Circle",
     "Clamp",
+    "Composite",
     "Constant",
     "Crossing",
     "Curve",
@@ -119,6 +124,7 @@ __all__ = [
     "Model",
     "Moment",
     "MovingForce",
+    "Outline",
     "Piecewise",
     "Pin",
     "Planar",
@@ -127,6 +133,7 @@ __all__ = [
     "Prony",
     "Ramp",
     "Rectangle",
+    "Region",
     "Relaxation",
     "Revolute",
     "Rigid",

@@ -14,7 +14,6 @@ from viscorod.model.description import ModelDescription
 from viscorod.model.fit import require_fit
 from viscorod.model.laws import Laws
 from viscorod.model.rod import Rod
-from viscorod.model.section import MaterialSection
 from viscorod.model.settings import AnySettings, SimulateSettings, SteadySettings
 from viscorod.model.spring import AnySpring, ResolvedSpring
 from viscorod.solve.discretise import discretise
@@ -34,6 +33,9 @@ THICK = 0.1
 QUICK = 0.5
 """First angular frequency times retardation time above which Kelvin-Voigt is doubtful (LLT 2.6)."""
 
+SMALL = 1e-4
+"""Couplings of a section smaller than this fraction of the root of their diagonal entries are not shown."""
+
 COMPONENTS = ("shear 1", "shear 2", "stretch", "bend 1", "bend 2", "twist")
 
 
@@ -44,7 +46,8 @@ class CheckReport:
     Attributes:
         rods: name, length [m], mass [kg], elements, order of every rod.
         sections: stiffness [N, N m^2] and retardation time [s] of every strain, at the start of every rod and
-            where it changes; "held" in place of the stiffness of strains that the rod holds.
+            where it changes; "held" in place of the stiffness of strains that the rod holds; couplings of strains
+            in stiffness and damping, and the mass centre [m], where they are not zero.
         bodies: name, mass [kg], principal inertia [kg m^2] of every rigid body.
         joints: name, kind, places, motions that are free or driven, where it is and its gap [m] in the reference shape.
         springs: name, kind, places, motions with stiffness and damping.
@@ -213,8 +216,25 @@ def _section_rows(name: str, rod: Rod) -> list[dict[str, object]]:
             row[f"{component} stiffness [{'N' if i < 3 else 'N m2'}]"] = "held" if held[i] else float(C[i, i])
         for i, component in enumerate(COMPONENTS):
             row[f"{component} time [s]"] = "" if held[i] else float(D[i, i] / C[i, i])
+        row |= _couplings("coupling", "", C, held) | _couplings("viscous coupling", " s", D, held)
+        offset = np.array([M[1, 5], -M[0, 5]]) / M[0, 0]
+        if np.hypot(*offset) > SMALL * np.sqrt(M[5, 5] / M[0, 0]):
+            x, y = np.where(np.abs(offset) > 1e-9 * np.abs(offset).max(), offset, 0.0)
+            row["mass centre [m]"] = f"({x:.4g}, {y:.4g})"
         rows.append(row)
     return rows
+
+
+def _couplings(word: str, per: str, matrix: Floats, held: tuple[bool, ...]) -> dict[str, object]:
+    """The entries beside the diagonal that are not small against those on it, of strains that are free."""
+    found: dict[str, object] = {}
+    for i, first in enumerate(COMPONENTS):
+        for j in range(i + 1, 6):
+            size = np.sqrt(matrix[i, i] * matrix[j, j])
+            if not (held[i] or held[j]) and abs(matrix[i, j]) > SMALL * size:
+                unit = ("N", "N m", "N m2")[(i > 2) + (j > 2)]
+                found[f"{first} & {COMPONENTS[j]} {word} [{unit}{per}]"] = float(matrix[i, j])
+    return found
 
 
 def _rod_warnings(name: str, rod: Rod) -> list[str]:
@@ -225,7 +245,7 @@ def _rod_warnings(name: str, rod: Rod) -> list[str]:
     curvature = np.linalg.norm(np.diff(tangents, axis=0), axis=1) / np.diff(s)
     warnings = []
     section = rod.section_at(0.0)
-    half = section.half_width if isinstance(section, MaterialSection) else None
+    half = section.half_width
     if half is not None:
         worst = float(half * curvature.max())
         if worst > THICK:
@@ -238,8 +258,7 @@ def _rod_warnings(name: str, rod: Rod) -> list[str]:
                 f"rod {name}: its half width is {half / rod.length:.2g} of its length; "
                 "a rod model is meant for slender bodies"
             )
-    if isinstance(section, MaterialSection):
-        warnings.extend(f"rod {name}: {remark}" for remark in section.remarks())
+    warnings.extend(f"rod {name}: {remark}" for remark in section.remarks())
     return warnings
 
 
