@@ -14,10 +14,12 @@ from viscorod.cases import schema
 from viscorod.model.attachment import Attachment
 from viscorod.model.body import BODIES, Body
 from viscorod.model.body_velocity import BodyVelocity
+from viscorod.model.complex_moduli import ModulusTable
 from viscorod.model.initial_strain import InitialStrain
 from viscorod.model.joint import JOINTS, Rigid
+from viscorod.model.kelvin_voigt import KelvinVoigt
 from viscorod.model.load import LOADS
-from viscorod.model.material import KelvinVoigt, Material
+from viscorod.model.material import DAMPINGS, Material
 from viscorod.model.motion_words import MOTIONS, VELOCITIES
 from viscorod.model.profile import SECTIONS, Piece, Taper
 from viscorod.model.rod import CENTRELINES, Rod
@@ -32,11 +34,12 @@ PYTHON_ONLY_KEYS = {
     (BodyVelocity, "motion"),
     *((Rigid, name) for name in ("stiffness", "damping", "rest", "motion")),
 }
-DEFAULT_KINDS = (Support, Spring, Body)
+DEFAULT_KINDS = (Support, Spring, Body, KelvinVoigt)
 
 PARTS = {
     "materials": Material,
-    "materials.damping": KelvinVoigt,
+    **{f"damping.{word}": kind for word, kind in DAMPINGS.items()},
+    "damping.other": ModulusTable,
     "sections.piece": Piece,
     "sections.taper": Taper,
     **{f"sections.{word}": kind for word, kind in SECTIONS.items()},
@@ -107,6 +110,9 @@ TEXTS = {
     "_points": "list of 2 points or more, 3 numbers each",
     "_density": "3 numbers",
     "_twist": "number",
+    "_column": "list of numbers",
+    "_band": "2 numbers > 0, the lower first",
+    "_modulus_table": "table, see below",
     "_strain": "6 numbers",
     "_spin": "number > 0, or 3 numbers",
     "_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
@@ -140,6 +146,7 @@ FILE_WORDS = {
     "None lets the program choose": "left out, the program chooses",
     "None stores every step": "left out, every step",
     "None for ": "left out, ",
+    "; its path, from the case file on": "; its path from the case file on",
 }
 """Turns of the docstrings that concern Python only, and what they become here."""
 
@@ -152,6 +159,8 @@ def allowed(check):
         return allowed(inside["check"])
     if name == "_bounded.<locals>.check":
         return f"number {inside['allowed'].split(', or')[0]}"
+    if name == "_numbers.<locals>.check":
+        return f"list of numbers {inside['allowed']}"
     if name == "whole_number.<locals>.check":
         return f"whole number, {inside['low']} to {inside['high']}"
     if name == "_whole_or_auto.<locals>.parse":

@@ -18,9 +18,11 @@ if TYPE_CHECKING:
     from viscorod.model.body_shapes import Box, Cylinder, Sphere
     from viscorod.model.body_velocity import BodyVelocity
     from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
+    from viscorod.model.complex_moduli import ComplexModuli, ModulusTable
     from viscorod.model.initial_strain import InitialStrain
     from viscorod.model.joint import Ball, Joint, Rigid, Universal
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
+    from viscorod.model.loss_factor import LossFactor
     from viscorod.model.material import KelvinVoigt, Material
     from viscorod.model.profile import Piecewise, Taper
     from viscorod.model.prony import Prony
@@ -58,6 +60,8 @@ _HOMES = {
     "model.material": ("KelvinVoigt", "Material"),
     "model.prony": ("Prony",),
     "model.relaxation": ("Relaxation",),
+    "model.complex_moduli": ("ComplexModuli", "ModulusTable"),
+    "model.loss_factor": ("LossFactor",),
     "model.profile": ("Piecewise", "Taper"),
     "model.rod": ("Rod",),
     "model.section": ("Section",),
@@ -88,6 +92,7 @@ __all__ = [
     "Box",
     "Circle",
     "Clamp",
+    "ComplexModuli",
     "Constant",
     "Curve",
     "Cylinder",
@@ -109,9 +114,11 @@ __all__ = [
     "Joint",
     "KelvinVoigt",
     "LineSpring",
+    "LossFactor",
     "Material",
     "Member",
     "Model",
+    "ModulusTable",
     "Moment",
     "MovingForce",
     "Piecewise",

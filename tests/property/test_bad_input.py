@@ -158,6 +158,9 @@ def loads_or_tells(path):
         assert np.isfinite(frames).all()
         for matrix in rod.matrices_at(0.0):
             assert np.isfinite(matrix).all()
+        for array in rod.branches_at(0.0):
+            assert np.isfinite(array).all()
+            assert (array >= 0.0).all() or array.ndim == 3
 
 
 RELAXED = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]

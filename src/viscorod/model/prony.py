@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator, model_validator
@@ -21,7 +21,7 @@ STRAINS = ("shear", "bulk", "extension")
 Series = Sequence[float]
 
 
-def _numbers(allowed: str, low: float) -> Any:
+def _numbers(allowed: str, low: float) -> Callable[[Any], tuple[float, ...]]:
     def check(value: Any) -> tuple[float, ...]:
         items = numbers(value)
         if len(items) > MOST_BRANCHES:
@@ -31,7 +31,7 @@ def _numbers(allowed: str, low: float) -> Any:
                 found=f"{len(items)} numbers",
             )
         for index, item in enumerate(items):
-            if not ((item > 0.0 and item >= low) or item == low):
+            if not (item >= 1.0 / LARGEST or item == low):
                 raise RefusedError(
                     "outside what is allowed", f"give numbers {allowed}", found=show(item), at=(index,)
                 )

@@ -21,6 +21,9 @@ from viscorod.typing import Floats
 
 __all__ = ["Relaxation", "extension_of"]
 
+NOTHING = 1e-30
+"""Branches of less than this part of the equilibrium modulus are none."""
+
 Complexes: TypeAlias = npt.NDArray[np.complex128]
 
 
@@ -60,7 +63,7 @@ class Relaxation:
                 raise InputError(
                     Problem("moduli", found, "outside what is allowed", "give moduli >= 0 and times > 0")
                 )
-            if modulus > 0.0:
+            if modulus > NOTHING * self.equilibrium or math.isinf(self.equilibrium):
                 merged[float(time)] = merged.get(float(time), 0.0) + float(modulus)
         object.__setattr__(self, "equilibrium", float(self.equilibrium))
         object.__setattr__(self, "times", tuple(sorted(merged)))
