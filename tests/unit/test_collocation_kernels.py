@@ -99,7 +99,7 @@ def test_conserved_energy():
     rate = middle.strain_rate
     before, S = middle.section_force.copy(), middle.section_force
     given = (field[None] for field in (middle.strain, rate, start, end))
-    from_python(conserve_energy)(elements, *given, h, S[None])
+    from_python(conserve_energy)(elements, *given, h, np.zeros(S.shape[:2]), S[None])
     energy = 0.5 * (
         np.einsum("egi,egij,egj->eg", end, stiff, end) - np.einsum("egi,egij,egj->eg", start, stiff, start)
     )

@@ -85,6 +85,7 @@ class Element:
         self.coupled = True
         self.reference = 0.2 * rng.normal(size=(1, order, 6))
         self.rate_map = rng.normal(size=(m, 6, 6))
+        self.prestress = np.zeros((0, 1, 6))
 
     def assemble(self, r, q, twist, stress=None, moving=True):
         m, g = self.m, self.m - 1
@@ -99,7 +100,7 @@ class Element:
         geometric.assemble(
             self.nodes, self.links, self.pattern.slots(self.nodes), self.link_r, self.link_q, self.shapes,
             self.slopes, self.weights, np.array([self.half]), self.section, self.C, self.D, np.zeros((1, 6)),
-            self.coupled, True, False, self.reference, stress, r, q, twist, moving, self.rate_map, True, force,
+            self.coupled, True, False, self.reference, self.prestress, stress, r, q, twist, moving, self.rate_map, True, force,
             blocks, self.rate_blocks, strain, rate, S, operator, self.strain_operator,
         )  # fmt: skip
         K = dense(self.pattern, blocks)

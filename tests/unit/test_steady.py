@@ -153,7 +153,7 @@ def test_strain_rates_are_those_of_the_element():
     strain, _ = equations.fields()
     motion = StrainMotion.of(at.elements, 1, linearised=True)
     rate, S, force = np.zeros((1, *strain.shape)), np.zeros((1, *strain.shape)), np.zeros((1, at.n, 6))
-    forces_at(at.elements, motion, at.state.twist[None], strain[None], rate, S, force)
+    forces_at(at.elements, motion, at.state.twist[None], strain[None], rate, np.zeros_like(strain), S, force)
     used = equations.rates.used
     _, own, _ = equations._rates_and_forces()
     assert own == pytest.approx(force[0], abs=1e-12 * np.abs(force).max())

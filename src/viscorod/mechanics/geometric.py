@@ -106,6 +106,7 @@ def assemble(
     damped: bool,
     constrained: bool,
     reference: Floats,
+    prestress: Floats,
     stress: Floats,
     r: Floats,
     q: Floats,
@@ -135,6 +136,7 @@ def assemble(
             ``damped`` False skips D.
         held: marks strains whose section force is the stress ``(sections, 6)``; ``constrained`` False: there are none.
         reference: strains of the unstressed shape ``(elements, points, 6)``.
+        prestress: section forces beside C eps + D eps_t, likewise; no elements if there are none.
         stress: section force used in the geometric stiffness (the mixed iterate) ``(elements, points, 6)``.
         r, q, twist: nodal positions, unit quaternions and body twists; ``moving`` False means that all twists vanish.
         rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``; read only if ``damped and moving``.
@@ -142,7 +144,7 @@ def assemble(
         blocks: of the matrix ``(b, 6, 6)``, entry (i, j) of block s at ``blocks[s, j, i]``, added to.
         rate_blocks: the derivative by the twists alone, laid out like ``blocks``; none if it is not wanted.
         strain, strain_rate, section_force: outputs ``(elements, points, 6)``: (V, U) - reference, its rate, C eps
-            + D eps_t.
+            + D eps_t + prestress.
         operator: output ``(batches, m, 6, 6, LANES)``, change of the section force per nodal increment (column, row;
             with the tangent).
         strain_operator: output, change of the strain, laid out like ``operator``; no batches if it is not wanted.
@@ -192,6 +194,10 @@ def assemble(
         if viscous:
             rates(count, point, node, maps)
         section_forces(count, coupled, viscous, C, D, point)
+        if prestress.shape[0] > 0:
+            for lane in range(count):
+                for i in range(6):
+                    point[0, AT_FORCE + i, lane] += prestress[element[lane], place[lane], i]
         if constrained:
             for lane in range(count):
                 of = section[element[lane], place[lane]]

@@ -318,6 +318,7 @@ def conserve_energy(
     start: Floats,
     end: Floats,
     h: float,
+    others: Floats,
     S: Floats,
 ) -> None:
     """Change section forces at the middle of a step so that their work is exactly the change of elastic energy.
@@ -328,13 +329,14 @@ def conserve_energy(
 
     Args:
         strain, strain_rate: in the middle ``(1, e, points, 6)``; start, end: strains at the ends of the step, likewise.
-        h: step [s]; S: section forces, changed.
+        h: step [s]; others: what the work of other parts of ``S`` lacks ``(e, points)`` [J/m].
+        S: section forces, changed.
     """
     orders, section, C = elements[0], elements[9], elements[10]
     for e in range(orders.shape[0]):
         for g in range(orders[e]):
             of = section[e, g]
-            lacking = 0.0
+            lacking = others[e, g]
             square = 0.0
             for i in range(6):
                 for j in range(6):

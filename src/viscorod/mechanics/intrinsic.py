@@ -340,6 +340,7 @@ def forces_at(
     twist: Floats,
     strain: Floats,
     strain_rate: Floats,
+    prestress: Floats,
     section_force: Floats,
     force: Floats,
 ) -> None:
@@ -347,12 +348,17 @@ def forces_at(
 
     Args:
         motion: scratch for one state; twist: of all nodes ``(1, n, 6)``; strain: ``(1, e, points, 6)``.
-        strain_rate: output, what damping acts on; section_force: output, likewise; force: output ``(1, n, 6)``.
+        strain_rate: output, what damping acts on; prestress: section forces beside ``C eps + D eps_t (e, points, 6)``.
+        section_force: output like the strain; force: output ``(1, n, 6)``.
     """
     linearised, _, at_points, linear_rate, T, F, X, _, _ = motion
     interpolate_twists(elements, twist, T, X, at_points, linear_rate)
     viscous_rates(linearised, strain, at_points, linear_rate, strain_rate)
     section_forces(elements, strain, strain_rate, section_force)
+    for e in range(prestress.shape[0]):
+        for g in range(prestress.shape[1]):
+            for a in range(6):
+                section_force[0, e, g, a] += prestress[e, g, a]
     nodal_forces(elements, linearised, strain, strain_rate, section_force, F, X, force)
 
 

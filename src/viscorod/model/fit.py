@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 __all__ = ["require_fit", "unfit_for_steady"]
 
 
+_KELVIN_VOIGT = "take Kelvin-Voigt damping instead of the branches, or {}"
+
+
 def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
     """Refuse settings that do not go with the model.
 
@@ -28,12 +31,15 @@ def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
 
 
 def unfit_for_steady(model: ModelDescription) -> Iterator[Problem]:
-    """What a steady rotation cannot be computed with: joints, springs and constrained strains."""
+    """What a steady rotation cannot be computed with: joints, springs, constrained strains, Maxwell branches."""
     why = "steady rotations are computed without {}"
     instead = "leave it out, or compute the motion with simulate"
     yield from _joints(model, why.format("joints"), instead)
     yield from _springs(model, why.format("springs"), instead)
     yield from _constraints(model, why.format("constrained strains"), instead)
+    yield from _branches(
+        model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("compute the motion with simulate")
+    )
 
 
 def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Problem]:
@@ -59,6 +65,9 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Prob
         yield from _joints(model, why.format("joints"), instead)
         yield from _springs(model, why.format("springs"), instead)
         yield from _constraints(model, why.format("constrained strains"), instead)
+        yield from _branches(
+            model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("take dynamics = 'nonlinear'")
+        )
     elif settings.formulation == "intrinsic":
         why, instead = (
             "the intrinsic formulation has no {}",
@@ -66,6 +75,9 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Prob
         )
         yield from _joints(model, why.format("joints"), instead)
         yield from _constraints(model, why.format("constrained strains"), instead)
+        if settings.damping == "linearised":
+            why = "linearised damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
+            yield from _branches(model, why, "take damping = 'full'")
     if model.strains and settings.initial == "equilibrium":
         yield Problem(
             "initial",
@@ -89,3 +101,9 @@ def _constraints(model: ModelDescription, why: str, instead: str) -> Iterator[Pr
     for name, rod in model.rods.items():
         if any(rod.constrained_strains):
             yield Problem(f"rods.{name}.constraints", show(list(rod.constraints)), why, instead)
+
+
+def _branches(model: ModelDescription, why: str, instead: str) -> Iterator[Problem]:
+    for name, rod in model.rods.items():
+        if rod.relaxing:
+            yield Problem(f"rods.{name}", "Maxwell branches", why, instead)

@@ -192,6 +192,11 @@ class Rod(Described):
         return constrained_strains(self.constraints)
 
     @property
+    def relaxing(self) -> bool:
+        """Whether any section has Maxwell branches."""
+        return any(len(self.branches_at(s)[0]) for s, _ in self._sections())
+
+    @property
     def section_breaks(self) -> tuple[float, ...]:
         """Interior stations where the section jumps, m."""
         if not isinstance(self.section, Piecewise):

@@ -74,8 +74,12 @@ def dataset(
     if kind == "simulate":
         rate = np.array([snapshot.strain_rate for snapshot in snapshots])
         momentum = _momenta(problem, r, q, twist)
+        power = np.einsum("kgi,gij,kgj->kg", rate, gauss.damping, rate)
+        if problem.relaxing:
+            power += np.array([snapshot.branch_power for snapshot in snapshots])
+            variables["branch_loss"] = ((along, "branch"), np.array(history.branches))
         variables |= {
-            "dissipation": (points, np.einsum("kgi,gij,kgj->kg", rate, gauss.damping, rate)),
+            "dissipation": (points, power),
             "viscous": (along, energy[:, 2]),
             "external": (along, energy[:, 3]),
             "numerical": (along, energy[:, 4]),
@@ -98,6 +102,8 @@ def dataset(
         "point_s": ("point", gauss.s),
         "point_weight": ("point", gauss.length),
     }
+    if problem.relaxing:
+        coordinates["relaxation_time"] = ("branch", problem.relaxation_times)
     if problem.supports.names:
         variables["reaction"] = (
             (along, "support", "motion"),

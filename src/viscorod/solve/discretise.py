@@ -49,7 +49,7 @@ def discretise(model: ModelDescription) -> Problem:
     elements = [element_nodes(shared, m.order) for m, shared in zip(mesh.rods, mesh.shared, strict=True)]
     multipliers = joints.blocks + held_rows
     pattern = Pattern.of(nodes + multipliers, [*elements, *joints.cliques(nodes), *held_members])
-    sets, mass = element_sets(mesh, pattern)
+    sets, mass, relaxation_times = element_sets(mesh, pattern)
     supports = _supports(model, places)
     nodal: list[NodalLoad] = []
     moving: list[StationLoad] = []
@@ -83,6 +83,7 @@ def discretise(model: ModelDescription) -> Problem:
         stations=stations_of(mesh),
         initial_strain={mesh.rod_index(strain.rod): strain.at for strain in model.strains},
         initial_twist=_initial_twist(model, places),
+        relaxation_times=relaxation_times,
         length=length,
         breakpoints=breakpoints,
         jumps=jumps,

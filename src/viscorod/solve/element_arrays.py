@@ -11,6 +11,11 @@ from viscorod.solve.system import GaussPositions
 from viscorod.typing import Floats, Integers
 
 
+def all_branches(problem: Problem) -> Floats:
+    """Return the stiffnesses of the Maxwell branches of all sections, numbered as in :func:`all_elements`."""
+    return np.concatenate([e.branches for e in problem.sets])
+
+
 def gauss_positions(sets: tuple[ElementSet, ...]) -> tuple[Integers, GaussPositions]:
     """Return the order of all Gauss points by rod and arc length, and their places in that order."""
     rod, s, length, half_width, damping = [], [], [], [], []

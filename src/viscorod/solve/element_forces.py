@@ -14,6 +14,7 @@ from viscorod.mechanics.internal_force import Elements, ElementWork, Points, int
 from viscorod.mechanics.intrinsic import StrainMotion, forces_at
 from viscorod.mechanics.intrinsic_linearised import linearise_intrinsic
 from viscorod.mechanics.linearised import Operators
+from viscorod.solve.relaxation import Relaxation
 from viscorod.solve.system import State, System
 from viscorod.typing import Floats
 
@@ -44,6 +45,14 @@ class ElementForces(Protocol):
         """Take the strains at the end of a step from those in its middle, twice the way."""
 
 
+def branch_forces(relaxation: Relaxation | None, strain: Floats) -> Floats:
+    """Return the forces of Maxwell branches at ``strain (e, points, 6)``, in which a motion begins relaxed."""
+    if relaxation is None:
+        return np.zeros_like(strain)
+    relaxation.begin(strain)
+    return relaxation.force(strain)
+
+
 class GeometricForces:
     """Strains follow from poses."""
 
@@ -57,14 +66,16 @@ class GeometricForces:
         """See :class:`ElementForces`."""
         where = state.r[None], state.q[None], state.twist[None]
         internal_forces(self.elements, *where, points, self._work, internal[None])
-        held = self.system.problem.held
-        if len(held.place):
-            # once more, with the multipliers as the section forces that no law gives
-            points.stress[:] = points.section_force
-            forces = state.multiplier[held.place] / held.weight
-            points.stress[0, held.element, held.point, held.component] = forces
-            internal_forces(self.elements, *where, points, self._work, internal[None])
-            points.section_force[0, held.element, held.point, held.component] = forces
+        held, relaxation = self.system.problem.held, self.system.relaxation
+        if not len(held.place) and relaxation is None:
+            return
+        # once more, with the section forces that need the strains, and multipliers for those that no law gives
+        points.stress[:] = points.section_force
+        points.stress[0] += branch_forces(relaxation, points.strain[0])
+        forces = state.multiplier[held.place] / held.weight
+        points.stress[0, held.element, held.point, held.component] = forces
+        internal_forces(self.elements, *where, points, self._work, internal[None])
+        points.section_force[:] = points.stress
 
     def linearise(
         self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
@@ -109,9 +120,11 @@ class IntrinsicForces:
             state.twist[None],
             points.strain,
             points.strain_rate,
+            branch_forces(self.system.relaxation, points.strain[0]),
             points.section_force,
             internal[None],
         )
+        points.stress[:] = points.section_force
 
     def linearise(
         self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
@@ -124,6 +137,7 @@ class IntrinsicForces:
             state.twist[None],
             self.motion.start[None],
             rate,
+            np.zeros_like(stress),
             np.zeros_like(rate),
             np.zeros((1, *state.twist.shape)),
         )

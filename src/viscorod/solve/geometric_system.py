@@ -12,13 +12,15 @@ from viscorod.mechanics.held_strains import HeldStrains
 from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.lanes import LANES
 from viscorod.mechanics.linearised import Operators, collect
+from viscorod.mechanics.relaxation import add_section_stiffness
 from viscorod.solve.constraint_rows import gradients_of_gaps
 from viscorod.solve.constraints import Constraints
-from viscorod.solve.element_arrays import all_elements, gauss_places, gauss_positions
+from viscorod.solve.element_arrays import all_branches, all_elements, gauss_places, gauss_positions
 from viscorod.solve.element_forces import ElementForces, GeometricForces
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.loads import NO_LOADS, LoadState
 from viscorod.solve.problem import ElementSet, Problem
+from viscorod.solve.relaxation import Relaxation
 from viscorod.solve.system import GaussPoints, GaussPositions, State
 from viscorod.typing import Floats, Integers
 
@@ -37,6 +39,8 @@ class _Part:
         batches = -(-elements.section.size // LANES)
         self.operator = np.zeros((batches, elements.nodes.shape[1], 6, 6, LANES))
         self.reference = np.zeros(shape)
+        self.stiffness = elements.stiffness
+        self.prestress = np.zeros((0, 1, 6))
         geometric.strains(
             elements.nodes,
             elements.links,
@@ -52,6 +56,7 @@ class _Part:
         )
         self.damped = elements.damped
         self.coupled = elements.coupled
+        self.points = elements.section.shape[1]
         self.constrained = bool(elements.held.any())
         self.held_at = tuple(np.zeros(0, dtype=np.int64) for _ in range(3))  # elements, points, components
         self.place, self.weight = np.zeros(0, dtype=np.int64), np.zeros(0)
@@ -86,6 +91,9 @@ class GeometricSystem:
             part.hold(problem.held, first)
             first += len(part.elements.nodes)
         self._order, self._positions = gauss_positions(problem.sets)
+        self.relaxation: Relaxation | None = None
+        if problem.relaxing:
+            self.relaxation = Relaxation(self.elements(), problem.relaxation_times, all_branches(problem))
 
     def assemble(
         self,
@@ -108,6 +116,7 @@ class GeometricSystem:
             rate_matrix.clear()
         rates = self._no_map if rate_map is None else rate_map
         rate_blocks = self._no_blocks if rate_matrix is None else rate_matrix.blocks
+        self._respond()
         first = 0
         for part in self.parts:
             part.stress[part.held_at] = state.multiplier[part.place] / part.weight
@@ -153,6 +162,27 @@ class GeometricSystem:
                 blocks,
                 e.slots[load.element],
             )
+
+    def _respond(self) -> None:
+        """Let sections have the stiffness and the prestress that Maxwell branches give them now."""
+        if self.relaxation is None:
+            return
+        first = sections = 0
+        for part in self.parts:
+            count = len(part.elements.nodes)
+            own = slice(sections, sections + len(part.elements.stiffness))
+            part.stiffness = part.elements.stiffness + self.relaxation.stiffness[own]
+            part.prestress = self.relaxation.prestress[first : first + count, : part.points].copy()
+            first, sections = first + count, own.stop
+
+    def _strains(self) -> Floats:
+        """Return the strains of the last assembly in the arrays of :meth:`elements`."""
+        strain = np.zeros(self._all.reference.shape)
+        first = 0
+        for part in self.parts:
+            strain[first : first + len(part.strain), : part.points] = part.strain
+            first += len(part.strain)
+        return strain
 
     def _own_operators(self) -> Operators:
         if self._operators is None:
@@ -234,13 +264,14 @@ class GeometricSystem:
             e.weights,
             e.half_lengths,
             e.section,
-            e.stiffness,
+            part.stiffness,
             e.damping,
             e.held,
             part.coupled,
             part.damped,
             part.constrained,
             part.reference,
+            part.prestress,
             stress,
             state.r,
             state.q,
@@ -324,7 +355,40 @@ class GeometricSystem:
         for part in self.parts:
             e = part.elements
             total += geometric.elastic_energy(e.weights, e.half_lengths, e.section, e.stiffness, part.strain)
+        if self.relaxation is not None and self.relaxation.known:
+            total += self.relaxation.energy(self._strains())
         return total + self.constraints.energy
+
+    def settle(self) -> Floats:
+        """See :class:`~viscorod.solve.system.System`."""
+        if self.relaxation is None:
+            return np.zeros(0)
+        strain = self._strains()
+        self.relaxation.begin(strain)
+        return self.relaxation.settle(strain)
+
+    def branch_stiffness(self, state: State) -> list[sparse.csr_array]:
+        """See :class:`~viscorod.solve.system.System`."""
+        if self.relaxation is None:
+            return []
+        n, elements = self.problem.size, self.elements()
+        operators, matrix = Operators.of(elements), Matrix(self.problem.pattern)
+        unused = np.zeros_like(matrix.blocks)
+        stress = np.zeros(elements.reference.shape)
+        self.linearise(state, np.zeros((n, 6, 6)), stress, operators, matrix.blocks, unused)
+        found = []
+        for j in range(len(self.relaxation.times)):
+            matrix.clear()
+            modulus = np.ascontiguousarray(self.relaxation.branches[:, j])
+            add_section_stiffness(elements, modulus, operators.strain, matrix.blocks)
+            found.append(sparse.csr_array(matrix.sparse()[: 6 * n, : 6 * n]))
+        return found
+
+    def branch_power(self) -> Floats | None:
+        """See :class:`~viscorod.solve.system.System`."""
+        if self.relaxation is None or not self.relaxation.known:
+            return None
+        return self.relaxation.power(self._strains()).ravel()[self.gauss_places()]
 
     def viscous_loss(self, duration: float) -> float:
         """See :class:`~viscorod.solve.system.System`."""

@@ -78,16 +78,24 @@ class Progressing(Protocol):
     work: float
     loss: float
 
+    @property
+    def branch_loss(self) -> Floats:
+        """What each Maxwell branch lost ``(n,)`` [J], part of ``loss``."""
+
 
 @dataclass
 class EnergyAccount:
-    """Energies so far [J]; ``numerical`` is what the balance lacks."""
+    """Energies so far [J].
+
+    ``numerical`` is what the balance lacks, ``branches`` what each Maxwell branch lost, parts of ``viscous``.
+    """
 
     kinetic: float = 0.0
     elastic: float = 0.0
     viscous: float = 0.0
     external: float = 0.0
     start: float = 0.0
+    branches: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def numerical(self) -> float:
@@ -96,16 +104,19 @@ class EnergyAccount:
 
     def copy(self) -> EnergyAccount:
         """Return an independent copy."""
-        return EnergyAccount(self.kinetic, self.elastic, self.viscous, self.external, self.start)
+        return EnergyAccount(
+            self.kinetic, self.elastic, self.viscous, self.external, self.start, self.branches
+        )
 
     def add(self, step: Progressing) -> None:
         """Add a step."""
         self.kinetic, self.elastic = step.kinetic, step.elastic
         self.external += step.work
         self.viscous += step.loss
+        self.branches = self.branches + step.branch_loss
 
     def between(
-        self, end: EnergyAccount, part: float, kinetic: float, work: float, loss: float
+        self, end: EnergyAccount, part: float, kinetic: float, work: float, loss: float, branch_loss: Floats
     ) -> EnergyAccount:
         """Return the account at a ``part`` of the step that led from here to ``end``.
 
@@ -115,7 +126,7 @@ class EnergyAccount:
         viscous, external = self.viscous + loss, self.external + work
         remainder = (1.0 - part) * self.numerical + part * end.numerical
         elastic = max(remainder - (kinetic + viscous - external - self.start), 0.0)
-        return EnergyAccount(kinetic, elastic, viscous, external, self.start)
+        return EnergyAccount(kinetic, elastic, viscous, external, self.start, self.branches + branch_loss)
 
 
 class Snapshot(NamedTuple):
@@ -125,6 +136,7 @@ class Snapshot(NamedTuple):
         state: nodal poses and twists; strain, strain_rate, section_force: at the Gauss points in order ``(m, 6)``.
         reaction: global wrenches of the supports ``(supports, 6)``.
         kinetic, elastic: energies [J]; joints: their coordinates, None if there are none.
+        branch_power: lost by Maxwell branches per length at the Gauss points ``(m,)`` [W/m], None if there are none.
     """
 
     state: State
@@ -135,6 +147,7 @@ class Snapshot(NamedTuple):
     kinetic: float
     elastic: float
     joints: JointState | None = None
+    branch_power: Floats | None = None
 
     @classmethod
     def of(cls, state: State, system: System, supports: SupportState, kinetic: float = 0.0) -> Snapshot:
@@ -149,6 +162,7 @@ class Snapshot(NamedTuple):
             kinetic,
             system.elastic_energy(),
             system.constraints.state(),
+            system.branch_power(),
         )
 
     def blend(self, end: Snapshot, part: float, state: State, system: System) -> Snapshot:
@@ -169,6 +183,9 @@ class Snapshot(NamedTuple):
             kinetic_energy(system.problem.mass, state.twist),
             0.0,
             self._blended_joints(end, part),
+            None
+            if self.branch_power is None or end.branch_power is None
+            else mix(self.branch_power, end.branch_power),
         )
 
     def _blended_joints(self, end: Snapshot, part: float) -> JointState | None:
@@ -188,6 +205,7 @@ class History:
     energy: list[tuple[float, float, float, float, float]] = field(default_factory=list)
     step_size: list[float] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
+    branches: list[Floats] = field(default_factory=list)  # energy lost by each Maxwell branch so far
     unstable: list[int] = field(default_factory=list)  # negative eigenvalues of the points of a path
 
     def record(
@@ -199,5 +217,6 @@ class History:
         self.energy.append(
             (account.kinetic, account.elastic, account.viscous, account.external, account.numerical)
         )
+        self.branches.append(account.branches)
         self.step_size.append(step_size)
         self.iterations.append(iterations)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -218,25 +218,39 @@ class SectionTable:
         self.stiffness: list[Floats] = []
         self.damping: list[Floats] = []
         self.held: list[Floats] = []
+        self.branches: list[dict[float, Floats]] = []
 
-    def add(self, stiffness: Floats, damping: Floats, held: Floats) -> int:
-        """Return the index of a pair of matrices without what ``held (6,)`` marks: multipliers give those forces."""
-        key = stiffness.tobytes() + damping.tobytes() + held.tobytes()
+    def add(self, rod: Rod, s: float, held: Floats) -> int:
+        """Return the index of a rod's section without what ``held (6,)`` marks: multipliers give those forces."""
+        stiffness, damping, _ = rod.matrices_at(s)
+        times, branches = rod.branches_at(s)
+        key = b"".join(array.tobytes() for array in (stiffness, damping, times, branches, held))
         if key not in self._index:
             self._index[key] = len(self.stiffness)
             free = np.outer(1.0 - held, 1.0 - held)
             self.stiffness.append(free * stiffness)
             self.damping.append(free * damping)
             self.held.append(held)
+            own: dict[float, Floats] = {}
+            for time, branch in zip(times.tolist(), branches, strict=True):
+                own[time] = own.get(time, 0.0) + free * branch
+            self.branches.append(own)
         return self._index[key]
 
+    def branches_of(self, times: list[float]) -> Floats:
+        """Return the stiffnesses of Maxwell branches with these relaxation times ``(sections, n, 6, 6)``."""
+        none = np.zeros((6, 6))
+        found = [own.get(time, none) for own in self.branches for time in times]
+        return np.array(found).reshape(len(self.branches), len(times), 6, 6)
 
-def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], Floats]:
-    """Element arrays grouped by order, and the nodal masses ``(n, 6, 6)`` lumped at the Gauss-Lobatto nodes."""
+
+def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], Floats, Floats]:
+    """Element arrays grouped by order, nodal masses ``(n, 6, 6)`` lumped at Gauss-Lobatto nodes, relaxation times."""
     mass = np.zeros((len(mesh.positions), 6, 6))
     for node, body in enumerate(mesh.bodies):
         mass[node] = body.mass_matrix()
     sets = []
+    tables: list[SectionTable] = []
     for order in sorted({m.order for m in mesh.rods}):
         table = SectionTable()
         columns: dict[str, list[Any]] = {
@@ -256,15 +270,15 @@ def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], 
             middle = start + half
             held = np.array(rod_mesh.rod.constrained_strains, dtype=float)
             if isinstance(rod_mesh.rod.section, MaterialSection | StiffnessSection):
-                C, D, M = rod_mesh.rod.matrices_at(0.0)
-                section[:] = table.add(C, D, held)
+                section[:] = table.add(rod_mesh.rod, 0.0, held)
                 widths[:] = rod_mesh.rod.section_at(0.0).half_width or 0.0
-                lumped[:] = half[:, None, None, None] * lumps[:, None, None] * M
+                mass_per_length = rod_mesh.rod.matrices_at(0.0)[2]
+                lumped[:] = half[:, None, None, None] * lumps[:, None, None] * mass_per_length
             else:
                 for e in range(len(start)):
                     for g in range(order):
                         s = middle[e] + half[e] * points[g]
-                        section[e, g] = table.add(*rod_mesh.rod.matrices_at(s)[:2], held)
+                        section[e, g] = table.add(rod_mesh.rod, s, held)
                         widths[e, g] = rod_mesh.rod.section_at(s).half_width or 0.0
                     for k in range(order + 1):
                         # just inside the element: the section may change at its end
@@ -281,6 +295,7 @@ def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], 
         joined: dict[str, Any] = {
             key: np.ascontiguousarray(np.concatenate(value)) for key, value in columns.items()
         }
+        tables.append(table)
         sets.append(
             ElementSet(
                 order=order,
@@ -298,9 +313,15 @@ def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], 
                 stiffness=np.array(table.stiffness),
                 damping=np.array(table.damping),
                 held=np.array(table.held),
+                branches=np.zeros((0, 0, 6, 6)),
             )
         )
-    return tuple(sets), mass
+    # branches of one time are one branch, whatever rods they are in
+    times = sorted({time for table in tables for own in table.branches for time in own})
+    complete = [
+        replace(known, branches=table.branches_of(times)) for known, table in zip(sets, tables, strict=True)
+    ]
+    return tuple(complete), mass, np.array(times)
 
 
 def link_matrix(mesh: Mesh, link: int) -> Floats:

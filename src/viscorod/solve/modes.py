@@ -15,6 +15,7 @@ from scipy import sparse
 
 from viscorod.solve.history import StationReader
 from viscorod.solve.linear.matrix import Matrix
+from viscorod.solve.relaxing_modes import Pencil, follow
 from viscorod.solve.static import StaticSolver
 from viscorod.solve.system import State
 from viscorod.typing import Floats
@@ -154,11 +155,34 @@ def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, cou
     s = shift + 1.0 / values[kept]
     kept, s = kept[s.imag >= -1e-12 * np.abs(s)], s[s.imag >= -1e-12 * np.abs(s)]
     order = np.argsort(np.abs(s), kind="stable")[:count]
-    s = s[order]
-    shapes, rotations = _shapes(solver, state, linear, vectors[:size, kept[order]])
+    s, vectors = s[order], vectors[:size, kept[order]]
+    if solver.system.relaxation is not None:
+        s, vectors = _with_branches(solver, state, linear, s, vectors)
+    shapes, rotations = _shapes(solver, state, linear, vectors)
     size_s = np.abs(s)
     ratio = np.divide(-s.real, size_s, out=np.zeros(len(s)), where=size_s > 0.0)
     return Modes(s, size_s / (2.0 * np.pi), ratio, shapes, rotations)
+
+
+def _with_branches(
+    solver: StaticSolver, state: State, linear: Linearisation, s: np.ndarray, vectors: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what the modes of the relaxed rods become with their Maxwell branches; lost ones are left out."""
+    system = solver.system
+    assert system.relaxation is not None
+    branches = tuple(
+        sparse.csr_array(linear.basis.T @ branch @ linear.basis) for branch in system.branch_stiffness(state)
+    )
+    pencil = Pencil(linear.stiffness, linear.damping, linear.mass, branches, system.relaxation.times)
+    highest = float(np.abs(s).max(initial=0.0))
+    found = [
+        follow(pencil, complex(root), vector) if abs(root) > 1e-6 * highest else (complex(root), vector)
+        for root, vector in zip(s, vectors.T, strict=True)
+    ]
+    values = np.array([root for root, _ in found])
+    kept = np.flatnonzero(np.isfinite(values))
+    order = kept[np.argsort(np.abs(values[kept]), kind="stable")]
+    return values[order], np.array([found[k][1] for k in order]).T.reshape(len(vectors), -1)
 
 
 def _shapes(

@@ -24,6 +24,7 @@ class ElementSet:
 
     ``slots (elements, m, m)`` are the matrix blocks between the nodes of an element, of the problem's pattern.
     ``held (sections, 6)`` marks strains that multipliers hold; stiffness and damping have no rows and columns there.
+    ``branches (sections, n, 6, 6)`` are the stiffnesses of the Maxwell branches with the problem's relaxation times.
     ``half_widths (elements, points)`` [m] are the largest distances of the section from the centre line, 0 if unknown.
     """
 
@@ -42,6 +43,7 @@ class ElementSet:
     stiffness: Floats
     damping: Floats
     held: Floats
+    branches: Floats
 
     @property
     def damped(self) -> bool:
@@ -52,7 +54,8 @@ class ElementSet:
     def coupled(self) -> bool:
         """Whether any section couples different strains; kernels skip the off-diagonals otherwise."""
         off = ~np.eye(6, dtype=bool)
-        return bool(np.any(self.stiffness[:, off] != 0.0) or np.any(self.damping[:, off] != 0.0))
+        matrices = (self.stiffness, self.damping, self.branches.reshape(-1, 6, 6))
+        return any(bool(np.any(matrix[:, off] != 0.0)) for matrix in matrices)
 
 
 @dataclass(frozen=True)
@@ -170,6 +173,7 @@ class Problem:
     stations: Stations
     initial_strain: Mapping[int, Callable[[float], Floats]]
     initial_twist: Callable[[Floats, Floats], Floats]
+    relaxation_times: Floats
     length: float
     breakpoints: tuple[float, ...]
     jumps: tuple[float, ...]
@@ -184,6 +188,11 @@ class Problem:
     def constrained(self) -> bool:
         """Whether there are joints, springs or held strains."""
         return self.joints.count > 0 or len(self.held.place) > 0
+
+    @property
+    def relaxing(self) -> bool:
+        """Whether any section has Maxwell branches."""
+        return len(self.relaxation_times) > 0
 
     @cached_property
     def plan(self) -> Plan:

@@ -23,6 +23,7 @@ from viscorod.typing import Floats, Integers
 if TYPE_CHECKING:
     from viscorod.solve.constraints import Constraints
     from viscorod.solve.element_forces import ElementForces
+    from viscorod.solve.relaxation import Relaxation
 
 
 @dataclass
@@ -79,6 +80,8 @@ class System(Protocol):
 
     problem: Problem
     constraints: Constraints
+    relaxation: Relaxation | None
+    """What Maxwell branches remember; None if there are none."""
     internal: Floats
     external: Floats
     matrix: Matrix
@@ -134,6 +137,15 @@ class System(Protocol):
 
     def viscous_loss(self, duration: float) -> float:
         """Return the energy [J] lost to viscosity since the last call, ``duration`` [s] ago; 0 starts counting anew."""
+
+    def settle(self) -> Floats:
+        """Let the branches remember the last assembly; return what each lost since the last call ``(n,)`` [J]."""
+
+    def branch_stiffness(self, state: State) -> list[sparse.csr_array]:
+        """Return the stiffness matrices of all branches in body increments of the nodes ``(6 n, 6 n)`` at ``state``."""
+
+    def branch_power(self) -> Floats | None:
+        """Return what the branches lose per length ``(m,)`` [W/m] in the order of results; None if there are none."""
 
     def gauss_points(self) -> GaussPoints:
         """Return the Gauss-point fields of the last assembly."""

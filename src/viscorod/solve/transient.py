@@ -123,6 +123,7 @@ class Transient:
         account.elastic = integrator.elastic
         account.kinetic = integrator.kinetic
         account.start = account.kinetic + account.elastic
+        account.branches = np.zeros(len(self.problem.relaxation_times))
         history.record(0.0, integrator.snapshot(), account, 0.0, 0)
         corners, jumps = self._corners(duration)
         t, restart = 0.0, True
@@ -161,8 +162,11 @@ class Transient:
                 times = self._records(t, end, output_interval, end == duration)
                 parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
                 states = integrator.between(np.array(parts)) if parts else []
-                for (between, work, loss), at, part in zip(states, times, parts, strict=False):
-                    energy = before.between(account, part, between.kinetic, work, loss)
+                lost = integrator.branch_losses(np.array(parts))
+                for (between, work, loss), at, part, branches in zip(
+                    states, times, parts, lost, strict=False
+                ):
+                    energy = before.between(account, part, between.kinetic, work, loss, branches)
                     history.record(at, between, energy, end - t, report.iterations)
                 if len(times) > len(states):
                     history.record(times[-1], integrator.snapshot(), account, end - t, report.iterations)

@@ -23,6 +23,7 @@ from viscorod.solve.integrators.contract import StepReport
 from viscorod.solve.integrators.linked import Linked
 from viscorod.solve.integrators.predictor import Predictor
 from viscorod.solve.integrators.records import Records
+from viscorod.solve.integrators.relaxed import Relaxed
 from viscorod.solve.integrators.solved_step import try_step
 from viscorod.solve.integrators.stage_data import Body, Ends, Matrices, Stages, Work
 from viscorod.solve.integrators.stage_systems import StageSystems
@@ -75,7 +76,9 @@ class Collocation:
         self.stages = Stages.of(stages, body)
         self.predictor = Predictor(body, self.stages, tableau)
         self.linked = Linked(system.constraints, tableau) if problem.constrained else None
-        self.systems = StageSystems(body, system.matrix.scales, tableau, problem.plan)
+        memory = system.relaxation
+        self.relaxed = None if memory is None else Relaxed(memory, body, tableau)
+        self.systems = StageSystems(body, system.matrix.scales, tableau, problem.plan, self.relaxed)
         self.recorded = Records(
             body,
             self.actions.given,
@@ -89,7 +92,8 @@ class Collocation:
         self.ends: Ends | None = None
         self.matrices = Matrices.of(body)
         self.scratch = Work.of(body, stages)
-        self._points = Points.of(body.elements, 1, carried=len(problem.held.place) > 0)  # at t
+        carried = len(problem.held.place) > 0 or problem.relaxing
+        self._points = Points.of(body.elements, 1, carried=carried)  # at t
         self._stress = np.zeros(body.elements.reference.shape)  # at t
         self._force = np.zeros((problem.size, 6))  # what accelerates the nodes at t
         self._end_rate = np.zeros((problem.size, 6))  # of the twists at t
@@ -138,6 +142,8 @@ class Collocation:
         self.predictor.predict(self.state, self._stress, h)
         if self.linked is not None:
             self.linked.predict(h)
+        if self.relaxed is not None:
+            self.relaxed.prepare(h)
         code, count, size, rate, unknown, error, worst = try_step(*self.step_arguments(h))
         self.systems.check()
         self.evaluations += (count + (code == iteration.CONVERGED)) * len(self.tableau.nodes)
@@ -176,6 +182,7 @@ class Collocation:
             self.scratch,
             self.forces.motion,
             None if self.linked is None else self.linked.links,
+            None if self.relaxed is None else self.relaxed.step,
             self.newton_tolerance,
             self.iterations,
             self._rate,
@@ -192,6 +199,8 @@ class Collocation:
         self.work, self.loss = h * float(weights @ self._powers[0]), h * float(weights @ self._powers[1])
         self.recorded.leave(self.state)
         self.predictor.keep(self.state, self._stress, h)
+        if self.relaxed is not None:
+            self.relaxed.arrive(self.stages.strain)
         self._arrive()
         self.t, self._step = self._end, h
         self._fresh_jacobian = False
@@ -211,15 +220,34 @@ class Collocation:
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         snapshot = self.recorded.snapshot
+        if self.relaxed is not None:
+            power = self.relaxed.memory.power(self.relaxed.memory.strain)
+            snapshot = snapshot._replace(branch_power=power.ravel()[self.system.gauss_places()])
         if self.linked is None or self._factor_step == 0.0:
             return snapshot
         return self.linked.shown(snapshot, self.systems.solve_real)
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
-        return self.recorded.between(
+        records = self.recorded.between(
             parts, self.t, self._step, self.state, self._end_rate, self._powers, self.loss
         )
+        if self.relaxed is None:
+            return records
+        powers = self.relaxed.power_between(parts).reshape(len(parts), -1)[:, self.system.gauss_places()]
+        return [
+            (snapshot._replace(branch_power=power), work, loss)
+            for (snapshot, work, loss), power in zip(records, powers, strict=True)
+        ]
+
+    @property
+    def branch_loss(self) -> Floats:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
+        return np.zeros(0) if self.relaxed is None else self.relaxed.lost
+
+    def branch_losses(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
+        return np.zeros((len(parts), 0)) if self.relaxed is None else self.relaxed.lost_until(parts)
 
     # --- what methods differ in
 
@@ -285,6 +313,10 @@ class Collocation:
         elastic, dissipated = np.empty((2, 1))  # not the powers of the last step, which states between need
         energies(body.elements, points.strain, points.strain_rate, elastic, dissipated)
         self.elastic = float(elastic[0]) + constraints.energy
+        if self.relaxed is not None:
+            memory, strain = self.relaxed.memory, points.strain[0]
+            memory.strain[:] = strain
+            self.elastic += memory.energy(strain)
         self._reaction[:] = supports.reaction
         self._stress[:] = points.stress[0]
         self.recorded.settle(state, points, supports.global_reactions(state), self.kinetic, self.elastic)

@@ -60,6 +60,9 @@ class Integrator(Protocol):
     4. ``snapshot()`` is everything at ``t``, ``between(parts)`` everything at parts of the last step, with the work and
        the loss up to there.
 
+    ``branch_loss (n,)`` is what each Maxwell branch took during the step, part of ``loss``; ``branch_losses(parts)``,
+    ``(k, n)``, is the same up to parts of it.
+
     ``drift`` is how far joints and held strains were from what they hold: the largest gap of positions over the length
     of the model (or in rad, or strain) and of velocities over the fastest one, so far; zeros without any.
     ``order`` is that of the error estimate: it grows as the power ``order + 1`` of the step. ``records`` is the number
@@ -83,6 +86,10 @@ class Integrator(Protocol):
     @property
     def records(self) -> int:
         """States to record in the last step."""
+
+    @property
+    def branch_loss(self) -> Floats:
+        """What each Maxwell branch took during the last step ``(n,)`` [J]."""
 
     @property
     def drift(self) -> tuple[float, float]:
@@ -109,3 +116,6 @@ class Integrator(Protocol):
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start."""
+
+    def branch_losses(self, parts: Floats) -> Floats:
+        """Return what each Maxwell branch took ``(k, n)`` [J] from the start of the last step to ``parts (k,)``."""

@@ -114,6 +114,7 @@ class GeneralizedAlpha:
         self.kinetic = self.elastic = self.work = self.loss = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         self.drift = 0.0, 0.0
+        self.branch_loss: Floats = np.zeros(len(system.problem.relaxation_times))
         self._power = self._end = self._step = 0.0
         self._trial: tuple[Relation, Solution]
         self._start: tuple[State, Snapshot]
@@ -136,7 +137,10 @@ class GeneralizedAlpha:
         supports.prescribe(state)
         supports.project_twists(state)
         start_consistently(system, supports, state)
+        if system.relaxation is not None and system.relaxation.known:
+            system.relaxation.elapse(0.0)
         system.assemble(state, self.loads.at(t), None, tangent=False, moving=True)
+        system.settle()
         system.reset_stress()
         system.constraints.settle()
         residual = system.residual()
@@ -241,7 +245,8 @@ class GeneralizedAlpha:
         if first:  # forces of motors at the start are not known
             self._power += self.system.constraints.motor_power()
         self.work = 0.5 * h * (self._power + power)
-        self.loss = self.system.viscous_loss(h)
+        self.branch_loss = self.system.settle()
+        self.loss = self.system.viscous_loss(h) + float(self.branch_loss.sum())
         self.elastic = self.system.elastic_energy()
         self._power = power
         self._step = h
@@ -307,11 +312,17 @@ class GeneralizedAlpha:
             for k, part in enumerate(parts)
         ]
 
+    def branch_losses(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`: linear in time."""
+        return np.multiply.outer(parts, self.branch_loss)
+
     def _solve(self, t: float, before: bool, relation: Relation, increment: Floats) -> Solution:
         """Solve the balance at time ``t`` for the poses reached by ``increment`` (predicted) from the last state."""
         system, supports, old = self.system, self.supports, self.state
         supports.update(t, before)
         system.constraints.update(t, before)
+        if system.relaxation is not None:
+            system.relaxation.elapse(t - self.t)
         loads = self.loads.at(t, before)
         increment[self._held] = 0.0
         new = old.copy()
@@ -416,6 +427,8 @@ class GeneralizedAlpha:
 
     def _undo(self) -> None:
         """Put system and supports back to the last accepted state."""
+        if self.system.relaxation is not None:
+            self.system.relaxation.elapse(0.0)
         self.supports.update(self.t, False)
         self.system.constraints.update(self.t)
         self.system.assemble(self.state, self.loads.at(self.t), None, tangent=False, moving=True)

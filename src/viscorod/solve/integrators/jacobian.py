@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compiled import kernel, part
 from viscorod.mechanics.supports import in_body, reaction_stiffness, support_directions
 from viscorod.typing import Floats, Integers
 
@@ -83,6 +83,45 @@ def add_inertia(
                 K[slot, j, i] += total
 
 
+@part
+def project_rows(
+    s: int,
+    k: int,
+    fixed: Floats,
+    Z: Floats,
+    starts: Integers,
+    across: Integers,
+    blocks: Floats,
+    old: Floats,
+) -> None:
+    """Project the rows of node ``k``, which support ``s`` holds, on its free directions; ``old (6,)`` is scratch."""
+    for transposed in range(starts[k], starts[k + 1]):
+        slot = across[transposed]
+        for j in range(6):
+            for i in range(6):
+                old[i] = blocks[slot, j, i]
+            for i in range(6):
+                blocks[slot, j, i] = 0.0
+                if fixed[s, i] == 0.0:
+                    for a in range(6):
+                        blocks[slot, j, i] += Z[s, a, i] * old[a]
+
+
+@kernel
+def project_blocks(
+    nodes: Integers,
+    fixed: Floats,
+    Z: Floats,
+    starts: Integers,
+    across: Integers,
+    blocks: Floats,
+    old: Floats,
+) -> None:
+    """Do what :func:`project` does to the matrices to one more, real or complex, with its directions ``Z``."""
+    for s in range(nodes.shape[0]):
+        project_rows(s, nodes[s], fixed, Z, starts, across, blocks, old)
+
+
 @kernel
 def project(
     nodes: Integers,
@@ -128,18 +167,8 @@ def project(
             for i in range(6):
                 for j in range(6):
                     K[diagonal[k], j, i] -= turned[i, j]
-        for blocks in (K, C):
-            for transposed in range(starts[k], starts[k + 1]):
-                slot = across[transposed]
-                for j in range(6):
-                    for i in range(6):
-                        old[i] = blocks[slot, j, i]
-                    for i in range(6):
-                        total = 0.0
-                        if fixed[s, i] == 0.0:
-                            for a in range(6):
-                                total += Z[s, a, i] * old[a]
-                        blocks[slot, j, i] = total
+        project_rows(s, k, fixed, Z, starts, across, K, old)
+        project_rows(s, k, fixed, Z, starts, across, C, old)
         for j in range(6):
             for i in range(6):
                 old[i] = mass[k, i, j]

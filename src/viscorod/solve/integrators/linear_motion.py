@@ -164,6 +164,15 @@ class LinearMotion:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
         return self._snapshot
 
+    @property
+    def branch_loss(self) -> Floats:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`: there are no Maxwell branches."""
+        return np.zeros(0)
+
+    def branch_losses(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.integrators.contract.Integrator`."""
+        return np.zeros((len(parts), 0))
+
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`.
 

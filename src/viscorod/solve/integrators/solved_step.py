@@ -12,6 +12,15 @@ from viscorod.mechanics.intrinsic import StrainMotion, stage_forces
 from viscorod.mechanics.joints import add_frozen_springs, carry_springs, hold_coordinates
 from viscorod.mechanics.linearised import add_frozen_forces, carry_stress
 from viscorod.mechanics.motion import move_stages, place_stages
+from viscorod.mechanics.relaxation import (
+    Relaxing,
+    add_branch_error,
+    add_branch_forces,
+    branch_energies,
+    carry_branches,
+    lacking_work,
+    stretch_springs,
+)
 from viscorod.mechanics.supports import lacking_motion
 from viscorod.solve.integrators import stages as over
 from viscorod.solve.integrators.energy_step import hold_ends, reach_end
@@ -87,6 +96,7 @@ def try_step(
     work: Work,
     motion: StrainMotion | None,
     links: Links | None,
+    relaxing: Relaxing | None,
     tolerance: float,
     limit: int,
     known_rate: float,
@@ -101,7 +111,7 @@ def try_step(
     Args:
         ends: for the midpoint rule; None for the others, whose code then lacks what it needs.
         motion: strains as states of their own (intrinsic formulation); None: they follow from the poses.
-        links: joints, springs and held strains; None: there are none.
+        links: joints, springs and held strains; relaxing: Maxwell branches; None: there are none.
         r0, q0, twist0: start of the step; force0: what accelerates the nodes there ``(n, 6)``; h: step [s].
         tolerance: displacement over length, or rotation [rad]; limit: allowed iterations.
         known_rate: convergence rate of the last step, trusted in the first iteration (1 if unknown).
@@ -148,7 +158,7 @@ def try_step(
     B, A, P = matrices[6]
     scratch, right, pair_right, rates, rate, vector, change, end_reaction, G, Z, psi, no_blocks = work
     order, element_nodes, element_links, link_positions, link_quaternions = elements[:5]
-    slots = elements[14]
+    section, slots = elements[9], elements[14]
     points = Points(strain, strain_rate, S, sigma)
     several = X.shape[0] > 1
     count_nodes = mass.shape[0]
@@ -158,6 +168,8 @@ def try_step(
         address, buffer, near, gradients, joint_A, joint_P, link_scale, unit = links[13:21]
         link_target, link_rate_target, link_end, multiplier, carried = links[21:26]
         link_value, link_rate, link_force, link_energy, link_power, gap, gradient = links[26:]
+    if relaxing is not None:
+        times, branches, factor, coupling, dashpot, past, start_strain, spring, lost, strain_change = relaxing
     last = size = 0.0
     convergence = known_rate**0.8  # trusted less with every step that does not confirm it
     unknown = count = 0
@@ -168,7 +180,7 @@ def try_step(
         lacking_motion(nodes, fixed, axes, A_tableau, h, rate_target, twist, target)
         over.hold(nodes, complete, given_r, given_q, given_twist, given_rate, r, q, twist, acceleration)
         if ends is not None:
-            r1, q1, twist1, strain1, strain_rate1, S1, strain0, force1 = ends
+            r1, q1, twist1, strain1, strain_rate1, S1, strain0, force1, lacking = ends
             reach_end(
                 r0, q0, X, split, held, nodes, complete, end_r, end_q, change[0], rate[0], r1, q1, twist1
             )
@@ -176,10 +188,27 @@ def try_step(
             give_stress(at_strain, at_point, at_component, strain_place, point_weight, multiplier, sigma)
         if motion is None:
             internal_forces(elements, r, q, twist, points, scratch, internal)
+            if relaxing is not None:
+                add_branch_forces(order, section, coupling, past, strain, S)
             if ends is not None:
                 points1 = Points(strain1, strain_rate1, S1, S1)
                 internal_forces(elements, r1, q1, twist1, points1, scratch, force1)
-                conserve_energy(elements, strain, strain_rate, strain0, strain1, h, S)
+                if relaxing is not None:
+                    stretch_springs(order, factor, dashpot, strain, spring)
+                    lacking_work(
+                        order,
+                        section,
+                        times,
+                        branches,
+                        dashpot,
+                        spring,
+                        strain_rate,
+                        strain0,
+                        strain1,
+                        h,
+                        lacking,
+                    )
+                conserve_energy(elements, strain, strain_rate, strain0, strain1, h, lacking, S)
         else:
             linearised, start, at_points, linear_rate, T_e, F_e, X_e, matrix, side = motion
             stage_forces(
@@ -202,6 +231,8 @@ def try_step(
                 sigma,
                 internal,
             )
+            if relaxing is not None:
+                add_branch_forces(order, section, coupling, past, strain, S)
         if links is not None:
             keep_stress(at_strain, at_point, at_component, sigma, S)
             strain_gaps(at_strain, at_point, at_component, strain_place, strain, gap)
@@ -328,12 +359,16 @@ def try_step(
         move_stages(X, residual, split, held)
         over.differentiate(D, h, residual, rates)
         carry_stress(elements, A, P, residual, rates, S, sigma)
+        if relaxing is not None:
+            carry_branches(order, element_nodes, section, coupling, B, residual, strain_change, sigma)
         if links is not None:
             move_multipliers(residual, link_scale, count_nodes, multiplier)
             carry_springs(joint_nodes, place, joint_A, joint_P, residual, rates, link_force, carried)
         last = size
     largest, worst = 0.0, 0
     if code == CONVERGED:
+        if relaxing is not None:
+            stretch_springs(order, factor, dashpot, strain, spring)
         if several:
             estimate_error(
                 X,
@@ -357,11 +392,33 @@ def try_step(
                 change,
                 error,
             )
+            if relaxing is not None:
+                over.clear(internal)
+                add_branch_error(
+                    elements,
+                    times,
+                    branches,
+                    dashpot,
+                    start_strain,
+                    spring,
+                    strain,
+                    B,
+                    weights,
+                    eigenvalue / h,
+                    h,
+                    internal[0],
+                )
+                project_free(nodes, fixed, free_directions, change, internal[0])
+                for k in range(count_nodes):
+                    for i in range(6):
+                        error[k, i] += internal[0, k, i]
             scale_free(nodes, fixed, real_rows, error, right)
             solve(real_factors, right)
             largest, worst = largest_error(scales, right, length, error)
         add_powers(nodes, fixed, complete, external, twist, held_power, reaction, rate_target, powers[0])
         energies(elements, strain, strain_rate, elastic, powers[1])
+        if relaxing is not None:
+            branch_energies(elements, times, branches, spring, elastic, powers[1], lost)
         if links is not None:
             add_motors(place, link_force, link_rate_target, powers[0])
             for i in range(elastic.shape[0]):

@@ -173,8 +173,8 @@ class Stages(NamedTuple):
 class Ends(NamedTuple):
     """Ends of a step for the method that conserves energy between them.
 
-    Poses and twists at the end of the step ``(1, n, ...)``, its Gauss points, the strains at the start, and forces that
-    nobody needs.
+    Poses and twists at the end of the step ``(1, n, ...)``, its Gauss points, the strains at the start, forces that
+    nobody needs, and what the work of Maxwell branches lacks ``(e, points)``.
     """
 
     r: Floats
@@ -185,6 +185,7 @@ class Ends(NamedTuple):
     section_force: Floats
     start_strain: Floats
     force: Floats
+    lacking: Floats
 
     @classmethod
     def of(cls, body: Body) -> Ends:
@@ -199,6 +200,7 @@ class Ends(NamedTuple):
             section_force=np.zeros(points),
             start_strain=np.zeros(points),
             force=np.zeros((1, n, 6)),
+            lacking=np.zeros(body.elements.reference.shape[:2]),
         )
 
 

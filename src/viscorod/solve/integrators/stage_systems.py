@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.solve.integrators import jacobian
+from viscorod.solve.integrators.relaxed import Relaxed
 from viscorod.solve.integrators.stage_data import Body, Factors, Matrices
 from viscorod.solve.integrators.tableau import Tableau
 from viscorod.solve.linear.direct import DirectSolver
@@ -19,13 +20,16 @@ class StageSystems:
 
     Args:
         body: what is integrated; scales: of its unknowns ``(6 N,)``; tableau: the method; plan: of factorisations.
+        relaxed: Maxwell branches, whose stiffness depends on ``mu``; None if there are none.
 
     Attributes:
         factors: for compiled code, others after every factorisation.
     """
 
-    def __init__(self, body: Body, scales: Floats, tableau: Tableau, plan: Plan) -> None:
-        self.body, self.tableau = body, tableau
+    def __init__(
+        self, body: Body, scales: Floats, tableau: Tableau, plan: Plan, relaxed: Relaxed | None
+    ) -> None:
+        self.body, self.tableau, self.relaxed = body, tableau, relaxed
         self._several = len(tableau.nodes) > 1
         # no complex system: the smallest stands for it
         pair = plan if self._several else Plan.of(Pattern.of(1, ()))
@@ -63,7 +67,7 @@ class StageSystems:
     def _combine(self, matrices: Matrices, mu: complex, rows: Floats, blocks: Floats) -> None:
         body, pattern = self.body, self.body.pattern
         jacobian.combine(
-            matrices.K,
+            matrices.K if self.relaxed is None else self.relaxed.add_stiffness(matrices, mu),
             matrices.C,
             matrices.mass,
             mu,
