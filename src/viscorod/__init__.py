@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
     from viscorod.model.loss_factor import LossFactor
     from viscorod.model.material import KelvinVoigt, Material
+    from viscorod.model.modal import ModalDamping
     from viscorod.model.profile import Piecewise, Taper
     from viscorod.model.prony import Prony
     from viscorod.model.relaxation import Relaxation
@@ -58,6 +59,7 @@ _HOMES = {
     "model.spring": ("LineSpring", "Spring"),
     "model.load": ("DistributedForce", "DistributedMoment", "Force", "Gravity", "Moment", "MovingForce"),
     "model.material": ("KelvinVoigt", "Material"),
+    "model.modal": ("ModalDamping",),
     "model.prony": ("Prony",),
     "model.relaxation": ("Relaxation",),
     "model.complex_moduli": ("ComplexModuli", "ModulusTable"),
@@ -117,6 +119,7 @@ __all__ = [
     "LossFactor",
     "Material",
     "Member",
+    "ModalDamping",
     "Model",
     "ModulusTable",
     "Moment",

@@ -16,6 +16,7 @@ from viscorod.mechanics import geometric, intrinsic
 from viscorod.mechanics.compiled import announce_compilation, announce_formulation
 from viscorod.mechanics.held_strains import add_held_strains
 from viscorod.mechanics.joints import joint_forces
+from viscorod.modal_damping import with_known_times
 from viscorod.model.description import ModelDescription
 from viscorod.model.settings import PathSettings, SimulateSettings
 from viscorod.results.dataset import dataset
@@ -59,6 +60,13 @@ STEPS_PER_PERIOD = 6
 Progress = Callable[[float, float], None]
 
 
+def assumptions(model: ModelDescription) -> str:
+    """What was assumed of the damping, as JSON: rod -> sentences."""
+    return json.dumps(
+        {name: list(rod.material.assumptions) for name, rod in model.rods.items() if rod.material is not None}
+    )
+
+
 @dataclass
 class Workplace:
     """One discretised model with the objects that solve it."""
@@ -67,6 +75,7 @@ class Workplace:
     system: System
     supports: SupportState
     static: StaticSolver
+    assumptions: str
     history: History = field(default_factory=History)
     began: float = field(default_factory=time.perf_counter)
 
@@ -77,6 +86,7 @@ class Workplace:
         Raises:
             InputError: it is inconsistent.
         """
+        model = with_known_times(model)
         problem = discretise(model)
         announce_compilation(geometric.assemble)
         if problem.constrained:
@@ -84,7 +94,7 @@ class Workplace:
         system = FORMULATIONS[formulation, damping](problem)
         supports = SupportState(problem)
         require_independent(system, supports)
-        return cls(problem, system, supports, StaticSolver(system, supports))
+        return cls(problem, system, supports, StaticSolver(system, supports), assumptions(model))
 
     def equilibrium(
         self, factor: float, load_steps: int, progress: Progress | None, attrs: dict[str, Any]
@@ -346,6 +356,7 @@ class Workplace:
         complete = {
             "message": "",
             "scale_length": self.problem.length,
+            "damping_assumptions": self.assumptions,
             "energy_scale": self.problem.length * max(float(s.stiffness.max()) for s in self.problem.sets),
             "wall_time_s": time.perf_counter() - self.began,
         } | attrs

@@ -320,11 +320,15 @@ def _check_text(report: CheckReport) -> str:
     blocks = [
         _rows_text("Rods", report.rods),
         _rows_text("Sections", report.sections),
+        _rows_text("Materials", report.materials),
         _rows_text("Rigid bodies", report.bodies),
         _rows_text("Joints", report.joints),
         _rows_text("Springs", report.springs),
         _rows_text("First natural modes about the reference shape (a quick estimate)", modes),
         f"{report.nodes} nodes, {report.unknowns} unknowns{conditions}\nLinear systems: {report.linear_solver}",
+        "\n".join(["Assumptions about damping", *(f"  - {text}" for text in report.assumptions)])
+        if report.assumptions
+        else "",
         "\n".join(["Warnings", *(f"  - {text}" for text in report.warnings)])
         if report.warnings
         else "No warnings",

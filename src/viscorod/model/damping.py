@@ -61,6 +61,7 @@ class Behaviour:
         branches: Maxwell branches, by time; with them the times above are only those of slow motion.
         extension, shear: the relaxation moduli, where more is known than the times.
         assumptions: what was assumed, one sentence each.
+        pending: whether the times are only known once a model has been built.
     """
 
     youngs_modulus: float
@@ -72,6 +73,7 @@ class Behaviour:
     extension: Relaxation | None = None
     shear: Relaxation | None = None
     assumptions: tuple[str, ...] = ()
+    pending: bool = False
 
     def assuming(self, *sentences: str) -> Behaviour:
         """The same, with more assumptions."""

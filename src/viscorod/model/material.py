@@ -8,12 +8,13 @@ from typing import Annotated, Any, Self, cast
 import numpy as np
 from pydantic import PlainValidator, PrivateAttr, model_validator
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, Problem
 from viscorod.model.complex_moduli import ComplexModuli
 from viscorod.model.damping import Behaviour, Branch, Damping, Elastic
 from viscorod.model.described import Described, RefusedError, plain_value, show
 from viscorod.model.kelvin_voigt import KelvinVoigt
 from viscorod.model.loss_factor import LossFactor
+from viscorod.model.modal import ModalDamping
 from viscorod.model.prony import Prony
 from viscorod.model.values import NOT_GIVEN, PoissonsRatio, Positive, choose
 
@@ -24,6 +25,7 @@ DAMPINGS: dict[str, type[Described]] = {
     "loss_factor": LossFactor,
     "complex_moduli": ComplexModuli,
     "prony": Prony,
+    "modal": ModalDamping,
 }
 """The kinds of damping by their word in a case file; a new one is one class and one line here."""
 
@@ -128,8 +130,9 @@ class Material(Described):
             raise RefusedError(str(error), "change the values", found="", at=("damping",)) from None
         except ArithmeticError:
             found = Behaviour(*elastic, math.nan)
-        numbers = (found.youngs_modulus, found.poissons_ratio, found.shear_time, found.bulk_time)
-        if not all(map(math.isfinite, (*numbers, *(value for branch in found.branches for value in branch)))):
+        numbers = [found.youngs_modulus, found.poissons_ratio, found.shear_time, found.bulk_time]
+        numbers += [value for branch in found.branches for value in branch]
+        if not found.pending and not all(map(math.isfinite, numbers)):
             raise RefusedError(
                 "its times and moduli leave double precision",
                 "give values in SI units",
@@ -142,6 +145,34 @@ class Material(Described):
         """The material as it was given, in the words of the case file."""
         given = {name: plain_value(value) for name, value in self._given.items()}
         return {name: given.get(name, value) for name, value in super().to_dict().items()}
+
+    @property
+    def pending(self) -> bool:
+        """Whether the damping follows from a mode (`ModalDamping`) and is known in a built model only."""
+        return self._behaviour.pending
+
+    @property
+    def _known(self) -> Behaviour:
+        if self._behaviour.pending:
+            raise InputError(
+                Problem(
+                    "damping",
+                    show(self.damping),
+                    "its times follow from a mode of a model, and this material stands alone",
+                    "ask the materials of Model.with_known_times()",
+                )
+            )
+        return self._behaviour
+
+    def with_damping(self, damping: Damping | None, *assumptions: str) -> Material:
+        """The same material with another damping, and sentences about how it was found.
+
+        Raises:
+            InputError: the damping does not go with the elastic constants.
+        """
+        other = Material.model_validate({**self._given, "density": self.density, "damping": damping})
+        other._behaviour = other._behaviour.assuming(*assumptions)
+        return other
 
     @property
     def bulk_modulus(self) -> float:
@@ -162,12 +193,12 @@ class Material(Described):
     @property
     def shear_time(self) -> float:
         """Retardation time in shear, tau_S = eta/G, s; of a Maxwell material that of slow motion."""
-        return self._behaviour.shear_time
+        return self._known.shear_time
 
     @property
     def bulk_time(self) -> float:
         """Retardation time in volume change, tau_B = zeta/K, s; of a Maxwell material that of slow motion."""
-        return self._behaviour.bulk_time
+        return self._known.bulk_time
 
     @property
     def shear_viscosity(self) -> float:
