@@ -114,7 +114,7 @@ TEXTS = {
     "_decrement": "number > 0",
     "_mode": 'whole number, 1 to 50, or a text such as `"bend_1 2"`',
     "_column": "list of numbers",
-    "_band": "2 numbers > 0, the lower first",
+    "frequency_band": "2 numbers > 0, the lower first",
     "_modulus_table": "table, see below",
     "_strain": "6 numbers",
     "_spin": "number > 0, or 3 numbers",

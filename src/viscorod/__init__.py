@@ -13,6 +13,7 @@ from viscorod.errors import InputError, SolveError
 if TYPE_CHECKING:
     from viscorod.cases.case import load_case
     from viscorod.front import Model
+    from viscorod.material_fit import kelvin_voigt_fit
     from viscorod.model.axis_joint import Cylindrical, Planar, Prismatic, Revolute
     from viscorod.model.body import Body
     from viscorod.model.body_shapes import Box, Cylinder, Sphere
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from viscorod.model.velocity import InitialVelocity
     from viscorod.results.decrement import Decrement
     from viscorod.results.energy import Energy
+    from viscorod.results.kelvin_voigt_fit import KelvinVoigtFit
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady import Steady
     from viscorod.results.storage import load
@@ -60,6 +62,8 @@ _HOMES = {
     "model.load": ("DistributedForce", "DistributedMoment", "Force", "Gravity", "Moment", "MovingForce"),
     "model.material": ("KelvinVoigt", "Material"),
     "model.modal": ("ModalDamping",),
+    "material_fit": ("kelvin_voigt_fit",),
+    "results.kelvin_voigt_fit": ("KelvinVoigtFit",),
     "model.prony": ("Prony",),
     "model.relaxation": ("Relaxation",),
     "model.complex_moduli": ("ComplexModuli", "ModulusTable"),
@@ -115,6 +119,7 @@ __all__ = [
     "InputError",
     "Joint",
     "KelvinVoigt",
+    "KelvinVoigtFit",
     "LineSpring",
     "LossFactor",
     "Material",
@@ -154,6 +159,7 @@ __all__ = [
     "Taper",
     "Universal",
     "Until",
+    "kelvin_voigt_fit",
     "load",
     "load_case",
     "sweep",

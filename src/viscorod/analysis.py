@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError, SolveError
+from viscorod.material_record import material_record
 from viscorod.mechanics import geometric, intrinsic
 from viscorod.mechanics.compiled import announce_compilation, announce_formulation
 from viscorod.mechanics.held_strains import add_held_strains
@@ -60,13 +61,6 @@ STEPS_PER_PERIOD = 6
 Progress = Callable[[float, float], None]
 
 
-def assumptions(model: ModelDescription) -> str:
-    """What was assumed of the damping, as JSON: rod -> sentences."""
-    return json.dumps(
-        {name: list(rod.material.assumptions) for name, rod in model.rods.items() if rod.material is not None}
-    )
-
-
 @dataclass
 class Workplace:
     """One discretised model with the objects that solve it."""
@@ -75,7 +69,7 @@ class Workplace:
     system: System
     supports: SupportState
     static: StaticSolver
-    assumptions: str
+    materials: dict[str, str]
     history: History = field(default_factory=History)
     began: float = field(default_factory=time.perf_counter)
 
@@ -94,7 +88,7 @@ class Workplace:
         system = FORMULATIONS[formulation, damping](problem)
         supports = SupportState(problem)
         require_independent(system, supports)
-        return cls(problem, system, supports, StaticSolver(system, supports), assumptions(model))
+        return cls(problem, system, supports, StaticSolver(system, supports), material_record(model))
 
     def equilibrium(
         self, factor: float, load_steps: int, progress: Progress | None, attrs: dict[str, Any]
@@ -356,10 +350,10 @@ class Workplace:
         complete = {
             "message": "",
             "scale_length": self.problem.length,
-            "damping_assumptions": self.assumptions,
             "energy_scale": self.problem.length * max(float(s.stiffness.max()) for s in self.problem.sets),
             "wall_time_s": time.perf_counter() - self.began,
-        } | attrs
+        }
+        complete |= self.materials | attrs
         return partial(dataset, kind, self.problem, self.system.gauss_positions(), self.history, complete)
 
     def _static_failure(self, path: StaticPath) -> str:

@@ -91,7 +91,7 @@ def _dataset(
         "message": "",
         "outcome": "completed",
         "scale_length": work.problem.length,
-        "damping_assumptions": work.assumptions,
+        **work.materials,
         "formulation": settings.formulation,
         "damping": settings.damping,
         "iterations": found.iterations,

@@ -16,7 +16,7 @@ from viscorod.model.dma_table import FREQUENCY_UNITS, MODULUS_UNITS, DmaTable, r
 from viscorod.model.kelvin_voigt_fit import Viscous, errors, nearest_kelvin_voigt, nearest_maxwell
 from viscorod.model.prony import maxwell_branches
 from viscorod.model.relaxation import Complexes, Relaxation
-from viscorod.model.values import LARGEST, numbers, one_of, optional, positive, whole_number, word
+from viscorod.model.values import LARGEST, frequency_band, numbers, one_of, optional, whole_number, word
 from viscorod.typing import Floats
 
 __all__ = ["ComplexModuli", "ModulusTable"]
@@ -35,15 +35,8 @@ def _column(value: Any) -> tuple[float, ...]:
     return items
 
 
-def _band(value: Any) -> tuple[float, float]:
-    low, high = (positive(item) for item in numbers(value, count=2))
-    if not low < high:
-        raise RefusedError("a band goes from a lower to a higher frequency", "give [low, high] in Hz")
-    return low, high
-
-
 Column = Annotated[Sequence[float] | None, PlainValidator(optional(_column))]
-Band = Annotated[tuple[float, float] | None, PlainValidator(optional(_band))]
+Band = Annotated[tuple[float, float] | None, PlainValidator(optional(frequency_band))]
 
 
 class ModulusTable(Described):

@@ -16,6 +16,7 @@ from viscorod.model.kelvin_voigt import KelvinVoigt
 from viscorod.model.loss_factor import LossFactor
 from viscorod.model.modal import ModalDamping
 from viscorod.model.prony import Prony
+from viscorod.model.relaxation import Relaxation
 from viscorod.model.values import NOT_GIVEN, PoissonsRatio, Positive, choose
 
 __all__ = ["DAMPINGS", "Branch", "KelvinVoigt", "Material"]
@@ -189,6 +190,10 @@ class Material(Described):
     def assumptions(self) -> tuple[str, ...]:
         """What was assumed of the damping, one sentence each."""
         return self._behaviour.assumptions
+
+    def relaxation(self, strain: str) -> Relaxation | None:
+        """The relaxation modulus of "extension" or "shear"; None where only times are known."""
+        return self._behaviour.extension if strain == "extension" else self._behaviour.shear
 
     @property
     def shear_time(self) -> float:
