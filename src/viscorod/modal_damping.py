@@ -91,7 +91,9 @@ def _known(material: Material, time: float, mode: _Mode) -> Material:
         f"the shear time of {time:.4g} s gives mode {mode.number} of the unloaded model ({mode.hertz:.4g} Hz, "
         f"{mode.share:.0%} {mode.strain}) the damping ratio {wish.target:.4g}, to first order in the ratio; "
         "that of others grows with their frequency",
-        f"the bulk time is taken as {wish.bulk_to_shear:g} of the shear time",
+        "the bulk time is taken equal to the shear time"
+        if wish.bulk_to_shear == 1.0
+        else f"the bulk time is taken as {wish.bulk_to_shear:g} times the shear time",
     )
 
 

@@ -66,9 +66,9 @@ def test_times_against_the_spectrum(time, valid):
     assert report.valid is valid
     assert report.strains[0].limit == pytest.approx(0.5 / (2.0 * math.pi * time), rel=1e-12)
     words = (
-        "was right for this motion"
+        "right for this motion"
         if valid
-        else "was not right for this motion; it would be for frequencies up to 3.98 Hz"
+        else "not right for this motion; it would be for frequencies up to 3.98 Hz"
     )
     assert words in str(report)
 
@@ -154,9 +154,9 @@ def test_a_computed_run_keeps_what_is_needed(tmp_path):
     run = model.simulate(4.0, tolerance=1e-3)
     report = run.damping_validity()
     (bending,) = (strain for strain in report.strains if strain.strain == "bend 2")
-    # it swings with its first frequency, and LLT's bound for that alone is 0.3 (0.02 w)^2
+    # it swings with its first frequency, higher modes on top; LLT's bound for the first alone is 0.3 (0.02 w)^2
     frequency = model.modes(1).frequencies[0]
-    assert bending.mean_frequency == pytest.approx(frequency, rel=0.2)
+    assert frequency < bending.mean_frequency < 2.0 * frequency
     assert bending.time == pytest.approx(0.006, rel=1e-12)
     assert 0.3 * (0.04 * math.pi * frequency) ** 2 < bending.bound < 0.1
     assert report.valid
@@ -167,7 +167,7 @@ def test_a_computed_run_keeps_what_is_needed(tmp_path):
 
 
 def test_refused():
-    with pytest.raises(InputError, match="tolerance = 0.0: give an accepted error"):
+    with pytest.raises(InputError, match=r"tolerance = 0\.0: give an accepted error"):
         pulse(plain(1.0)).damping_validity(tolerance=0.0)
     with pytest.raises(InputError, match="does not hold its damping laws"):
         vr.Run(swing()).damping_validity()

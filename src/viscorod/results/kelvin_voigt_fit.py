@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
 __all__ = ["KelvinVoigtFit"]
 
+MOST = 1000.0
+"""Relative error up to which the picture goes, in per cent."""
+
 
 @dataclass(frozen=True, eq=False)
 class KelvinVoigtFit:
@@ -129,11 +132,12 @@ class KelvinVoigtFit:
         largest = 100.0 * max(float(np.abs(e).max()) for e in (self.storage_error, self.loss_error))
         if largest > 100.0:
             lower.set_yscale("symlog", linthresh=10.0)
+            lower.set_ylim(-150.0, min(1.5 * largest, MOST))
             for value in (-10.0, 10.0):
                 lower.axhline(value, color=GREY, linewidth=0.6, linestyle=":")
         elif largest > 0.0:
             lower.set_ylim(-1.1 * largest, 1.1 * largest)
-        heading(lower, "Kelvin-Voigt minus material")
+        heading(lower, f"Kelvin-Voigt minus material{f' (up to {MOST:.0f} %)' if largest > MOST else ''}")
         if math.isfinite(self.band[1]):
             lower.set_xlim(*self.band)
         return picture
