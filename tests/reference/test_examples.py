@@ -27,7 +27,7 @@ def blocks(page, language):
 
 def write_tables(page, folder):
     """Write the tables that a page shows, each under the name in its first line."""
-    for text in blocks(page, "csv"):
+    for text in blocks(page, "none"):
         (folder / text.partition("\n")[0].lstrip("# ")).write_text(text)
 
 

@@ -48,7 +48,7 @@ class Material(Described):
         poissons_ratio: nu in (-1, 0.5]; 0.5 is incompressible.
         density: mass per volume > 0, kg/m^3.
         shear_modulus: G > 0, Pa, instead of Poisson's ratio.
-        damping: the viscosity, one of `KelvinVoigt` and `Prony`; None for a purely elastic material.
+        damping: `KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `ModalDamping`; None for an elastic material.
     """
 
     youngs_modulus: Positive = NOT_GIVEN

@@ -70,7 +70,7 @@ class KelvinVoigtFit:
 
     @property
     def error(self) -> Floats:
-        """Relative error of the complex modulus, |fit - exact|/|exact| (n,)."""
+        """Relative error of the complex modulus, ``|fit - exact|/|exact|`` (n,)."""
         return np.asarray(np.abs(self.fitted - self.exact) / np.abs(self.exact))
 
     def band_within(self, tolerance: float) -> tuple[float, float] | None:
