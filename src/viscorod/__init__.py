@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from viscorod.model.section import Section
     from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
     from viscorod.model.spring import LineSpring, Spring
-    from viscorod.model.stiffness_section import StiffnessSection
+    from viscorod.model.stiffness_section import MaxwellBranch, StiffnessSection
     from viscorod.model.support import Clamp, Guide, Pin, Roller, Support
     from viscorod.model.time_function import Constant, Ramp, Sine, SpinUp, Until
     from viscorod.model.time_table import Function, Table
@@ -72,7 +72,7 @@ _HOMES = {
     "model.rod": ("Rod",),
     "model.section": ("Section",),
     "model.shapes": ("Annulus", "Circle", "Ellipse", "Rectangle", "SquareTube"),
-    "model.stiffness_section": ("StiffnessSection",),
+    "model.stiffness_section": ("MaxwellBranch", "StiffnessSection"),
     "model.body_velocity": ("BodyVelocity",),
     "model.support": ("Clamp", "Guide", "Pin", "Roller", "Support"),
     "model.time_function": ("Constant", "Ramp", "Sine", "SpinUp", "Until"),
@@ -123,6 +123,7 @@ __all__ = [
     "LineSpring",
     "LossFactor",
     "Material",
+    "MaxwellBranch",
     "Member",
     "ModalDamping",
     "Model",

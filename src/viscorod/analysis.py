@@ -17,6 +17,7 @@ from viscorod.mechanics import geometric, intrinsic
 from viscorod.mechanics.compiled import announce_compilation, announce_formulation
 from viscorod.mechanics.held_strains import add_held_strains
 from viscorod.mechanics.joints import joint_forces
+from viscorod.mechanics.relaxation import remember
 from viscorod.modal_damping import with_known_times
 from viscorod.model.description import ModelDescription
 from viscorod.model.settings import PathSettings, SimulateSettings
@@ -85,6 +86,8 @@ class Workplace:
         announce_compilation(geometric.assemble)
         if problem.constrained:
             announce_formulation(joint_forces if problem.joints.count else add_held_strains)
+        if problem.relaxing:
+            announce_formulation(remember)
         system = FORMULATIONS[formulation, damping](problem)
         supports = SupportState(problem)
         require_independent(system, supports)

@@ -21,6 +21,7 @@ from viscorod.model.material import KelvinVoigt, Material
 from viscorod.model.rod import Rod
 from viscorod.model.settings import SimulateSettings
 from viscorod.model.shapes import Rectangle
+from viscorod.model.stiffness_section import MaxwellBranch, StiffnessSection
 from viscorod.model.time_function import Ramp
 from viscorod.solve.formulations import FORMULATIONS
 from viscorod.solve.geometric_system import GeometricSystem
@@ -30,6 +31,7 @@ from viscorod.solve.integrators.solved_step import try_step
 SIZE = 0.01
 """Length of the rods [m]: small enough to need the scaling of the linear algebra."""
 GEOMETRIC = (("geometric", "full"),)
+RELAXING = (("geometric", "full"), ("intrinsic", "full"))
 SPAN = 1e-5
 """Simulated time [s]; a few steps do."""
 
@@ -72,8 +74,12 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
         assembly = small_assembly()
         assembly.equilibrium()
         assembly.modes(1)
+        relaxing = small_relaxing()
+        relaxing.modes(1)
         for integrator in INTEGRATORS:
             _simulate(assembly, integrator)
+            formulations = GEOMETRIC if integrator == "generalized_alpha" else RELAXING
+            _simulate(relaxing, integrator, formulations)
         await_compilation()
     if progress is not None:
         progress(_ready())  # what the second process compiled was only read here
@@ -132,6 +138,16 @@ def small_assembly() -> Model:
         "arm", Rod.straight((SIZE, 0, 0), (2 * SIZE, 0, 0), section=beam.section, material=beam.material)
     )
     model.revolute("arm.start", "beam.end", (0, 0, 1), stiffness={"rz": 1e-6}, damping={"rz": 1e-9})
+    return model
+
+
+def small_relaxing() -> Model:
+    """A cantilever with a Maxwell branch."""
+    model = soft_model()
+    C, _, M = model.rods["beam"].matrices_at(0.0)
+    branch = MaxwellBranch(time=SPAN, stiffness=C)
+    section = StiffnessSection(C, M, damping=1e-4 * C, branches=[branch])
+    model.rods["beam"] = model.rods["beam"].model_copy(update={"section": section, "material": None})
     return model
 
 

@@ -85,7 +85,7 @@ class Element:
         self.coupled = True
         self.reference = 0.2 * rng.normal(size=(1, order, 6))
         self.rate_map = rng.normal(size=(m, 6, 6))
-        self.prestress = np.zeros((0, 1, 6))
+        self.prestress = 0.3 * rng.normal(size=(1, order, 6))
 
     def assemble(self, r, q, twist, stress=None, moving=True):
         m, g = self.m, self.m - 1
@@ -100,8 +100,8 @@ class Element:
         geometric.assemble(
             self.nodes, self.links, self.pattern.slots(self.nodes), self.link_r, self.link_q, self.shapes,
             self.slopes, self.weights, np.array([self.half]), self.section, self.C, self.D, np.zeros((1, 6)),
-            self.coupled, True, False, self.reference, self.prestress, stress, r, q, twist, moving, self.rate_map, True, force,
-            blocks, self.rate_blocks, strain, rate, S, operator, self.strain_operator,
+            self.coupled, True, False, self.reference, self.prestress, stress, r, q, twist, moving, self.rate_map,
+            True, force, blocks, self.rate_blocks, strain, rate, S, operator, self.strain_operator,
         )  # fmt: skip
         K = dense(self.pattern, blocks)
         return force.ravel(), K, strain, rate, S, self.section_columns(S, operator)
@@ -151,7 +151,7 @@ def test_strains_rates_and_forces_match_complex_step(order, links):
     assert rate[0] == pytest.approx(by_complex_step(e.twist), rel=1e-10, abs=1e-10)
     B = np.array([by_complex_step(u.reshape(e.m, 6)) for u in np.eye(6 * e.m)])  # (unknown, point, 6)
     total = [e.C[s] @ a + e.D[s] @ b for s, a, b in zip(e.section[0], strain[0], rate[0], strict=True)]
-    assert S[0] == pytest.approx(np.array(total), rel=1e-12, abs=1e-12)
+    assert S[0] - e.prestress[0] == pytest.approx(np.array(total), rel=1e-12, abs=1e-12)
     expected = np.einsum("ugi,gi,g->u", B, S[0], e.weights * e.half)
     assert force == pytest.approx(expected, rel=1e-10, abs=1e-10 * np.abs(expected).max())
 
@@ -209,14 +209,14 @@ def test_every_element_of_a_batch_is_assembled(count):
     n = 2 * count
     r, q, twist, rate_map = (np.concatenate([a] * count) for a in (e.r, e.q, e.twist, e.rate_map))
     nodes = np.arange(n).reshape(count, 2)
-    repeat = [np.repeat(a, count, axis=0) for a in (e.links, e.section, e.reference)]
+    repeat = [np.repeat(a, count, axis=0) for a in (e.links, e.section, e.reference, e.prestress)]
     pattern = Pattern.of(n, [nodes])
     total, blocks = np.zeros((n, 6)), np.zeros((4 * count, 6, 6))
     points = np.zeros((3, count, 1, 6))
     geometric.assemble(
         nodes, repeat[0], pattern.slots(nodes), e.link_r, e.link_q, e.shapes, e.slopes, e.weights,
         np.full(count, e.half), repeat[1], e.C, e.D, np.zeros((1, 6)), True, True, False,
-        repeat[2], np.zeros((count, 1, 6)), r, q, twist, True, rate_map, True, total, blocks,
+        repeat[2], repeat[3], np.zeros((count, 1, 6)), r, q, twist, True, rate_map, True, total, blocks,
         np.zeros((0, 6, 6)), *points, np.zeros((-(-count // LANES), 2, 6, 6, LANES)), np.zeros((0, 2, 6, 6, LANES)),
     )  # fmt: skip
     assert total.reshape(count, -1) == pytest.approx(np.tile(force, (count, 1)), rel=1e-12)

@@ -34,7 +34,9 @@ def evaluate(at, strain, twist, linearised):
     rate = np.zeros((1, *strain.shape))
     motion = StrainMotion.of(at.elements, 1, linearised=linearised)
     S, force = np.zeros_like(rate), np.full((1, at.n, 6), np.nan)
-    forces_at(at.elements, motion, twist[None].copy(), strain[None].copy(), rate, np.zeros_like(strain), S, force)
+    forces_at(
+        at.elements, motion, twist[None].copy(), strain[None].copy(), rate, np.zeros_like(strain), S, force
+    )
     return force[0], S[0], rate[0], motion.twist[0]
 
 

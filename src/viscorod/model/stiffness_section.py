@@ -178,7 +178,7 @@ class StiffnessSection(Described):
     stiffness: Annotated[Given, PlainValidator(_stiffness)] = Field(description="6 numbers or 6 rows of 6")
     inertia: Annotated[Given, PlainValidator(_inertia)] = Field(description="6 numbers or 6 rows of 6")
     damping: Annotated[Given | None, PlainValidator(_damping)] = None
-    branches: Annotated[tuple[MaxwellBranch, ...], PlainValidator(_branches)] = ()
+    branches: Annotated[Sequence[MaxwellBranch], PlainValidator(_branches)] = ()
 
     @property
     def half_width(self) -> float | None:

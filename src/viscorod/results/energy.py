@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +31,8 @@ class Energy:
         external: work of loads (gravity among them), moving supports and motors so far.
         numerical: remainder that the integration made or lost, positive where it made energy.
         scale: elastic energy at a strain of one: round-off of the shape is its 1e-24th part.
+        branches: what each Maxwell branch lost so far, parts of ``viscous`` ``(times, branches)``; relaxation_times:
+            of the branches [s].
     """
 
     time: Floats
@@ -40,12 +42,17 @@ class Energy:
     external: Floats
     numerical: Floats
     scale: float = 0.0
+    branches: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    relaxation_times: Floats = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
     def of(cls, data: xr.Dataset) -> Energy:
         """Read the account from the data set of a run."""
         names = ("time", "kinetic", "elastic", "viscous", "external", "numerical")
         columns = {name: np.asarray(data[name].values, dtype=float) for name in names}
+        if "branch_loss" in data:
+            columns["branches"] = np.asarray(data["branch_loss"].values, dtype=float)
+            columns["relaxation_times"] = np.asarray(data["relaxation_time"].values, dtype=float)
         return cls(**columns, scale=float(data.attrs.get("energy_scale", 0.0)))
 
     @property
@@ -81,6 +88,10 @@ class Energy:
             ("kinetic", self.kinetic[-1]),
             ("elastic", self.elastic[-1]),
             ("lost to viscosity", self.viscous[-1]),
+            *(
+                (f"  in branches of {time:.3g} s", loss[-1])
+                for time, loss in zip(self.relaxation_times, self.branches.T, strict=True)
+            ),
             ("work of loads and supports", self.external[-1]),
             ("numerical remainder", self.numerical[-1]),
         ]

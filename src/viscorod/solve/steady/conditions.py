@@ -10,6 +10,7 @@ import numpy as np
 from viscorod.errors import InputError
 from viscorod.errors import Problem as Fault
 from viscorod.model.description import ModelDescription
+from viscorod.model.fit import unfit_for_steady
 from viscorod.model.load import AnyLoad, MovingForce
 from viscorod.model.settings import SteadySettings
 from viscorod.model.time_function import Constant
@@ -50,7 +51,7 @@ def require(model: ModelDescription, problem: Problem, settings: SteadySettings)
     Raises:
         InputError: with everything that is in its way, by name.
     """
-    faults = list(_size(problem, settings))
+    faults = [*unfit_for_steady(model), *_size(problem, settings)]
     held = holding(problem)
     if held is Holding.HELD and not settings.driven:
         name = _label(model, problem.supports.names[0])
