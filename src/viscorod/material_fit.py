@@ -34,10 +34,10 @@ def kelvin_voigt_fit(
 ) -> KelvinVoigtFit:
     """Fit a Kelvin-Voigt solid to a material and compare the two over a band.
 
-    "low_frequency" is the limit of slow motion, M = M_inf and eta = sum M_j tau_j (Linn, Lang and Tuganov 2013, section
-    2.6), of a table its rows up to twice the lowest frequency. "best" has the least mean square of ``|M* - fit|/|M*|`` over
-    the logarithm of the frequency: M is the mean of the storage modulus, eta the slope of the loss modulus, both
-    weighted with ``1/|M*|^2``.
+    "low_frequency" is the limit of slow motion, M = M_inf and eta = sum M_j tau_j (Linn, Lang and Tuganov 2013,
+    section 2.6), of a table its rows up to twice the lowest frequency. "best" has the least mean square of
+    ``|M* - fit|/|M*|`` over the logarithm of the frequency: M is the mean of the storage modulus, eta the slope of the
+    loss modulus, both weighted with ``1/|M*|^2``.
 
     Args:
         material: with a Prony series or a table of complex moduli; or a relaxation modulus.
