@@ -14,11 +14,13 @@ from viscorod.cases import schema
 from viscorod.model.attachment import Attachment
 from viscorod.model.body import BODIES, Body
 from viscorod.model.body_velocity import BodyVelocity
+from viscorod.model.complex_moduli import ModulusTable
 from viscorod.model.composite import SIMPLE, Region
 from viscorod.model.initial_strain import InitialStrain
 from viscorod.model.joint import JOINTS, Rigid
+from viscorod.model.kelvin_voigt import KelvinVoigt
 from viscorod.model.load import LOADS
-from viscorod.model.material import KelvinVoigt, Material
+from viscorod.model.material import DAMPINGS, Material
 from viscorod.model.motion_words import MOTIONS, VELOCITIES
 from viscorod.model.profile import SECTIONS, Piece, Taper
 from viscorod.model.rod import CENTRELINES, Rod
@@ -34,11 +36,12 @@ PYTHON_ONLY_KEYS = {
     (BodyVelocity, "motion"),
     *((Rigid, name) for name in ("stiffness", "damping", "rest", "motion")),
 }
-DEFAULT_KINDS = (Support, Spring, Body)
+DEFAULT_KINDS = (Support, Spring, Body, KelvinVoigt)
 
 PARTS = {
     "materials": Material,
-    "materials.damping": KelvinVoigt,
+    **{f"damping.{word}": kind for word, kind in DAMPINGS.items()},
+    "damping.other": ModulusTable,
     "sections.piece": Piece,
     "sections.taper": Taper,
     "sections.region": Region,
@@ -119,6 +122,12 @@ TEXTS = {
     "stiffness_section._branches": "list of tables, see below",
     "_branch_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
     "_twist": "number",
+    "_ratio": "number above 0 and below 1",
+    "_decrement": "number > 0",
+    "_mode": 'whole number, 1 to 50, or a text such as `"bend_1 2"`',
+    "_column": "list of numbers",
+    "frequency_band": "2 numbers > 0, the lower first",
+    "_modulus_table": "table, see below",
     "_strain": "6 numbers",
     "_spin": "number > 0, or 3 numbers",
     "_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
@@ -152,6 +161,7 @@ FILE_WORDS = {
     "None lets the program choose": "left out, the program chooses",
     "None stores every step": "left out, every step",
     "None for ": "left out, ",
+    "; its path, from the case file on": "; its path from the case file on",
 }
 """Turns of the docstrings that concern Python only, and what they become here."""
 
@@ -164,6 +174,8 @@ def allowed(check):
         return allowed(inside["check"])
     if name == "_bounded.<locals>.check":
         return f"number {inside['allowed'].split(', or')[0]}"
+    if name == "_numbers.<locals>.check":
+        return f"list of numbers {inside['allowed']}"
     if name == "whole_number.<locals>.check":
         return f"whole number, {inside['low']} to {inside['high']}"
     if name == "_whole_or_auto.<locals>.parse":

@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError, SolveError
+from viscorod.material_record import material_record
 from viscorod.mechanics import geometric, intrinsic
 from viscorod.mechanics.compiled import announce_compilation, announce_formulation
 from viscorod.mechanics.held_strains import add_held_strains
 from viscorod.mechanics.joints import joint_forces
 from viscorod.mechanics.relaxation import remember
+from viscorod.modal_damping import with_known_times
 from viscorod.model.description import ModelDescription
 from viscorod.model.event import Crossing, Decayed
 from viscorod.model.settings import PathSettings, SimulateSettings
@@ -73,6 +75,7 @@ class Workplace:
     system: System
     supports: SupportState
     static: StaticSolver
+    materials: dict[str, str]
     history: History = field(default_factory=History)
     began: float = field(default_factory=time.perf_counter)
 
@@ -83,6 +86,7 @@ class Workplace:
         Raises:
             InputError: it is inconsistent.
         """
+        model = with_known_times(model)
         problem = discretise(model)
         announce_compilation(geometric.assemble)
         if problem.constrained:
@@ -92,7 +96,7 @@ class Workplace:
         system = FORMULATIONS[formulation, damping](problem)
         supports = SupportState(problem)
         require_independent(system, supports)
-        return cls(problem, system, supports, StaticSolver(system, supports))
+        return cls(problem, system, supports, StaticSolver(system, supports), material_record(model))
 
     def equilibrium(
         self, factor: float, load_steps: int, progress: Progress | None, attrs: dict[str, Any]
@@ -468,12 +472,17 @@ class Workplace:
         return partial(dataset, kind, self.problem, self.system.gauss_positions(), self.history, complete)
 
     def _complete(self, attrs: dict[str, Any]) -> dict[str, Any]:
-        return {
-            "message": "",
-            "scale_length": self.problem.length,
-            "energy_scale": self.problem.length * max(float(s.stiffness.max()) for s in self.problem.sets),
-            "wall_time_s": time.perf_counter() - self.began,
-        } | attrs
+        return (
+            {
+                "message": "",
+                "scale_length": self.problem.length,
+                "energy_scale": self.problem.length
+                * max(float(s.stiffness.max()) for s in self.problem.sets),
+                "wall_time_s": time.perf_counter() - self.began,
+            }
+            | self.materials
+            | attrs
+        )
 
     def _static_failure(self, path: StaticPath) -> str:
         assert path.report is not None

@@ -8,6 +8,7 @@ import numpy as np
 
 from viscorod.mechanics import geometric
 from viscorod.mechanics.compiled import announce_compilation
+from viscorod.modal_damping import with_known_times
 from viscorod.model.any_body import AnyBody
 from viscorod.model.any_joint import AnyJoint, ResolvedJoint
 from viscorod.model.description import ModelDescription
@@ -55,6 +56,8 @@ class CheckReport:
         warnings: doubts, one sentence each.
         nodes, unknowns: size of the discretised model; conditions: number of those that joints and held strains make.
         linear_solver: how its linear systems are factorised.
+        materials: moduli [Pa], retardation times [s] and number of Maxwell branches of the rods with a material.
+        assumptions: what was assumed of their damping, one sentence each.
     """
 
     rods: list[dict[str, object]]
@@ -69,6 +72,8 @@ class CheckReport:
     joints: list[dict[str, object]] = field(default_factory=list)
     springs: list[dict[str, object]] = field(default_factory=list)
     conditions: int = 0
+    materials: list[dict[str, object]] = field(default_factory=list)
+    assumptions: list[str] = field(default_factory=list)
 
 
 def check(model: ModelDescription, settings: AnySettings | None = None) -> CheckReport:
@@ -79,6 +84,7 @@ def check(model: ModelDescription, settings: AnySettings | None = None) -> Check
     """
     if isinstance(settings, SimulateSettings):
         require_fit(model, settings)
+    model = with_known_times(model)
     problem, solver, state = _prepared(model)
     if isinstance(settings, SteadySettings):
         require_steady(model, problem, settings)
@@ -111,6 +117,8 @@ def check(model: ModelDescription, settings: AnySettings | None = None) -> Check
         ],
         conditions=solver.system.constraints.rows,
         linear_solver=problem.plan.description,
+        materials=_material_rows(model),
+        assumptions=_assumptions(model),
     )
 
 
@@ -124,6 +132,7 @@ def doubts(model: ModelDescription, *, settled: bool) -> list[str]:
     Raises:
         InputError: the model is inconsistent.
     """
+    model = with_known_times(model)
     problem, solver, state = _prepared(model)
     linear = linearise(solver, state, scale=0.0)
     frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
@@ -147,6 +156,34 @@ def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, s
             f"nothing holds the model against {motions}: no static equilibrium under loads that drive them"
         )
     return warnings + _speed_warnings(model, frequencies)
+
+
+def _material_rows(model: ModelDescription) -> list[dict[str, object]]:
+    """Materials of the rods; times are those of slow motion."""
+    return [
+        {
+            "material of rod": name,
+            "Young's modulus [Pa]": rod.material.youngs_modulus,
+            "Poisson's ratio": rod.material.poissons_ratio,
+            "extensional time [s]": rod.material.extensional_time,
+            "shear time [s]": rod.material.shear_time,
+            "bulk time [s]": rod.material.bulk_time,
+            "Maxwell branches": len(rod.material.branches),
+        }
+        for name, rod in model.rods.items()
+        if rod.material is not None
+    ]
+
+
+def _assumptions(model: ModelDescription) -> list[str]:
+    """What was assumed of the damping; the same of several rods once."""
+    rods: dict[str, list[str]] = {}
+    for name, rod in model.rods.items():
+        for text in rod.material.assumptions if rod.material is not None else ():
+            rods.setdefault(text, []).append(name)
+    return [
+        f"{'rod' if len(names) == 1 else 'rods'} {', '.join(names)}: {text}" for text, names in rods.items()
+    ]
 
 
 def _rod_row(problem: Problem, name: str, rod: Rod) -> dict[str, object]:

@@ -306,11 +306,15 @@ def _check_text(report: CheckReport) -> str:
     blocks = [
         rows_text("Rods", report.rods),
         rows_text("Sections", report.sections),
+        rows_text("Materials", report.materials),
         rows_text("Rigid bodies", report.bodies),
         rows_text("Joints", report.joints),
         rows_text("Springs", report.springs),
         rows_text("First natural modes about the reference shape (a quick estimate)", modes),
         f"{report.nodes} nodes, {report.unknowns} unknowns{conditions}\nLinear systems: {report.linear_solver}",
+        "\n".join(["Assumptions about damping", *(f"  - {text}" for text in report.assumptions)])
+        if report.assumptions
+        else "",
         "\n".join(["Warnings", *(f"  - {text}" for text in report.warnings)])
         if report.warnings
         else "No warnings",

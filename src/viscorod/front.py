@@ -272,6 +272,16 @@ class Model(ModelDescription):
         settings = SteadySettings(**given)
         return steady_rotation(self._discretised(), self, settings, start, self._attrs(title))
 
+    def with_known_times(self) -> Model:
+        """The model with the times of all materials known: those that follow from a mode (`ModalDamping`) are found.
+
+        Raises:
+            InputError: the model is inconsistent, or there is no such mode.
+        """
+        from viscorod.modal_damping import with_known_times
+
+        return with_known_times(self)
+
     def _discretised(self, formulation: str = "geometric", damping: str = "full") -> Workplace:
         from viscorod.analysis import Workplace
 

@@ -83,12 +83,24 @@ def parse_case(text: str, source: Path | None = None) -> Case:
 
 def case_from_dict(data: Mapping[str, Any], source: Path | None = None) -> Case:
     """Read the content of a case file given as nested dicts and lists; see `load_case`."""
-    reader = CaseReader(data)
+    reader = CaseReader(data if source is None else _found_from(source.parent, data))
     reader.read()
     if reader.problems or reader.settings is None:
         raise InputError(reader.problems, heading=str(source) if source is not None else "case")
     title = reader.title or (source.stem if source is not None else "untitled")
     return Case(title, reader.model, reader.settings, source, data)
+
+
+def _found_from(folder: Path, value: Any) -> Any:
+    """The same content with the paths of files (the keys ``file``) that are told from the case file's folder on."""
+    if isinstance(value, Mapping):
+        return {
+            key: str(folder / item) if key == "file" and isinstance(item, str) else _found_from(folder, item)
+            for key, item in value.items()
+        }
+    if isinstance(value, list):
+        return [_found_from(folder, item) for item in value]
+    return value
 
 
 def _content(path: Path) -> str:

@@ -288,11 +288,12 @@ class Rod(Described):
 
     def _usable(self, s: float, section: AnySection) -> None:
         """Refuse sections whose stiffness or mass is not a positive number in double precision."""
+        material = self.material if section.needs_material else None
+        if material is not None and material.pending:
+            material = material.with_damping(None)
         try:
             with np.errstate(all="ignore"):
-                stiffness, damping, inertia = section.matrices(
-                    self.material if section.needs_material else None
-                )
+                stiffness, damping, inertia = section.matrices(material)
         except (OverflowError, ZeroDivisionError):
             stiffness = damping = inertia = np.full((6, 6), math.nan)
         except InputError as error:
