@@ -330,7 +330,7 @@ class Workplace:
             "smallest_step": effort.smallest_step,
             "smallest_step_at": effort.smallest_at,
             "smallest_step_why": effort.smallest_why,
-            "warnings": json.dumps(result.notes),
+            "warnings": json.dumps([*json.loads(attrs.get("doubts", "[]")), *result.notes]),
         }
         if settings.events:
             watch = transient.watch

@@ -251,8 +251,15 @@ def _section_rows(name: str, rod: Rod) -> list[dict[str, object]]:
         held = rod.constrained_strains
         for i, component in enumerate(COMPONENTS):
             row[f"{component} stiffness [{'N' if i < 3 else 'N m2'}]"] = "held" if held[i] else float(C[i, i])
-        for i, component in enumerate(COMPONENTS):
-            row[f"{component} time [s]"] = "" if held[i] else float(D[i, i] / C[i, i])
+        branches = rod.branches_at(s)[1]
+        if len(branches):  # what is in motion much faster than all relaxation times
+            fast = C + branches.sum(axis=0)
+            for i, component in enumerate(COMPONENTS):
+                unit = "N" if i < 3 else "N m2"
+                row[f"{component} stiffness in fast motion [{unit}]"] = "" if held[i] else float(fast[i, i])
+        if D.any() or not len(branches):
+            for i, component in enumerate(COMPONENTS):
+                row[f"{component} time [s]"] = "" if held[i] else float(D[i, i] / C[i, i])
         row |= _couplings("coupling", "", C, held) | _couplings("viscous coupling", " s", D, held)
         offset = np.array([M[1, 5], -M[0, 5]]) / M[0, 0]
         if np.hypot(*offset) > SMALL * np.sqrt(M[5, 5] / M[0, 0]):

@@ -5,7 +5,9 @@ The solvers are imported when something is first computed, so that a model is bu
 
 from __future__ import annotations
 
+import hashlib
 import json
+import platform
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -38,6 +40,11 @@ Progress = Callable[[float, float], None]
 
 class Model(ModelDescription):
     """Rods, supports and loads (see :class:`ModelDescription`), and what can be computed of them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.about: dict[str, str] = {}
+        """What results are to tell of the case beside the model: attributes of their data set."""
 
     def equilibrium(
         self,
@@ -290,7 +297,16 @@ class Model(ModelDescription):
     def _attrs(self, title: str) -> dict[str, Any]:
         from viscorod import __version__
 
-        return {"title": title, "case": json.dumps(self.to_dict()), "version": __version__}
+        case = json.dumps(self.to_dict())
+        text = self.about.get("case_text") or case
+        return {
+            "title": title,
+            "case": case,
+            "case_hash": hashlib.sha256(text.encode()).hexdigest(),
+            "version": __version__,
+            "platform": f"Python {platform.python_version()}, NumPy {np.__version__}, {platform.platform()}",
+            **self.about,
+        }
 
 
 class Case(Protocol):
@@ -308,10 +324,34 @@ class Case(Protocol):
     def title(self) -> str:
         """The title, or empty."""
 
+    @property
+    def source(self) -> Path | None:
+        """The file."""
 
-def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibrium | Steady:
-    """Do what a case file asks for."""
+    @property
+    def text(self) -> str:
+        """Of the file."""
+
+
+def run_case(
+    case: Case,
+    *,
+    progress: Progress | None = None,
+    folder: str | Path | None = None,
+    doubts: Sequence[str] = (),
+    resume: bool = False,
+    stop: Callable[[], str] | None = None,
+) -> Run | Equilibrium | Steady:
+    """Do what a case file asks for.
+
+    Args:
+        case: of the file; progress: see ``Model.simulate``.
+        folder, resume, stop: of a motion, see there; doubts: go to its warnings.
+    """
     model = as_model(case.description)
+    model.about = {"case_text": case.text, "doubts": json.dumps(list(doubts))}
+    if case.source is not None:
+        model.about["case_file"] = str(case.source)
     given = {name: getattr(case.settings, name) for name in case.settings.model_fields_set}
     if isinstance(case.settings, EquilibriumSettings):
         return model.equilibrium(**given, progress=progress, title=case.title)
@@ -319,7 +359,9 @@ def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibri
         return model.path(**given, progress=progress, title=case.title)
     if isinstance(case.settings, SteadySettings):
         return model.steady(**given, title=case.title)
-    return model.simulate(**given, progress=progress, title=case.title)
+    return model.simulate(
+        **given, progress=progress, title=case.title, folder=folder, resume=resume, stop=stop
+    )
 
 
 def as_model(description: ModelDescription) -> Model:

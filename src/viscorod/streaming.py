@@ -23,9 +23,11 @@ FLUSH = 1.0
 MANY = 256
 """States that are kept in memory at most before they are written."""
 
-CHECKPOINT = 10.0
-"""Seconds of wall time between two checkpoints at least; one takes a part of that at most:"""
+CHECKPOINT = 1.0
+"""Seconds of wall time between two checkpoints at least; the first is written after the first step."""
+
 SHARE = 0.02
+"""Part of the wall time that checkpoints take at most."""
 
 
 @dataclass
@@ -54,7 +56,7 @@ class Stream(History):
         self._samples: list[Snapshot] = []
         self._stride = 1
         self._signs: np.ndarray | None = None
-        self._flushed = self._checked = time.monotonic()
+        self._flushed = self._checked = -np.inf
         self._cost = 0.0
         if self._saved is not None:
             self._signs = self._saved[2].get("signs")

@@ -104,16 +104,19 @@ class DampingValidity:
         """Whether it was right for every strain."""
         return all(strain.valid for strain in self.strains)
 
-    def __str__(self) -> str:
+    @property
+    def sentence(self) -> str:
+        """The verdict in one sentence."""
         if not self.strains:
-            head = "No rod with Kelvin-Voigt damping was strained."
-        elif self.valid:
-            head = "Kelvin-Voigt damping was right for this motion."
-        else:
-            limit = min(strain.limit for strain in self.strains if not strain.valid)
-            head = "Kelvin-Voigt damping was not right for this motion; "
-            head += f"it would be for frequencies up to {limit:.3g} Hz."
-        return "\n".join([head, *(f"  {text}" for text in (*self.strains, *self.notes))])
+            return "No rod with Kelvin-Voigt damping was strained."
+        if self.valid:
+            return "Kelvin-Voigt damping was right for this motion."
+        limit = min(strain.limit for strain in self.strains if not strain.valid)
+        head = "Kelvin-Voigt damping was not right for this motion; "
+        return head + f"it would be for frequencies up to {limit:.3g} Hz."
+
+    def __str__(self) -> str:
+        return "\n".join([self.sentence, *(f"  {text}" for text in (*self.strains, *self.notes))])
 
 
 def damping_validity(run: Run, tolerance: float = 0.1) -> DampingValidity:
