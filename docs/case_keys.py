@@ -119,7 +119,7 @@ TEXTS = {
     "_some_regions": "list of tables, see below",
     "composite._material": "name of a material in quotes, or a table",
     "_times": "6 numbers >= 0",
-    "stiffness_section._branches": "list of tables, see below",
+    "_some_branches": "list of tables, see below",
     "_branch_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
     "_twist": "number",
     "_ratio": "number above 0 and below 1",

@@ -313,6 +313,8 @@ class Workplace:
         effort = result.effort
         self.history = result.history
         if stream is not None and result.outcome is Outcome.INTERRUPTED:
+            if stream.broken:
+                raise InputError(result.reason)
             stream.save(build, transient.saved)
         attrs |= chosen | {
             "outcome": result.outcome.name.lower(),

@@ -193,12 +193,16 @@ class Model(ModelDescription):
         if resume and folder is None:
             raise InputError("resume: give the folder of the run that is to go on")
         work = self._discretised(settings.formulation, settings.damping)
+        attrs = self._attrs(title) | {"settings": json.dumps(settings.to_dict())}
         if folder is None:
-            return work.simulate(settings, progress, self._attrs(title), stop=stop)
+            return work.simulate(settings, progress, attrs, stop=stop)
         from viscorod.streaming import Stream
 
-        stream = Stream(folder=Path(folder), resuming=resume)
-        return work.simulate(settings, progress, self._attrs(title), stream, stop)
+        stream = Stream(folder=Path(folder), about=attrs, resuming=resume)
+        try:
+            return work.simulate(settings, progress, attrs, stream, stop)
+        finally:
+            stream.journal.close()
 
     def draw(self, path: str | Path, title: str = "") -> Path:
         """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.

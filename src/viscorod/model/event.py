@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, TypeAlias, cast
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
-from pydantic import Field, PlainValidator
+from pydantic import BeforeValidator, Field, PlainValidator
 
 from viscorod.model.described import Described, RefusedError
 from viscorod.model.values import Flag, Number, OptionalPositive, choose, number, one_of, sequence, word
 
-__all__ = ["EVENTS", "QUANTITIES", "AnyEvent", "Crossing", "Decayed", "SteadyState", "event_list"]
+__all__ = ["EVENTS", "QUANTITIES", "AnyEvent", "Crossing", "Decayed", "Events", "SteadyState"]
 
 QUANTITIES = ("x", "y", "z", "ux", "uy", "uz", "vx", "vy", "vz")
 """Position [m], displacement from the reference shape [m] and velocity [m/s], global axes."""
@@ -102,15 +102,8 @@ AnyEvent: TypeAlias = Crossing | Decayed | SteadyState
 EVENTS: dict[str, type[Described]] = {"crossing": Crossing, "decayed": Decayed, "steady": SteadyState}
 """The events by their word in a case file; a new one is one class and one line here."""
 
-_one = choose("kind", EVENTS)
-
-
-def event_list(value: Any) -> tuple[AnyEvent, ...]:
-    """`value`, a list of events or tables, as events."""
-    found = []
-    for index, item in enumerate(sequence(value)):
-        try:
-            found.append(cast(AnyEvent, _one(item)))
-        except RefusedError as error:
-            raise RefusedError(error.why, error.instead, found=error.found, at=(index, *error.at)) from None
-    return tuple(found)
+Events = Annotated[
+    tuple[Annotated[AnyEvent, PlainValidator(choose("kind", EVENTS))], ...],
+    BeforeValidator(lambda value: tuple(sequence(value))),
+]
+"""A list of events, or of tables that describe them."""

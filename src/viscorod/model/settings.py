@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.model.described import Described, RefusedError, show
-from viscorod.model.event import AnyEvent, event_list
+from viscorod.model.event import Events
 from viscorod.model.values import (
     OptionalDirection,
     OptionalNumber,
@@ -68,7 +67,7 @@ class SimulateSettings(Described):
     formulation: Annotated[Literal["geometric", "intrinsic"], one_of("geometric", "intrinsic")] = "geometric"
     damping: Annotated[Literal["full", "linearised"], one_of("full", "linearised")] = "full"
     dynamics: Annotated[Literal["nonlinear", "linear"], one_of("nonlinear", "linear")] = "nonlinear"
-    events: Annotated[Sequence[AnyEvent], PlainValidator(event_list)] = ()
+    events: Events = ()
 
     @model_validator(mode="after")
     def _fits_formulation(self) -> Self:

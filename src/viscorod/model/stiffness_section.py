@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from viscorod.errors import InputError, Problem
 from viscorod.model.any_section import AnySection, Branches, Matrices
@@ -207,14 +207,8 @@ class MaxwellBranch(Described):
     )
 
 
-def _branches(value: Any) -> tuple[MaxwellBranch, ...]:
-    branches = []
-    for index, item in enumerate(sequence(value)):
-        try:
-            branches.append(item if isinstance(item, MaxwellBranch) else MaxwellBranch.model_validate(item))
-        except RefusedError as error:
-            raise RefusedError(error.why, error.instead, found=error.found, at=(index, *error.at)) from None
-    return tuple(branches)
+def _some_branches(value: Any) -> Any:
+    return tuple(sequence(value))
 
 
 class StiffnessSection(AnySection):
@@ -240,7 +234,7 @@ class StiffnessSection(AnySection):
     stiffness: Annotated[Given, PlainValidator(_stiffness)] = Field(description="6 numbers or 6 rows of 6")
     inertia: Annotated[Given, PlainValidator(_inertia)] = Field(description="6 numbers or 6 rows of 6")
     damping: Annotated[Given | None, PlainValidator(_damping)] = None
-    branches: Annotated[Sequence[MaxwellBranch], PlainValidator(_branches)] = ()
+    branches: Annotated[Sequence[MaxwellBranch], BeforeValidator(_some_branches)] = ()
     times: Annotated[Sequence[float] | None, PlainValidator(_times)] = None
 
     @model_validator(mode="after")
