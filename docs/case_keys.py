@@ -16,6 +16,7 @@ from viscorod.model.body import BODIES, Body
 from viscorod.model.body_velocity import BodyVelocity
 from viscorod.model.complex_moduli import ModulusTable
 from viscorod.model.composite import SIMPLE, Region
+from viscorod.model.event import EVENTS
 from viscorod.model.initial_strain import InitialStrain
 from viscorod.model.joint import JOINTS, Rigid
 from viscorod.model.kelvin_voigt import KelvinVoigt
@@ -57,6 +58,7 @@ PARTS = {
     **{f"time.{word}": kind for word, kind in TIME_FUNCTIONS.items()},
     "velocities": InitialVelocity,
     "strains": InitialStrain,
+    **{f"events.{word}": kind for word, kind in EVENTS.items()},
     **schema.ANALYSES,
 }
 PARTS = {name: kind for name, kind in PARTS.items() if name not in PYTHON_ONLY}
@@ -129,6 +131,8 @@ TEXTS = {
     "frequency_band": "2 numbers > 0, the lower first",
     "_modulus_table": "table, see below",
     "_strain": "6 numbers",
+    "_part": "number above 0 and below 1",
+    "_some_events": "list of tables, see below",
     "_spin": "number > 0, or 3 numbers",
     "_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
     "stiffness_section._inertia": "6 numbers (a diagonal) or 6 rows of 6",

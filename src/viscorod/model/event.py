@@ -102,8 +102,12 @@ AnyEvent: TypeAlias = Crossing | Decayed | SteadyState
 EVENTS: dict[str, type[Described]] = {"crossing": Crossing, "decayed": Decayed, "steady": SteadyState}
 """The events by their word in a case file; a new one is one class and one line here."""
 
+
+def _some_events(value: Any) -> Any:
+    return tuple(sequence(value))
+
+
 Events = Annotated[
-    tuple[Annotated[AnyEvent, PlainValidator(choose("kind", EVENTS))], ...],
-    BeforeValidator(lambda value: tuple(sequence(value))),
+    tuple[Annotated[AnyEvent, PlainValidator(choose("kind", EVENTS))], ...], BeforeValidator(_some_events)
 ]
 """A list of events, or of tables that describe them."""
