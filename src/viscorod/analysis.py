@@ -21,7 +21,7 @@ from viscorod.mechanics.relaxation import remember
 from viscorod.modal_damping import with_known_times
 from viscorod.model.description import ModelDescription
 from viscorod.model.event import Crossing, Decayed
-from viscorod.model.settings import PathSettings, SimulateSettings
+from viscorod.model.settings import LEAST_TOLERANCE, PathSettings, SimulateSettings
 from viscorod.results.dataset import dataset
 from viscorod.results.places import Site, Sites
 from viscorod.results.run import Equilibrium, Run
@@ -58,6 +58,10 @@ if TYPE_CHECKING:
 __all__ = ["Workplace"]
 
 TOLERANCE = 1e-4
+PART_OF_MOTION = 1e-3
+"""Largest tolerance as a part of the displacement from which a free vibration starts."""
+ROUND_OFF = 1e-9
+"""Displacement over the size of the model that is none."""
 SPECTRAL_RADIUS = 0.6
 LEAST_STEPS = 10
 """Steps of a run at least, when steps follow the error."""
@@ -443,7 +447,7 @@ class Workplace:
         """Return integrator, step control and what was chosen, by name."""
         tolerance, duration = settings.tolerance, settings.duration
         if settings.integrator == "radau" and tolerance is None:
-            tolerance = TOLERANCE
+            tolerance = self._chosen_tolerance(state, duration)
         make = (LINEAR_INTEGRATORS if settings.dynamics == "linear" else INTEGRATORS)[settings.integrator]
         given: dict[str, Any] = {}
         if settings.integrator == "generalized_alpha":
@@ -464,6 +468,18 @@ class Workplace:
             frequencies = small_motion.natural_frequencies(linear, 16)
             step = chosen_time_step(self.problem, frequencies, duration)
         return make(self.system, self.supports, **given), FixedSteps(step), given | {"time_step": step}
+
+    def _chosen_tolerance(self, state: State, duration: float) -> float:
+        """The usual tolerance, or less where a free vibration starts so near to rest that this would swallow it."""
+        problem = self.problem
+        loads = self.static.loads.at(0.0)
+        later = any(0.0 < t < duration for t in problem.breakpoints) or problem.periods
+        if not loads.none or later or self.supports.moving or problem.joints.motions or state.twist.any():
+            return TOLERANCE
+        moved = float(np.abs(state.r - problem.positions).max()) / problem.length
+        if moved < ROUND_OFF:
+            return TOLERANCE
+        return min(TOLERANCE, max(PART_OF_MOTION * moved, LEAST_TOLERANCE))
 
     def _dataset(self, kind: str, attrs: dict[str, Any]) -> xr.Dataset:
         return self._later(kind, attrs)()

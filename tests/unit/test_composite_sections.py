@@ -369,3 +369,10 @@ def test_without_the_library_the_command_that_installs_it_is_told(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "sectionproperties.pre", None)
     with pytest.raises(InputError, match=r"pip install 'viscorod\[sections\]'"):
         Outline(SQUARE)
+
+
+def test_damping_of_a_mode_is_refused_in_a_region():
+    """Other regions take part in a mode: its ratio says nothing of one of them."""
+    material = vr.Material(1e9, 0.3, 1000.0, damping=vr.ModalDamping(ratio=0.02))
+    with pytest.raises(vr.InputError, match=r"Region.material.damping: .*cannot follow from a mode.*give times"):
+        vr.Region(material, vr.Rectangle(0.02, 0.002))

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from viscorod.errors import InputError, Problem
 from viscorod.model.any_section import AnySection, Branches, Matrices
-from viscorod.model.described import Described, RefusedError
+from viscorod.model.described import Described, RefusedError, show
 from viscorod.model.material import Material
 from viscorod.model.meshed_section import (
     Axes,
@@ -50,7 +50,15 @@ SIMPLE: dict[str, type[Described]] = {
 
 
 def _material(value: Any) -> Material:
-    return value if isinstance(value, Material) else Material.model_validate(value)
+    material = value if isinstance(value, Material) else Material.model_validate(value)
+    if material.pending:
+        raise RefusedError(
+            "the damping of a region cannot follow from a mode: the other regions take part in it",
+            "give times, a loss factor or another measure of the material itself",
+            found=show(material.damping),
+            at=("damping",),
+        )
+    return material
 
 
 def _at(value: Any) -> tuple[float, float]:

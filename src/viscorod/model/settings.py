@@ -37,7 +37,8 @@ class SimulateSettings(Described):
         time_step: s; the step of integrators with equal steps (None: chosen from the lowest modes), the largest step of
             the others.
         tolerance: wanted accuracy of the motion: displacements over the size of the model and rotations in rad; the
-            steps follow from it. 1e-4 for "radau" unless given; "generalized_alpha" has equal steps without it.
+            steps follow from it. 1e-4 for "radau" unless given, less for free vibrations that start from displacements
+            below a tenth of the size; "generalized_alpha" has equal steps without it.
         initial: what the motion starts from: "equilibrium" under the loads at t = 0-, or the "reference"
             shape.
         integrator: "radau" (order 5, steps that follow the error), "generalized_alpha" or "midpoint" (order 2, which
