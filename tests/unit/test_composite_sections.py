@@ -11,6 +11,7 @@ from viscorod.errors import InputError
 from viscorod.model.any_section import AnySection
 from viscorod.model.composite import Composite, Region
 from viscorod.model.material import Branch, KelvinVoigt, Material
+from viscorod.model.modal import ModalDamping
 from viscorod.model.outline import Outline
 from viscorod.model.profile import Piecewise, Taper
 from viscorod.model.prony import Prony
@@ -373,6 +374,6 @@ def test_without_the_library_the_command_that_installs_it_is_told(monkeypatch):
 
 def test_damping_of_a_mode_is_refused_in_a_region():
     """Other regions take part in a mode: its ratio says nothing of one of them."""
-    material = vr.Material(1e9, 0.3, 1000.0, damping=vr.ModalDamping(ratio=0.02))
-    with pytest.raises(vr.InputError, match=r"Region.material.damping: .*cannot follow from a mode.*give times"):
-        vr.Region(material, vr.Rectangle(0.02, 0.002))
+    material = Material(1e9, 0.3, 1000.0, damping=ModalDamping(ratio=0.02))
+    with pytest.raises(InputError, match=r"Region.material.damping: .*cannot follow from a mode.*give times"):
+        Region(material, Rectangle(0.02, 0.002))
