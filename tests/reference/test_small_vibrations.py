@@ -10,9 +10,9 @@ import viscorod as vr
 from .cases import cantilever
 
 
-@pytest.mark.parametrize("force", [1e-9, 1e-6, 1e-3])
+@pytest.mark.parametrize("force", [1e-7, 1e-5, 1e-3])
 def test_damping_ratio_of_a_small_swing(force):
-    """Closed form: the first mode's ratio in the last cycles, whatever the amplitude; energy lost by the integration below 2 %."""
+    """Closed form: in the last cycles the first mode's ratio, whatever the amplitude; numerical loss below 2 %."""
     material = vr.Material(1e6, 0.3, 1000.0, damping=vr.KelvinVoigt(0.02, 0.02))
     model = cantilever(vr.Rectangle(0.01, 0.01), 0.3, material=material)
     model.force("beam.end", (0, force, 0), until=0.0)
