@@ -8,6 +8,7 @@ import multiprocessing
 import os
 import signal
 import sys
+import threading
 import time
 import tracemalloc
 
@@ -124,9 +125,17 @@ def test_a_stopped_run_goes_on(tmp_path, eager, name):
         assert not (folder / FOLDER).exists()
 
 
-def _child(model, given, folder):
-    given = given | {"progress": lambda t, h: time.sleep(0.003)}
-    model.simulate(**given, folder=folder)
+def _child(model, given, folder, step, delay):
+    """Be killed some time after a step: in the next ones, or while something is written."""
+    steps = itertools.count(1)
+
+    def progress(t, h):
+        if next(steps) == step:
+            threading.Timer(delay, os.kill, (os.getpid(), signal.SIGKILL)).start()
+        time.sleep(0.002)
+
+    model.simulate(**given, folder=folder, progress=progress)
+    time.sleep(60.0)  # killed after its end
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no fork")
@@ -134,25 +143,25 @@ def test_killed_at_twenty_random_moments(tmp_path, eager):
     """Identity to 1e-12 (bit for bit here): killed without warning wherever it is, then resumed."""
     fork = multiprocessing.get_context("fork")
     rng = np.random.default_rng(5)
-    cases = {name: (*RUNS[name](),) for name in ("radau", "midpoint", "Maxwell", "joints")}
+    cases = {name: RUNS[name]() for name in ("radau", "midpoint", "Maxwell", "joints")}
     expected = {name: model.simulate(**given) for name, (model, given) in cases.items()}
     resumed = 0
     for number in range(20):
         name = list(cases)[number % len(cases)]
         model, given = cases[name]
         folder = tmp_path / str(number)
-        child = fork.Process(target=_child, args=(model, given, folder))
+        step = int(rng.integers(1, int(expected[name].data.attrs["steps"])))
+        child = fork.Process(target=_child, args=(model, given, folder, step, rng.uniform(0.0, 0.02)))
         child.start()
-        time.sleep(rng.uniform(0.05, 0.6))
-        os.kill(child.pid, signal.SIGKILL)
         child.join()
+        assert child.exitcode == -signal.SIGKILL
         if not (folder / FOLDER / "checkpoint.npz").is_file():
-            continue  # killed before its first step, or after its end
+            continue  # killed within its first step, or after its last
         until = contents(folder / FOLDER).sizes["time"]  # whole records, however it ended
         assert until >= checkpoint(folder / FOLDER)[1]
         assert difference(model.simulate(**given, folder=folder, resume=True), expected[name]) <= 1e-12
         resumed += 1
-    assert resumed >= 10
+    assert resumed >= 15
 
 
 def test_half_a_record_is_not_read(tmp_path, eager):

@@ -84,6 +84,11 @@ class Transient:
         self.effort = Effort()
         self.notes: list[str] = []
         self.watch = Watch([])
+        self.result = TransientResult()
+        self.duration = math.inf
+        self.output_interval: float | None = None
+        self._progress: Callable[[float, float], None] | None = None
+        self._after_step: Callable[[], str] | None = None
 
     def run(
         self,
@@ -109,113 +114,125 @@ class Transient:
             watch: asked after every step what has happened, and whether the run ends with it.
         """
         self.watch = watch or Watch([])
-        result = TransientResult(history or History(), effort=self.effort, notes=self.notes)
+        self.output_interval, self.duration = output_interval, duration
+        self._progress, self._after_step = progress, after_step
+        self.result = result = TransientResult(history or History(), effort=self.effort, notes=self.notes)
         try:
-            self._march(result, state, duration, output_interval, progress, checkpoint, after_step)
+            self._march(state, checkpoint)
         except KeyboardInterrupt:
             result.outcome, result.reason = Outcome.INTERRUPTED, "interrupted from the keyboard"
         except InputError as error:
             if not result.history.count:
                 raise
             result.outcome, result.reason = Outcome.INTERRUPTED, str(error)
-        effort, integrator = result.effort, self.integrator
-        effort.evaluations, effort.factorisations = integrator.evaluations, integrator.factorisations
-        effort.jacobians = integrator.jacobians
+        self.count()
         return result
 
-    def _march(
-        self,
-        result: TransientResult,
-        state: State,
-        duration: float,
-        output_interval: float | None,
-        progress: Callable[[float, float], None] | None,
-        checkpoint: Tree,
-        after_step: Callable[[], str] | None,
-    ) -> None:
-        integrator, account, control, effort = self.integrator, self.account, self.control, result.effort
-        history = result.history
-        self._begin(0.0, state)
-        account.elastic = integrator.elastic
-        account.kinetic = integrator.kinetic
-        account.start = account.kinetic + account.elastic
-        account.branches = np.zeros(len(self.problem.relaxation_times))
-        if checkpoint is None:
-            history.record(0.0, integrator.snapshot(), account, 0.0, 0)
-            self.watch.begin(0.0, integrator.snapshot())
-        else:
-            self._resume(checkpoint)
-        corners, jumps = self._corners(duration)
+    def count(self) -> None:
+        """Note what the integrator has done so far."""
+        effort, integrator = self.effort, self.integrator
+        effort.evaluations, effort.factorisations = integrator.evaluations, integrator.factorisations
+        effort.jacobians = integrator.jacobians
+
+    def _march(self, state: State, checkpoint: Tree) -> None:
+        integrator, control = self.integrator, self.control
+        self.begin(state, record=checkpoint is None)
+        if checkpoint is not None:
+            self.resume(checkpoint)
+        corners, jumps = self._corners(self.duration)
         t, restart, resumed = integrator.t, True, checkpoint is not None
         for corner in corners:
             if resumed and corner < t:
                 continue
             if not resumed:
-                control.begin(t, corner, first=integrator.first_step(duration) if restart else None)
+                control.begin(t, corner, first=integrator.first_step(self.duration) if restart else None)
             resumed = False
-            while integrator.t < corner:
-                t = integrator.t
-                end = control.aim(t)
-                report = integrator.attempt(end, before=end == corner)
-                effort.iterations += report.iterations
-                result.report = report
-                if not control.accepts(report, end - t):
-                    effort.rejected += 1
-                    if not report.converged and control.notes_failures and len(result.notes) < MOST_NOTES:
-                        result.notes.append(
-                            f"t = {t:.6g} s: a step of {end - t:.3g} s failed and was shortened"
-                        )
-                    if control.exhausted:
-                        result.outcome, result.failed_at = report.outcome, end
-                        if report.converged:
-                            result.outcome = Outcome.TOO_SMALL
-                        return
-                    continue
-                before = account.copy()
-                integrator.accept()
-                if not integrator.strain < LARGEST_STRAIN:
-                    result.outcome, result.failed_at = Outcome.BROKEN, end
-                    return
-                account.add(integrator)
-                effort.steps += 1
-                if end - t < effort.smallest_step:
-                    effort.smallest_step, effort.smallest_at = end - t, t
-                    effort.smallest_why = self._why(report)
-                if progress is not None:
-                    progress(end, end - t)
-                stop = self.watch.after(integrator, t) if self.watch.monitors else None
-                times = self._records(t, end, output_interval, end == duration)
-                if stop is not None:
-                    times = [*(at for at in times if at < stop), stop]
-                parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
-                states = integrator.between(np.array(parts)) if parts else []
-                lost = integrator.branch_losses(np.array(parts))
-                for (between, work, loss), at, part, branches in zip(
-                    states, times, parts, lost, strict=False
-                ):
-                    energy = before.between(account, part, between.kinetic, work, loss, branches)
-                    history.record(at, between, energy, end - t, report.iterations)
-                if len(times) > len(states):
-                    history.record(times[-1], integrator.snapshot(), account, end - t, report.iterations)
-                if control.exhausted:
-                    result.outcome, result.failed_at = Outcome.TOO_SMALL, end
-                    return
-                if stop is not None:
-                    return
-                reason = after_step() if after_step is not None else ""
-                if reason and end < duration:
-                    result.outcome, result.reason = Outcome.INTERRUPTED, reason
-                    return
+            if not self.reach(corner):
+                return
             t, restart = corner, corner in jumps
             if restart:
-                self._begin(corner, integrator.state)
+                self.restart(corner)
+
+    def begin(self, state: State, *, record: bool = True) -> None:
+        """Start from ``state`` at t = 0, and record it."""
+        integrator, account = self.integrator, self.account
+        integrator.start(0.0, state)
+        account.elastic = integrator.elastic
+        account.kinetic = integrator.kinetic
+        account.start = account.kinetic + account.elastic
+        account.branches = np.zeros(len(self.problem.relaxation_times))
+        if record:
+            self.result.history.record(0.0, integrator.snapshot(), account, 0.0, 0)
+            self.watch.begin(0.0, integrator.snapshot())
+
+    def reach(self, corner: float) -> bool:
+        """Go on to the time ``corner`` [s], for which the step control has been told; False if the run ends before."""
+        integrator, control, effort, result = self.integrator, self.control, self.effort, self.result
+        while integrator.t < corner:
+            t = integrator.t
+            end = control.aim(t)
+            report = integrator.attempt(end, before=end == corner)
+            effort.iterations += report.iterations
+            result.report = report
+            if not control.accepts(report, end - t):
+                effort.rejected += 1
+                if not report.converged and control.notes_failures and len(result.notes) < MOST_NOTES:
+                    result.notes.append(f"t = {t:.6g} s: a step of {end - t:.3g} s failed and was shortened")
+                if control.exhausted:
+                    result.outcome, result.failed_at = report.outcome, end
+                    if report.converged:
+                        result.outcome = Outcome.TOO_SMALL
+                    return False
+                continue
+            before = self.account.copy()
+            integrator.accept()
+            if not integrator.strain < LARGEST_STRAIN:
+                result.outcome, result.failed_at = Outcome.BROKEN, end
+                return False
+            self.account.add(integrator)
+            effort.steps += 1
+            if end - t < effort.smallest_step:
+                effort.smallest_step, effort.smallest_at = end - t, t
+                effort.smallest_why = self._why(report)
+            if self._progress is not None:
+                self._progress(end, end - t)
+            stop = self.watch.after(integrator, t) if self.watch.monitors else None
+            self._record(before, t, end, stop, report.iterations)
+            if control.exhausted:
+                result.outcome, result.failed_at = Outcome.TOO_SMALL, end
+                return False
+            if stop is not None:
+                return False
+            reason = self._after_step() if self._after_step is not None else ""
+            if reason and end < self.duration:
+                result.outcome, result.reason = Outcome.INTERRUPTED, reason
+                return False
+        return True
+
+    def _record(
+        self, before: EnergyAccount, t: float, end: float, stop: float | None, iterations: int
+    ) -> None:
+        """Record what is due of the step from ``t`` to ``end`` [s], or to where the run stops in it."""
+        integrator, account, history = self.integrator, self.account, self.result.history
+        times = self._records(t, end, self.output_interval, end == self.duration)
+        if stop is not None:
+            times = [*(at for at in times if at < stop), stop]
+        parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
+        states = integrator.between(np.array(parts)) if parts else []
+        lost = integrator.branch_losses(np.array(parts))
+        for (between, work, loss), at, part, branches in zip(states, times, parts, lost, strict=False):
+            energy = before.between(account, part, between.kinetic, work, loss, branches)
+            history.record(at, between, energy, end - t, iterations)
+        if len(times) > len(states):
+            history.record(times[-1], integrator.snapshot(), account, end - t, iterations)
 
     def saved(self) -> Tree:
         """Return from what another run of the same model can go on."""
         parts = (self.integrator, self.control, self.account, self.effort, self.watch)
         return {"parts": [saved(part) for part in parts], "notes": list(self.notes)}
 
-    def _resume(self, checkpoint: Tree) -> None:
+    def resume(self, checkpoint: Tree) -> None:
+        """Put back what :meth:`saved` returned."""
         parts = (self.integrator, self.control, self.account, self.effort, self.watch)
         for part, tree in zip(parts, checkpoint["parts"], strict=True):
             restore(part, tree)
@@ -257,10 +274,12 @@ class Transient:
                 jumps.add(t)
         return corners, jumps
 
-    def _begin(self, t: float, state: State) -> None:
-        """Start or restart the integrator; the impulse of a support whose velocity jumps counts as external work."""
+    def restart(self, t: float) -> None:
+        """Start the integrator anew at ``t`` [s], after a jump of loads or prescribed motions.
+
+        The impulse of a support whose velocity jumps counts as external work.
+        """
         before = self.integrator.kinetic
-        self.integrator.start(t, state)
-        if t > 0.0:
-            self.account.external += self.integrator.kinetic - before
-            self.account.kinetic = self.integrator.kinetic
+        self.integrator.start(t, self.integrator.state)
+        self.account.external += self.integrator.kinetic - before
+        self.account.kinetic = self.integrator.kinetic
