@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from viscorod.results.steady import Steady
     from viscorod.results.storage import load
     from viscorod.results.sweep import Member, Sweep
+    from viscorod.stepping import System
     from viscorod.sweeps import sweep
 
     __version__: str
@@ -91,6 +92,7 @@ _HOMES = {
     "results.steady": ("Steady",),
     "results.storage": ("load",),
     "results.sweep": ("Member", "Sweep"),
+    "stepping": ("System",),
     "sweeps": ("sweep",),
 }
 _MODULES = {name: f"viscorod.{module}" for module, names in _HOMES.items() for name in names}
@@ -168,6 +170,7 @@ __all__ = [
     "Straight",
     "Support",
     "Sweep",
+    "System",
     "Table",
     "Taper",
     "Universal",

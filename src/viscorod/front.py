@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady import Steady
     from viscorod.solve.modes import Modes
+    from viscorod.stepping import System
 
 __all__ = ["Case", "Model", "as_model", "run_case"]
 
@@ -190,19 +191,61 @@ class Model(ModelDescription):
         given |= {name: value for name, value in optional.items() if value is not None}
         settings = SimulateSettings(**given)
         require_fit(self, settings)
+        from viscorod.motion import simulate
+
         if resume and folder is None:
             raise InputError("resume: give the folder of the run that is to go on")
         work = self._discretised(settings.formulation, settings.damping)
         attrs = self._attrs(title) | {"settings": json.dumps(settings.to_dict())}
         if folder is None:
-            return work.simulate(settings, progress, attrs, stop=stop)
+            return simulate(work, settings, progress, attrs, stop=stop)
         from viscorod.streaming import Stream
 
         stream = Stream(folder=Path(folder), about=attrs, resuming=resume)
         try:
-            return work.simulate(settings, progress, attrs, stream, stop)
+            return simulate(work, settings, progress, attrs, stream, stop)
         finally:
             stream.journal.close()
+
+    def system(
+        self,
+        ports: Sequence[str] = (),
+        *,
+        tolerance: float | None = None,
+        time_step: float | None = None,
+        initial: str = "equilibrium",
+        integrator: str = "radau",
+        spectral_radius: float | None = None,
+        output_interval: float | None = None,
+        formulation: str = "geometric",
+        damping: str = "full",
+        title: str = "",
+    ) -> System:
+        """Let another program move this model step by step: forces in at the ``ports``, motion out.
+
+        Args:
+            ports: places where the other program acts, such as "beam.end".
+            title: kept with the result; the others: see :meth:`simulate`.
+
+        Raises:
+            InputError: the model or a setting is wrong, or a port is no place.
+        """
+        from viscorod.stepping import System
+
+        given: dict[str, Any] = {
+            "initial": initial,
+            "integrator": integrator,
+            "formulation": formulation,
+            "damping": damping,
+        }
+        optional = {
+            "tolerance": tolerance,
+            "time_step": time_step,
+            "spectral_radius": spectral_radius,
+            "output_interval": output_interval,
+        }
+        given |= {name: value for name, value in optional.items() if value is not None}
+        return System(self, ports, attrs=self._attrs(title), **given)
 
     def draw(self, path: str | Path, title: str = "") -> Path:
         """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.

@@ -23,6 +23,7 @@ from viscorod.model.settings import SimulateSettings
 from viscorod.model.shapes import Rectangle
 from viscorod.model.stiffness_section import MaxwellBranch, StiffnessSection
 from viscorod.model.time_function import Ramp
+from viscorod.motion import simulate
 from viscorod.solve.formulations import FORMULATIONS
 from viscorod.solve.geometric_system import GeometricSystem
 from viscorod.solve.integrators import INTEGRATORS, Radau
@@ -103,7 +104,7 @@ def _simulate(model: Model, integrator: str, formulations: Iterable[tuple[str, s
         "output_interval": 0.2 * SPAN,
     }
     for formulation in formulations:
-        Workplace.of(model, *formulation).simulate(SimulateSettings.model_validate(given), None, {})
+        simulate(Workplace.of(model, *formulation), SimulateSettings.model_validate(given), None, {})
 
 
 def small_model() -> Model:

@@ -224,6 +224,19 @@ class History:
         self.step_size.append(step_size)
         self.iterations.append(iterations)
 
+    def forget(self, count: int) -> None:
+        """Keep the first ``count`` records only."""
+        for values in (
+            self.instant,
+            self.snapshots,
+            self.energy,
+            self.branches,
+            self.step_size,
+            self.iterations,
+        ):
+            del values[count:]
+        self.count = count
+
     def sampled(self, most: int) -> list[Snapshot]:
         """Return at most about so many of the recorded states, evenly."""
         count = len(self.snapshots)

@@ -105,10 +105,10 @@ def _restored(value: Any, tree: Tree) -> Any:
         return complex(*tree["parts"])
     if tree["kind"] == "sequence":
         return _sequence(value, tree)
-    if type(value).__name__ != tree["type"]:
-        if tree["type"] not in MADE:
-            return value
+    if tree["type"] in MADE:  # others may hold the one that is there
         return MADE[tree["type"]](**{key: _restored(None, item) for key, item in tree["fields"].items()})
+    if type(value).__name__ != tree["type"]:
+        return value
     if hasattr(value, "_replace"):
         fields = value._asdict()
         return value._replace(**{k: _restored(fields[k], item) for k, item in tree["fields"].items()})

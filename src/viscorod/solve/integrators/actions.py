@@ -57,6 +57,10 @@ class Actions:
                 given.shape[i, k, : len(load.shape)] = load.shape
                 given.point_dead[i, k], given.point_following[i, k] = load.dead, load.following
 
+    def forget(self) -> None:
+        """Write all loads anew: ``given`` was changed from outside."""
+        self._written = [None] * len(self._written)
+
     def move_supports(self, t: float, *, before: bool) -> None:
         """Bring moving supports to time ``t`` [s]."""
         if self.supports.moving:

@@ -225,6 +225,7 @@ class Collocation:
             snapshot = snapshot._replace(branch_power=power.ravel()[self.system.gauss_places()])
         if self.linked is None or self._factor_step == 0.0:
             return snapshot
+        self.system.constraints.update(self.t, True)  # states between may have been asked for
         return self.linked.shown(snapshot, self.systems.solve_real)
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
@@ -251,6 +252,7 @@ class Collocation:
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.integrators.contract.Integrator`: factors follow from the Jacobian."""
+        self.actions.forget()
         if self._factor_step > 0.0:
             self.systems.factorise(self.matrices, self._factor_step)
 
