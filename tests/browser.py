@@ -66,7 +66,9 @@ class Page:
         self.resize(width, height)
         self.send("Page.navigate", url=address)
         root = "document.documentElement"
-        self.wait(f"location.href === {address!r} && {root} !== null && {root}.dataset.ready === 'yes'", timeout)
+        self.wait(
+            f"location.href === {address!r} && {root} !== null && {root}.dataset.ready === 'yes'", timeout
+        )
 
     def resize(self, width, height):
         self.send(

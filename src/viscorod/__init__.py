@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from viscorod.results.storage import load
     from viscorod.results.sweep import Member, Sweep
     from viscorod.sweeps import sweep
+    from viscorod.viewer import view
 
     __version__: str
 
@@ -76,6 +77,7 @@ _HOMES = {
     "results.storage": ("load",),
     "results.sweep": ("Member", "Sweep"),
     "sweeps": ("sweep",),
+    "viewer": ("view",),
 }
 _MODULES = {name: f"viscorod.{module}" for module, names in _HOMES.items() for name in names}
 
@@ -148,6 +150,7 @@ __all__ = [
     "load",
     "load_case",
     "sweep",
+    "view",
 ]
 
 

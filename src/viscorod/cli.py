@@ -1,4 +1,4 @@
-"""The command line: run, sweep, check and copy cases, compile kernels.
+"""The command line: run, view, sweep, check and copy cases, compile kernels.
 
 Heavy packages are imported inside the commands, so that ``--help`` and ``--version`` answer at once.
 """
@@ -19,6 +19,7 @@ import typer
 from viscorod.damping_commands import app as damping_app
 from viscorod.errors import InputError, SolveError
 from viscorod.terminal import existing, readable_errors, rows_text
+from viscorod.view_command import view
 
 if TYPE_CHECKING:
     from viscorod.cases.case import Case
@@ -36,6 +37,7 @@ app = typer.Typer(
 )
 
 app.add_typer(damping_app, name="damping")
+app.command()(view)
 
 CaseFile = Annotated[
     Path, typer.Argument(metavar="CASE.toml", help="Case file; `viscorod example` lists some.")

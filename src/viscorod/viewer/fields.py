@@ -103,4 +103,6 @@ def speed_of(result: Result, frames: Frames, lines: list[Line]) -> Floats | None
     if "velocity" not in result.data or result.dimension != "time":
         return None
     velocity = frames.linear(result.field("velocity"))
-    return np.linalg.norm(np.concatenate([line.nodes(velocity) for line in lines], axis=1), axis=-1)
+    nodes = np.concatenate([line.nodes(velocity) for line in lines], axis=1)
+    speed: Floats = np.linalg.norm(nodes, axis=-1)
+    return speed

@@ -37,9 +37,7 @@ def samples_of(result: Result) -> Integers:
         return np.arange(count)
     site, axis = result.main_motion
     main = site.of(result.field("displacement"))[:, AXES.index(axis)]
-    energy = np.asarray(
-        result.data["kinetic" if "kinetic" in result.data else "elastic"].values, dtype=float
-    )
+    energy = np.asarray(result.data["kinetic" if "kinetic" in result.data else "elastic"].values, dtype=float)
     edges = np.linspace(0, count, MOST_SAMPLES // _PER_BUCKET + 1).astype(np.int64)
     chosen = {0, count - 1}
     for start, stop in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from viscorod.viewer.frames import Frames
     from viscorod.viewer.marks import Marks
 
-__all__ = ["loads_of"]
+__all__ = ["loads_of", "tips_of"]
 
 ALONG = 9
 """Arrows of a load that is spread along a rod."""
@@ -62,6 +62,14 @@ def loads_of(
     return found, np.stack(sizes, axis=1) if sizes else np.zeros((frames.count, 0))
 
 
+def tips_of(loads: list[dict[str, Any]], marks: Marks) -> Floats:
+    """Feet of the loads and directions to the tips of their longest arrows, ``(2, n, feet, 3)``; gravity has none."""
+    feet = [foot for load in loads for foot in load["feet"]]
+    arrows = [arrow for load in loads for arrow in load["arrows"] if load["feet"]]
+    points = marks.points
+    return np.stack([points[:, feet], points[:, arrows]])
+
+
 def _factors(result: Result, load: AnyLoad, frames: Frames) -> Floats:
     """Factor of a load in the frames; loads of an equilibrium are those just before t = 0, times the load factor."""
     if result.dimension != "time":
@@ -96,7 +104,7 @@ def _arrows(
     if isinstance(load, Gravity):
         vector = np.tile(np.array(load.acceleration), (frames.count, 1, 1))
         return "gravity", "m/s²", [], vector
-    return load.word, "", [], np.zeros((frames.count, 0, 3))
+    return "load", "", [], np.zeros((frames.count, 0, 3))
 
 
 def _carried(marks: Marks, feet: list[int], values: list[Floats], following: bool) -> Floats:

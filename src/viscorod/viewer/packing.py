@@ -51,9 +51,7 @@ class Pack:
 
     def plain(self, name: str, values: Floats) -> None:
         """Add an array in single precision."""
-        self._add(
-            name, np.ascontiguousarray(values, dtype="<f4").tobytes(), np.shape(values), kind="float32"
-        )
+        self._add(name, np.ascontiguousarray(values, dtype="<f4").tobytes(), np.shape(values), kind="float32")
 
     def whole(self, name: str, values: Any) -> None:
         """Add an array of integers that are not negative."""

@@ -24,7 +24,9 @@ def supports_of(result: Result, model: ModelDescription | None, marks: Marks) ->
     """Return the supports: kind, label, and the mark at which each sits."""
     found = []
     if model is not None:
-        places = [(str(support.at), str(support.kind), support.at) for support in model.supports]
+        places = [
+            (support.at, str(getattr(support, "kind", "support")), support.at) for support in model.supports
+        ]
     else:
         names = result.data["support"].values if "support" in result.data.coords else ()
         places = [(str(name), str(name).partition(" at ")[0], str(name).rsplit(" at ")[-1]) for name in names]
@@ -52,17 +54,19 @@ def bodies_of(result: Result, model: ModelDescription | None, marks: Marks) -> l
         }
         shape = str(getattr(given, "shape", ""))
         if given is not None and shape in ("box", "sphere", "cylinder"):
-            sizes: Any = given
             symbol["shape"] = shape
-            symbol["size"] = {
-                "box": lambda: list(sizes.sides),
-                "sphere": lambda: [sizes.radius],
-                "cylinder": lambda: [sizes.radius, sizes.length],
-            }[shape]()
+            symbol["size"] = _sizes(given)
             frame = from_matrices(given.frame()[None])
             symbol["turn"] = product(conjugate(reference[body.centre][None]), frame)[0].tolist()
         found.append(symbol)
     return found
+
+
+def _sizes(body: Any) -> list[float]:
+    """Sizes of a body with a shape [m]: three sides, a radius, or radius and length."""
+    if body.shape == "box":
+        return list(body.sides)
+    return [body.radius] if body.shape == "sphere" else [body.radius, body.length]
 
 
 def connections_of(result: Result, model: ModelDescription | None, marks: Marks) -> list[Symbol]:

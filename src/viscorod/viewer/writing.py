@@ -19,7 +19,7 @@ from viscorod.viewer.fields import fields_of, points_of, speed_of
 from viscorod.viewer.frames import Frames
 from viscorod.viewer.histories import decay_of, energy_of, histories_of, places_of, samples_of
 from viscorod.viewer.lines import MOST_NODES, Line, lines_of
-from viscorod.viewer.loads import loads_of
+from viscorod.viewer.loads import loads_of, tips_of
 from viscorod.viewer.marks import Marks
 from viscorod.viewer.packing import LEVELS, Pack
 from viscorod.viewer.page import page
@@ -27,6 +27,7 @@ from viscorod.viewer.symbols import bodies_of, connections_of, supports_of
 
 if TYPE_CHECKING:
     from viscorod.model.description import ModelDescription
+    from viscorod.results.sweep import Sweep
 
 __all__ = ["FRAMES", "MEGABYTES", "view"]
 
@@ -38,7 +39,9 @@ _FEWEST = 2
 _TRIES = 6
 
 
-def view(result: Run | Equilibrium, path: str | Path, *, frames: int = FRAMES, megabytes: float = MEGABYTES) -> Path:
+def view(
+    result: Result | Sweep, path: str | Path, *, frames: int = FRAMES, megabytes: float = MEGABYTES
+) -> Path:
     """Write a result as one HTML file that shows it moving; it needs no server and no network.
 
     Beside the rods in space, coloured by a strain, a section force, the dissipation or the speed, are histories, the
@@ -58,10 +61,10 @@ def view(result: Run | Equilibrium, path: str | Path, *, frames: int = FRAMES, m
         InputError: the result is of another kind, a number is out of range, or the place cannot be written.
     """
     if not isinstance(result, Run | Equilibrium):
-        kind = getattr(result, "kind", type(result).__name__)
+        what = {"Steady": "a steady rotation", "Sweep": "a sweep"}.get(type(result).__name__, "this")
+        instead = "give one of its members" if what == "a sweep" else "give a run, an equilibrium or a path"
         raise InputError(
-            f"a result of kind {kind!r} has no states to play; view shows motions, equilibria and paths"
-            + ("; open one member of the sweep" if kind in ("sweep", "Sweep") else "")
+            f"{what} has no states that follow each other, so there is nothing to play; {instead}"
         )
     if isinstance(frames, bool) or not isinstance(frames, int) or frames < _FEWEST:
         raise InputError(f"frames = {frames!r}: give a whole number of 2 or more")
@@ -80,7 +83,9 @@ def view(result: Run | Equilibrium, path: str | Path, *, frames: int = FRAMES, m
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
     except OSError as error:
-        raise InputError(f"{path} cannot be written ({error.strerror or error}); name another place") from None
+        raise InputError(
+            f"{path} cannot be written ({error.strerror or error}); name another place"
+        ) from None
     return path
 
 
@@ -140,7 +145,9 @@ def _text(result: Run | Equilibrium, limit: int) -> str:
         ],
         "fields": fields,
         "colours": colour_tables(),
-        "look": first_look(np.concatenate([positions, reference[None]]), weight_of(model)),
+        "look": first_look(
+            np.concatenate([positions, reference[None]]), weight_of(model), tips_of(scene["loads"], marks)
+        ),
         "histories": histories_of(result, samples, pack),
         "main": "xyz".index(result.main_motion[1]),
         "energy": energy_of(result, samples, pack),
@@ -158,7 +165,9 @@ def _pack_lines(result: Result, lines: list[Line], positions: Floats, rotations:
     pack.plain("ring_s", np.concatenate([line.ring_s for line in lines]))
     pack.plain("halves", np.concatenate([line.halves for line in lines]))
     start = np.cumsum([0, *(line.s.size for line in lines)])
-    pack.whole("ring_first", np.concatenate([line.ring_first + k for line, k in zip(lines, start, strict=False)]))
+    pack.whole(
+        "ring_first", np.concatenate([line.ring_first + k for line, k in zip(lines, start, strict=False)])
+    )
     width = max(line.ring_weights.shape[1] for line in lines)
     padded = [np.pad(line.ring_weights, ((0, 0), (0, width - line.ring_weights.shape[1]))) for line in lines]
     pack.plain("ring_weights", np.concatenate(padded))
@@ -170,7 +179,7 @@ def _alike(q: Floats) -> Floats:
     flips = np.cumsum(np.sum(q[:, 1:] * q[:, :-1], axis=-1) < 0.0, axis=1) % 2 == 1
     signs = np.concatenate([np.ones((len(q), 1)), np.where(flips, -1.0, 1.0)], axis=1)
     alike: Floats = q * signs[..., None]
-    return alike / np.maximum(np.linalg.norm(alike, axis=-1, keepdims=True), 1e-12)
+    return alike
 
 
 def _pack_fields(result: Result, frames: Frames, lines: list[Line], pack: Pack) -> list[dict[str, Any]]:
@@ -201,6 +210,8 @@ def _notes(
     nodes = sum(line.s.size for line in lines)
     what = "times" if result.dimension == "time" else "states"
     notes = [f"{frames.count} frames shown of {frames.stored} stored {what}"]
+    if frames.stored == 1:
+        notes[0] = "one state"
     if frames.count > frames.stored:
         notes[0] = f"{frames.count} frames shown: {frames.stored} stored times and positions between them"
     if nodes < stations:

@@ -78,7 +78,7 @@ viscorod.energyChart = function (place, energy, x, array, common) {
   const own = (row) => (_, v, __, index) => (v === null || index === null || index === undefined ? "" : viscorod.text(row[index]));
   // the highest first, so that lower ones are drawn over it
   const order = [...Array(layers).keys()].reverse();
-  const series = order.map((k) => ({ label: energy.stacked[k], stroke: fills[k], fill: fills[k], width: 0.5, value: own(rows[k]), points: { show: false } }));
+  const series = order.map((k) => ({ label: energy.stacked[k], stroke: fills[k], fill: fills[k], width: 0.5, value: own(rows[k]), points: { show: count < 3 } }));
   const data = [x, ...order.map((k) => sums[k])];
   if (energy.line) {
     series.push({ label: energy.line, stroke: "#222", width: 1.6, value: own(rows[layers]), points: { show: false } });

@@ -76,7 +76,7 @@ viscorod.Symbols = class {
     this.follow(group, mark);
     for (const other of fixed) this.line([mark, other], held ? viscorod.COLOUR.support : viscorod.COLOUR.body);
     this.kinds.set("body", [this.meta.scene.bodies.length > 1 ? "bodies" : "body", viscorod.COLOUR.body]);
-    this.names.push({ text: () => label, mark, colour: held ? viscorod.COLOUR.support : "#00694d", of: "parts" });
+    if (!held) this.names.push({ text: () => label, mark, colour: "#00694d", of: "parts" });
   }
 
   line(marks, colour) {

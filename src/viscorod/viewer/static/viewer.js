@@ -126,12 +126,14 @@ viscorod.start = async function () {
     $("now").textContent = `${timed ? "t = " : "load factor "}${instant.toFixed(digits).replace("-", "\u2212")}${timed ? " s" : ""}, frame ${nearest + 1}/${total}`;
     $("scrub").setAttribute("aria-valuetext", $("now").textContent);
   };
-  const digits = Math.max(0, Math.min(9, 3 - Math.floor(Math.log10(Math.max(Math.abs(arrays.instants.values[total - 1]), Math.abs(arrays.instants.values[0]), 1e-9)))));
+  // as many digits as tell neighbouring frames apart
+  const [least, most] = arrays.instants.values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+  const digits = most > least ? Math.max(0, Math.min(9, Math.ceil(-Math.log10((most - least) / total)))) : 3;
   const player = new viscorod.Player(x, 1, show);
   const goTo = (at) => player.goTo(at);
 
   // charts
-  const xRange = () => [x[0], x[x.length - 1] > x[0] ? x[x.length - 1] : x[0] + 1];
+  const xRange = () => (span > 0 ? [x[0], x[x.length - 1]] : [x[0] - 0.5, x[0] + 0.5]);
   const common = { xLabel, xRange, goTo };
   const replace = (number, make) => {
     if (charts[number]) charts[number].remove();
@@ -234,7 +236,7 @@ viscorod.connect = function (space, meta, arrays, option, $) {
   // rods thinner than a line are drawn thicker unless their true size is asked for
   const widest = meta.lines.some((line) => line.known) ? Math.max(...arrays.halves.values) : 0;
   const legible = widest > 0 ? Math.max(1, (0.004 * meta.look.size) / widest) : 1;
-  const sizes = [["legible", legible > 1 ? "enlarged to be seen" : "true size", legible]];
+  const sizes = [["legible", legible > 1 ? "enlarged to be seen" : widest > 0 ? "true size" : "thin tubes", legible]];
   if (legible > 1) sizes.push(["true", "true size", 1]);
   for (const factor of [2, 5, 10]) if (factor > legible) sizes.push([String(factor), `${factor} \u00d7`, factor]);
   for (const [value, text] of sizes) option($("thickness"), value, text);
