@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 __all__ = ["MOST_SAMPLES", "decay_of", "energy_of", "histories_of", "places_of", "samples_of"]
 
 MOST_SAMPLES = 4000
-"""Stored states in the charts; of more, each quarter of a thousandth keeps its first and its extremes."""
+"""Stored states in the charts at most; of more, see :func:`samples_of`."""
 MOST_PLACES = 12
 MOST_GROUPS = 24
 _PER_BUCKET = 5  # first, extremes of the main motion, extremes of the kinetic (or elastic) energy

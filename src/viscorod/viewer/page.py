@@ -25,6 +25,7 @@ _SCRIPTS = (
     "charts.js",
     "viewer.js",
 )
+_LICENCES = {"three.js": "vendor/three.LICENSE", "uPlot": "vendor/uplot.LICENSE"}
 _IN_SCRIPT = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"}
 
 
@@ -49,6 +50,7 @@ def page(title: str, meta: Mapping[str, Any], pack: Pack) -> str:
             "policy": policy,
             "title": html.escape(title or "viscorod"),
             "styles": "\n".join(_shipped(name) for name in _STYLES),
+            "licences": "\n\n".join(f"{name}:\n{_shipped(path)}" for name, path in _LICENCES.items()),
             "meta": script_json({**meta, "arrays": pack.index}),
             "data": pack.text(),
             "scripts": "\n".join(f"<script>{text}</script>" for text in scripts),

@@ -147,7 +147,7 @@ viscorod.Symbols = class {
     group.add(shaft, ...heads);
     group.userData.stretch = (length) => {
       shaft.scale.y = Math.max(length - 0.02 * size, 1e-6);
-      heads.forEach((head, k) => { head.position.y = length - 0.024 * k * size; });
+      heads.forEach((head, k) => { head.position.y = length - 0.032 * k * size; });
     };
     this.loads.add(group);
     return group;

@@ -128,7 +128,7 @@ viscorod.start = async function () {
   };
   // as many digits as tell neighbouring frames apart
   const [least, most] = arrays.instants.values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
-  const digits = most > least ? Math.max(0, Math.min(9, Math.ceil(-Math.log10((most - least) / total)))) : 3;
+  const digits = most > least ? Math.max(timed ? 0 : 3, Math.min(9, Math.ceil(-Math.log10((most - least) / total)))) : 3;
   const player = new viscorod.Player(x, 1, show);
   const goTo = (at) => player.goTo(at);
 

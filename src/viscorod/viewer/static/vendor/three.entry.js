@@ -1,8 +1,7 @@
+// What the view in space takes from three.js; README.md tells how three.min.js is made of it.
 export {
-  AmbientLight, ArrowHelper, AxesHelper, BoxGeometry, BufferAttribute, BufferGeometry, Color, ConeGeometry,
-  CylinderGeometry, DirectionalLight, DoubleSide, EdgesGeometry, Float32BufferAttribute, GridHelper, Group,
-  HemisphereLight, Line, LineBasicMaterial, LineDashedMaterial, LineSegments, Matrix4, Mesh, MeshBasicMaterial,
-  MeshLambertMaterial, OctahedronGeometry, OrthographicCamera, PerspectiveCamera, Quaternion, Scene, SphereGeometry,
-  SRGBColorSpace, TorusGeometry, Vector3, WebGLRenderer,
+  AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DirectionalLight,
+  DoubleSide, GridHelper, Group, Line, LineBasicMaterial, LineDashedMaterial, Mesh, MeshLambertMaterial,
+  OctahedronGeometry, PerspectiveCamera, Quaternion, SRGBColorSpace, Scene, SphereGeometry, Vector3, WebGLRenderer,
 } from "three";
 export { OrbitControls } from "three/addons/controls/OrbitControls.js";
