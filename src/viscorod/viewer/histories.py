@@ -23,6 +23,7 @@ MOST_SAMPLES = 4000
 """Stored states in the charts at most; of more, see :func:`samples_of`."""
 MOST_PLACES = 12
 MOST_GROUPS = 24
+_STILL = 1e-9  # a place that moves by less than this part of the largest displacement is held
 _PER_BUCKET = 5  # first, extremes of the main motion, extremes of the kinetic (or elastic) energy
 
 
@@ -55,7 +56,12 @@ def places_of(result: Result) -> list[Site]:
     for place in (*sites.bodies, *(f"{rod}.{end}" for rod in sites.rods for end in ("end", "start"))):
         site = sites.at(place)
         found.setdefault(site.label, site)
-    return list(found.values())[:MOST_PLACES]
+    moved = result.field("displacement")
+    least = _STILL * float(np.max(np.abs(moved)))
+    moving = [
+        site for site in found.values() if site is main or float(np.max(np.abs(site.of(moved)))) > least
+    ]
+    return moving[:MOST_PLACES]
 
 
 def histories_of(result: Result, samples: Integers, pack: Pack) -> list[dict[str, Any]]:

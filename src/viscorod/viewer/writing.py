@@ -11,6 +11,7 @@ import numpy as np
 from viscorod.errors import InputError
 from viscorod.results.result import Result
 from viscorod.results.run import Equilibrium, Run
+from viscorod.results.style import scaled
 from viscorod.results.warnings import warnings_of
 from viscorod.typing import Floats
 from viscorod.viewer.camera import first_look, weight_of
@@ -137,6 +138,7 @@ def _text(result: Run | Equilibrium, limit: int) -> str:
         "warnings": warnings_of(result),
         "notes": _notes(result, frames, lines, samples.size, model),
         "stored": frames.stored,
+        "clock": scaled("s", known) if result.dimension == "time" else (1.0, ""),
         "scene": scene,
         "lines": [
             {"rod": line.rod, "nodes": int(line.s.size), "rings": int(line.ring_s.size), "outline": line.outline,

@@ -20,6 +20,7 @@ viscorod.Chart = class {
         bands: options.bands,
         cursor: { drag: { x: false, y: false }, y: false, points: { show: false } },
         legend: { live: true },
+        hooks: { ready: [() => { this.told = 0; this.point(this.x); }] }, // the chart empties its legend as it starts
       },
       data,
       place,
@@ -63,7 +64,7 @@ viscorod.historyChart = function (place, group, x, array, common, main) {
   const count = x.length;
   const curves = group.curves.map((_, k) => array.values.subarray(k * count, (k + 1) * count));
   const value = (_, v) => (v === null || v === undefined ? "" : viscorod.text(v));
-  const series = group.curves.map((name, k) => ({ label: name, stroke: viscorod.PALETTE[k % 3], width: group.curves.length > 1 && k !== main ? 1.2 : 2, value, points: { show: count < 3 } }));
+  const series = group.curves.map((name, k) => ({ label: name, stroke: viscorod.PALETTE[k % 3], width: group.curves.length > 1 && group.place && k !== main ? 1.2 : 2, value, points: { show: count < 3 } }));
   return new viscorod.Chart(place, { ...common, height: 190, yLabel: group.unit, series }, [x, ...curves], common.goTo);
 };
 
@@ -103,7 +104,7 @@ viscorod.decayChart = function (place, decay, common) {
   return new viscorod.Chart(place, { ...common, height: 150, yLabel: "ratio", yRange, series }, [x, decay.ratio, x.map(() => decay.limit)], common.goTo);
 };
 
-viscorod.decayTable = function (table, decay) {
+viscorod.decayTable = function (table, decay, second) {
   const row = (cells, kind) => {
     const line = document.createElement("tr");
     for (const cell of cells) {
@@ -113,6 +114,6 @@ viscorod.decayTable = function (table, decay) {
     }
     table.append(line);
   };
-  row(["cycle", "starts at [s]", `amplitude [${decay.unit}]`, "period [s]", "damping ratio"], "th");
+  row(["cycle", `starts at [${second}]`, `amplitude [${decay.unit}]`, `period [${second}]`, "damping ratio"], "th");
   decay.ratio.forEach((ratio, k) => row([k + 1, ...[decay.time[k], decay.amplitude[k], decay.period[k], ratio].map((v) => viscorod.text(v, 5))], "td"));
 };

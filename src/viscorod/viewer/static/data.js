@@ -58,6 +58,10 @@ viscorod.between = function (array, k, part, out, turns = false) {
 viscorod.text = function (value, digits = 4) {
   if (value === 0 || !Number.isFinite(value)) return "0";
   const size = Math.abs(value);
-  const text = size >= 1e5 || size < 1e-3 ? value.toExponential(Math.max(digits - 2, 1)) : String(Number(value.toPrecision(digits)));
-  return text.replace("e+", "e").replace(/-/g, "\u2212");
+  let text = String(Number(value.toPrecision(digits)));
+  if (size >= 1e5 || size < 1e-3) {
+    const [mantissa, power] = value.toExponential(Math.max(digits - 2, 1)).split("e");
+    text = `${Number(mantissa)}e${Number(power)}`;
+  }
+  return text.replace(/-/g, "\u2212");
 };

@@ -79,6 +79,10 @@ viscorod.start = async function () {
   const $ = (id) => document.getElementById(id);
   const { meta, arrays } = await viscorod.read();
   const timed = meta.dimension === "time";
+  const [clock, second] = meta.clock; // short motions are told in ms or µs
+  const told = (values) => Float64Array.from(values, (value) => clock * value);
+  const instants = told(arrays.instants.values);
+  const samples = told(arrays.samples.values);
   $("title").textContent = meta.title || "Untitled";
   const version = meta.version ? `viscorod ${meta.version}` : "viscorod";
   $("notes").textContent = [...meta.notes, version].join(" \u00b7 ");
@@ -101,10 +105,10 @@ viscorod.start = async function () {
   };
 
   // what runs along the slider and the charts: time, a load factor that grows, or the number of the state
-  const grows = timed || (viscorod.increasing(arrays.instants.values) && viscorod.increasing(arrays.samples.values));
-  const x = Array.from(grows ? arrays.instants.values : arrays.numbers.values);
-  const chartX = Array.from(grows ? arrays.samples.values : arrays.sample_numbers.values);
-  const xLabel = timed ? "time [s]" : grows ? "load factor" : "state";
+  const grows = timed || (viscorod.increasing(instants) && viscorod.increasing(samples));
+  const x = Array.from(grows ? instants : arrays.numbers.values);
+  const chartX = Array.from(grows ? samples : arrays.sample_numbers.values);
+  const xLabel = timed ? `time [${second}]` : grows ? "load factor" : "state";
   const span = x[x.length - 1] - x[0];
 
   let space = null;
@@ -122,12 +126,12 @@ viscorod.start = async function () {
     for (const chart of charts) chart.point(at);
     $("scrub").value = at;
     const nearest = part < 0.5 ? k : k + 1;
-    const instant = arrays.instants.values[k] + part * ((arrays.instants.values[Math.min(k + 1, total - 1)]) - arrays.instants.values[k]);
-    $("now").textContent = `${timed ? "t = " : "load factor "}${instant.toFixed(digits).replace("-", "\u2212")}${timed ? " s" : ""}, frame ${nearest + 1}/${total}`;
+    const instant = instants[k] + part * (instants[Math.min(k + 1, total - 1)] - instants[k]);
+    $("now").textContent = `${timed ? "t = " : "load factor "}${instant.toFixed(digits).replace("-", "\u2212")}${timed ? ` ${second}` : ""}, frame ${nearest + 1}/${total}`;
     $("scrub").setAttribute("aria-valuetext", $("now").textContent);
   };
   // as many digits as tell neighbouring frames apart
-  const [least, most] = arrays.instants.values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+  const [least, most] = instants.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
   const digits = most > least ? Math.max(timed ? 0 : 3, Math.min(9, Math.ceil(-Math.log10((most - least) / total)))) : 3;
   const player = new viscorod.Player(x, 1, show);
   const goTo = (at) => player.goTo(at);
@@ -153,10 +157,12 @@ viscorod.start = async function () {
     $("energy-title").textContent = `Energy account; numerical remainder at most ${viscorod.text(fraction, 2)} % of the ${viscorod.text(meta.energy.moved)} ${meta.energy.unit} that moved`;
   } else $("energy-title").textContent = "Elastic energy";
   if (meta.decay) {
+    meta.decay.time = Array.from(told(meta.decay.time));
+    meta.decay.period = Array.from(told(meta.decay.period));
     $("decay").hidden = false;
     $("decay-title").textContent = `Damping ratio of every cycle of ${meta.decay.place} along ${meta.decay.axis}; ${meta.decay.scattered ? "all cycles as one" : "small amplitude"}: ${viscorod.text(meta.decay.limit)}`;
     replace(2, () => viscorod.decayChart($("decay-chart"), meta.decay, common));
-    viscorod.decayTable($("cycles"), meta.decay);
+    viscorod.decayTable($("cycles"), meta.decay, second);
   }
 
   // player
@@ -171,9 +177,9 @@ viscorod.start = async function () {
   player.ended = () => press(false);
   $("play").disabled = x.length < 2;
   $("play").addEventListener("click", () => press(!player.playing));
-  const { options, chosen } = viscorod.speeds(span || 1, timed);
+  const { options, chosen } = viscorod.speeds(span / clock || 1, timed);
   for (const speed of options) option($("speed"), speed, timed ? (speed === 1 ? "real time" : `${speed} \u00d7 real time`) : `${speed} \u00d7`).selected = speed === chosen;
-  const setSpeed = () => { player.rate = Number($("speed").value) * (timed ? 1 : span / 8); };
+  const setSpeed = () => { player.rate = Number($("speed").value) * (timed ? clock : span / 8); };
   $("speed").addEventListener("change", setSpeed);
   setSpeed();
   $("loop").addEventListener("change", () => { player.repeat = $("loop").checked; });
