@@ -94,11 +94,11 @@ def beating(frames=10_000, elements=50, duration=20.0, title="Ten thousand frame
     )
 
 
-def described(data, **model):
+def described(data, section=None, **model):
     """The data set with a model in its case, as front.Model writes it."""
     beam = {
         "shape": "straight", "start": [0, 0, 0], "end": [synthetic.LENGTH, 0, 0],
-        "section": {"shape": "rectangle", "width": 0.01, "height": 0.02},
+        "section": section or {"shape": "rectangle", "width": 0.01, "height": 0.02},
         "material": {"youngs_modulus": 1e6, "poissons_ratio": 0.3, "density": 1000.0},
     }  # fmt: skip
     supports = [{"kind": "clamp", "at": "beam.start"}]

@@ -140,6 +140,31 @@ def test_sections_are_those_of_the_model(page):
     assert halves == pytest.approx(np.tile([0.005, 0.01], (len(halves), 1)))
 
 
+def test_polygons_are_drawn_about_the_centre_line(page):
+    pytest.importorskip("sectionproperties")
+    corners = [
+        [0, 0],
+        [0.03, 0],
+        [0.03, 0.004],
+        [0.004, 0.004],
+        [0.004, 0.036],
+        [0.03, 0.036],
+        [0.03, 0.04],
+        [0, 0.04],
+    ]
+    section = {"shape": "outline", "points": corners[::-1]}
+    meta, data, _ = page(Run(pages.described(synthetic.swing(duration=0.2), section=section)))
+    halves, _ = pages.array(meta, data, "halves")
+    (contour,) = meta["lines"][0]["contours"]
+    x, y = halves[0, 0] * np.array(contour).T
+    cross = x * np.roll(y, -1) - np.roll(x, -1) * y
+    assert np.sum(cross) / 2.0 == pytest.approx(2 * 0.03 * 0.004 + 0.032 * 0.004)  # anticlockwise
+    for along in (x, y):  # the centroid is on the centre line
+        assert np.sum((along + np.roll(along, -1)) * cross) / 6.0 == pytest.approx(0.0, abs=1e-10)
+    assert np.ptp(x) == pytest.approx(0.03)
+    assert np.ptp(y) == pytest.approx(0.04)
+
+
 def test_sections_without_a_model_are_tubes_of_the_stored_half_width(page):
     data = synthetic.swing(duration=0.2)
     meta, inflated, _ = page(Run(data.assign(half_width=("point", np.full(10, 0.007)))))

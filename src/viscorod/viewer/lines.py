@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 
 from viscorod.typing import Floats, Integers
+from viscorod.viewer.contours import contours_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,6 +41,7 @@ class Line:
         ring_first: first of the neighbouring nodes that make a ring ``(rings,)``; ring_weights: theirs ``(rings, w)``.
         outline: of the section, "round" (an ellipse) or "box".
         halves: half width along d1 and half height along d2 at each ring ``(rings, 2)`` [m], 0 if unknown.
+        contours: of a polygon, drawn instead of the outline, each ``(corners, 2)``, as parts of the halves; or none.
     """
 
     rod: str
@@ -51,6 +53,7 @@ class Line:
     ring_weights: Floats
     outline: Outline
     halves: Floats
+    contours: list[Floats]
 
     def nodes(self, values: Floats) -> Floats:
         """A field of the result's stations ``(n, stations, c)`` at the nodes ``(n, nodes, c)``."""
@@ -86,10 +89,18 @@ def lines_of(result: Result, model: ModelDescription | None) -> list[Line]:
             u = np.linspace(0.0, mine - 1.0, parts * (mine - 1) + 1)
             ring_s = np.interp(u, np.arange(mine), known)
             first, ring_weights = _stencils(_weights(result, rod, ring_s, stations), int(order[stations[0]]))
-        outline, halves = _section(model.rods.get(rod) if model else None, ring_s)
+        given = model.rods.get(rod) if model else None
+        outline, halves = _section(given, ring_s)
+        contours = contours_of(given) if given else None
+        if contours:
+            reach = float(max(np.max(np.linalg.norm(contour, axis=1)) for contour in contours))
+            halves = np.full((ring_s.size, 2), reach)
+            contours = [contour / reach for contour in contours]
         if not halves.any():
             outline, halves = "round", _half_widths(data, rod, ring_s)
-        lines.append(Line(rod, stations, weights, s, ring_s, first, ring_weights, outline, halves))
+        lines.append(
+            Line(rod, stations, weights, s, ring_s, first, ring_weights, outline, halves, contours or [])
+        )
     return lines
 
 

@@ -142,7 +142,7 @@ def _text(result: Run | Equilibrium, limit: int) -> str:
         "scene": scene,
         "lines": [
             {"rod": line.rod, "nodes": int(line.s.size), "rings": int(line.ring_s.size), "outline": line.outline,
-             "known": bool(line.halves.any())}
+             "known": bool(line.halves.any()), "contours": [contour.tolist() for contour in line.contours]}
             for line in lines
         ],
         "fields": fields,

@@ -18,10 +18,10 @@ viscorod.Space = class {
     this.controls = new THREE.OrbitControls(this.camera, canvas);
     this.controls.target.copy(this.target);
     this.controls.addEventListener("change", () => this.refresh());
-    const light = new THREE.DirectionalLight("#ffffff", 1.1);
+    const light = new THREE.DirectionalLight("#ffffff", 1.6);
     light.position.set(0.4, 0.7, 1);
     this.camera.add(light);
-    this.scene.add(this.camera, new THREE.AmbientLight("#ffffff", 2.2));
+    this.scene.add(this.camera, new THREE.AmbientLight("#ffffff", 1.9));
 
     this.surface = new viscorod.Surface(meta, arrays);
     this.reader = new viscorod.FieldReader(this.surface, meta, arrays);

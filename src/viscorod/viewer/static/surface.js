@@ -24,15 +24,24 @@ viscorod.Surface = class {
     this.field = null;
   }
 
-  outline(kind) {
-    if (kind === "box") {
-      const corners = [[1, 1], [-1, 1], [-1, -1], [1, -1]];
-      const sides = [[0, 1], [-1, 0], [0, -1], [1, 0]];
-      return corners.flatMap((corner, k) => [
-        { x: corner[0], y: corner[1], normal: sides[(k + 3) % 4], flat: true },
-        { x: corner[0], y: corner[1], normal: sides[k], flat: true },
-      ]);
-    }
+  /* Corners of a polygon, twice each: once for the side before and once for the one after. */
+  sides(corners) {
+    const n = corners.length;
+    const normals = corners.map(([x, y], k) => {
+      const [u, v] = corners[(k + 1) % n];
+      const size = Math.hypot(u - x, v - y) || 1;
+      return [(v - y) / size, (x - u) / size];
+    });
+    return corners.flatMap(([x, y], k) => [(k + n - 1) % n, k].map((side) => ({ x, y, normal: normals[side], flat: true })));
+  }
+
+  outlines({ outline, contours }) {
+    if (contours.length) return contours.map((contour) => this.sides(contour));
+    if (outline === "box") return [this.sides([[1, 1], [-1, 1], [-1, -1], [1, -1]])];
+    return [this.circle()];
+  }
+
+  circle() {
     return Array.from({ length: 14 }, (_, k) => {
       const angle = (2 * Math.PI * k) / 14;
       return { x: Math.cos(angle), y: Math.sin(angle), normal: [Math.cos(angle), Math.sin(angle)], flat: false };
@@ -45,26 +54,26 @@ viscorod.Surface = class {
     let vertex = 0;
     let ring = 0;
     for (const line of this.meta.lines) {
-      const outline = this.outline(line.outline);
-      const n = outline.length;
-      const start = vertex;
-      for (let r = 0; r + 1 < line.rings; r++) {
-        for (let j = 0; j < n; j++) {
-          if (outline[j].flat && j % 2 === 0) continue; // the two vertices of one corner
-          const next = (j + 1) % n;
-          const [a, b] = [start + r * n + j, start + r * n + next];
-          index.push(a, b, a + n, b, b + n, a + n);
+      for (const outline of this.outlines(line)) {
+        const n = outline.length;
+        const start = vertex;
+        for (let r = 0; r + 1 < line.rings; r++) {
+          for (let j = 0; j < n; j++) {
+            if (outline[j].flat && j % 2 === 0) continue; // the two vertices of one corner
+            const next = (j + 1) % n;
+            const [a, b] = [start + r * n + j, start + r * n + next];
+            index.push(a, b, a + n, b, b + n, a + n);
+          }
         }
-      }
-      vertex += line.rings * n;
-      for (const end of [0, 1]) {
-        for (let j = 1; j + 1 < n; j++) {
-          if (end) index.push(vertex, vertex + j, vertex + j + 1);
-          else index.push(vertex, vertex + j + 1, vertex + j);
+        vertex += line.rings * n;
+        const kept = outline.map((_, k) => k).filter((k) => !outline[k].flat || k % 2 === 0);
+        const triangles = THREE.ShapeUtils.triangulateShape(kept.map((k) => new THREE.Vector2(outline[k].x, outline[k].y)), []);
+        for (const end of [0, 1]) {
+          for (const [a, b, c] of triangles) index.push(vertex + kept[a], vertex + kept[end ? b : c], vertex + kept[end ? c : b]);
+          vertex += n;
         }
-        vertex += n;
+        this.parts.push({ outline, ring, rings: line.rings, start });
       }
-      this.parts.push({ outline, ring, rings: line.rings, start });
       ring += line.rings;
     }
     this.geometry = new THREE.BufferGeometry();

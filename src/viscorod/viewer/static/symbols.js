@@ -45,13 +45,14 @@ viscorod.Symbols = class {
   support({ kind, label, mark }) {
     const size = 0.028 * this.size;
     const material = this.material(viscorod.COLOUR.support);
+    const plate = Math.max(1.5 * size, 2.4 * this.arrays.halves.values.reduce((a, b) => Math.max(a, b), 0)); // seen around the rod
     const body = this.meta.scene.bodies.some((other) => other.mark === mark);
     if (kind === "pin" || kind === "roller" || kind === "guide" || kind === "support") {
       const cone = new THREE.Mesh(new THREE.ConeGeometry(0.6 * size, size, 4, 1).translate(0, -0.5 * size, 0), material);
       cone.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...this.meta.look.up));
       this.follow(cone, mark, false);
     } else if (!body) {
-      this.follow(new THREE.Mesh(new THREE.BoxGeometry(1.5 * size, 1.5 * size, 0.35 * size), material), mark);
+      this.follow(new THREE.Mesh(new THREE.BoxGeometry(plate, plate, 0.35 * size), material), mark);
     }
     if (body) this.held = (this.held || new Set()).add(mark);
     this.kinds.set(`support`, ["supports", viscorod.COLOUR.support]);

@@ -2,6 +2,6 @@
 export {
   AmbientLight, BoxGeometry, BufferAttribute, BufferGeometry, Color, ConeGeometry, CylinderGeometry, DirectionalLight,
   DoubleSide, GridHelper, Group, Line, LineBasicMaterial, LineDashedMaterial, Mesh, MeshLambertMaterial,
-  OctahedronGeometry, PerspectiveCamera, Quaternion, SRGBColorSpace, Scene, SphereGeometry, Vector3, WebGLRenderer,
+  OctahedronGeometry, PerspectiveCamera, Quaternion, SRGBColorSpace, Scene, ShapeUtils, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 export { OrbitControls } from "three/addons/controls/OrbitControls.js";
