@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from viscorod.results.sweep import Member, Sweep
     from viscorod.stepping import System
     from viscorod.sweeps import sweep
+    from viscorod.viewer import view
 
     __version__: str
 
@@ -94,6 +95,7 @@ _HOMES = {
     "results.sweep": ("Member", "Sweep"),
     "stepping": ("System",),
     "sweeps": ("sweep",),
+    "viewer": ("view",),
 }
 _MODULES = {name: f"viscorod.{module}" for module, names in _HOMES.items() for name in names}
 
@@ -179,6 +181,7 @@ __all__ = [
     "load",
     "load_case",
     "sweep",
+    "view",
 ]
 
 

@@ -1,4 +1,4 @@
-"""The command line: run, sweep, check and copy cases, compile kernels.
+"""The command line: run, view, sweep, check and copy cases, compile kernels.
 
 Heavy packages are imported inside the commands, so that ``--help`` and ``--version`` answer at once.
 """
@@ -18,6 +18,7 @@ from viscorod.damping_commands import app as damping_app
 from viscorod.errors import InputError, SolveError
 from viscorod.run_commands import resume, run, writable
 from viscorod.terminal import existing, readable_errors, rows_text
+from viscorod.view_command import view
 
 if TYPE_CHECKING:
     from viscorod.check import CheckReport
@@ -34,6 +35,7 @@ app = typer.Typer(
 app.command()(run)
 app.command()(resume)
 app.add_typer(damping_app, name="damping")
+app.command()(view)
 
 CaseFile = Annotated[
     Path, typer.Argument(metavar="CASE.toml", help="Case file; `viscorod example` lists some.")

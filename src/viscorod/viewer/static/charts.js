@@ -1,0 +1,119 @@
+"use strict";
+/* Charts beside the view: each has a line at the present instant, and a click goes to another. */
+
+viscorod.Chart = class {
+  constructor(place, options, data, goTo) {
+    this.place = place;
+    this.height = options.height;
+    const axis = { stroke: "#222", grid: { stroke: "#e4e4e4", width: 1 }, ticks: { stroke: "#8a8a8a", width: 1 }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
+    const values = (_, splits) => splits.map((value) => (value === null ? "" : viscorod.text(Number(value.toPrecision(8)), 6)));
+    this.plot = new uPlot(
+      {
+        width: Math.max(place.clientWidth, 200),
+        height: options.height,
+        scales: { x: { time: false, range: options.xRange }, y: options.yRange ? { range: options.yRange } : {} },
+        axes: [
+          { ...axis, label: options.xLabel, labelSize: 18, size: 34, values },
+          { ...axis, label: options.yLabel, labelSize: 18, size: 58, values },
+        ],
+        series: [{ label: options.xLabel, value: (_, v) => (v === null ? "" : viscorod.text(v)) }, ...options.series],
+        bands: options.bands,
+        cursor: { drag: { x: false, y: false }, y: false, points: { show: false } },
+        legend: { live: true },
+        hooks: { ready: [() => { this.told = 0; this.point(this.x); }] }, // the chart empties its legend as it starts
+      },
+      data,
+      place,
+    );
+    this.needle = document.createElement("div");
+    this.needle.className = "needle";
+    Object.assign(this.needle.style, { position: "absolute", top: "0", bottom: "0", width: "2px", background: "#d55e00", pointerEvents: "none", left: "-1px" });
+    this.plot.over.append(this.needle);
+    let held = false;
+    const go = (event) => goTo(this.plot.posToVal(event.clientX - this.plot.over.getBoundingClientRect().left, "x"));
+    this.plot.over.addEventListener("pointerdown", (event) => { held = true; go(event); });
+    this.plot.over.addEventListener("pointermove", (event) => { if (held) go(event); });
+    window.addEventListener("pointerup", () => { held = false; });
+    new ResizeObserver(() => {
+      const width = Math.max(place.clientWidth, 200);
+      if (Math.abs(width - this.plot.width) > 1) this.plot.setSize({ width, height: this.height });
+      this.point(this.x);
+    }).observe(place);
+  }
+
+  /* Move the line, and the numbers under the chart unless the pointer reads them. */
+  point(x) {
+    if (x === undefined) return;
+    this.x = x;
+    this.needle.style.transform = `translateX(${this.plot.valToPos(x, "x")}px)`;
+    const now = performance.now();
+    if (this.plot.cursor.left >= 0 || (this.told && now - this.told < 100)) return;
+    this.told = now;
+    this.plot.setLegend({ idx: this.plot.valToIdx(x) }, false);
+  }
+
+  remove() {
+    this.plot.destroy();
+    this.place.replaceChildren();
+  }
+};
+
+viscorod.PALETTE = ["#0072b2", "#d55e00", "#009e73"];
+
+viscorod.historyChart = function (place, group, x, array, common, main) {
+  const count = x.length;
+  const curves = group.curves.map((_, k) => array.values.subarray(k * count, (k + 1) * count));
+  const value = (_, v) => (v === null || v === undefined ? "" : viscorod.text(v));
+  const series = group.curves.map((name, k) => ({ label: name, stroke: viscorod.PALETTE[k % 3], width: group.curves.length > 1 && group.place && k !== main ? 1.2 : 2, value, points: { show: count < 3 } }));
+  return new viscorod.Chart(place, { ...common, height: 190, yLabel: group.unit, series }, [x, ...curves], common.goTo);
+};
+
+/* Where the energy is, stacked; a line shows what was there and came in. The gap between them is numerical. */
+viscorod.energyChart = function (place, energy, x, array, common) {
+  const count = x.length;
+  const rows = Array.from({ length: array.shape[0] }, (_, k) => array.values.subarray(k * count, (k + 1) * count));
+  const layers = energy.stacked.length;
+  const sums = [];
+  for (let k = 0; k < layers; k++) sums.push(k ? rows[k].map((value, j) => value + sums[k - 1][j]) : rows[0]);
+  const fills = layers === 1 ? ["#56b4e9"] : ["#e69f00", "#56b4e9", "#0072b2"];
+  const own = (row) => (_, v, __, index) => (v === null || index === null || index === undefined ? "" : viscorod.text(row[index]));
+  // the highest first, so that lower ones are drawn over it
+  const order = [...Array(layers).keys()].reverse();
+  const series = order.map((k) => ({ label: energy.stacked[k], stroke: fills[k], fill: fills[k], width: 0.5, value: own(rows[k]), points: { show: count < 3 } }));
+  const data = [x, ...order.map((k) => sums[k])];
+  if (energy.line) {
+    series.push({ label: energy.line, stroke: "#222", width: 1.6, value: own(rows[layers]), points: { show: false } });
+    data.push(rows[layers]);
+    series.push({ label: "numerical remainder", stroke: "#b00020", width: 1.2, dash: [4, 3], value: own(rows[layers + 1]), points: { show: false } });
+    data.push(rows[layers + 1]);
+  }
+  return new viscorod.Chart(place, { ...common, height: 190, yLabel: energy.unit, series }, data, common.goTo);
+};
+
+viscorod.decayChart = function (place, decay, common) {
+  const x = decay.ratio.map((_, k) => 0.5 * (decay.time[k] + decay.time[k + 1]));
+  const most = Math.max(decay.limit, ...decay.ratio);
+  const least = Math.min(0, ...decay.ratio);
+  const value = (_, v) => (v === null || v === undefined ? "" : viscorod.text(v));
+  const name = decay.scattered ? "all cycles as one" : "small amplitude";
+  const series = [
+    { label: "damping ratio of the cycle", stroke: "#009e73", width: decay.scattered ? 0 : 1.2, points: { show: true, size: 8, fill: "#009e73" }, value },
+    { label: name, stroke: "#b06f00", width: 1.6, dash: [6, 4], points: { show: false }, value },
+  ];
+  const yRange = () => [1.2 * least, most > 0 ? 1.2 * most : 0.1];
+  return new viscorod.Chart(place, { ...common, height: 150, yLabel: "ratio", yRange, series }, [x, decay.ratio, x.map(() => decay.limit)], common.goTo);
+};
+
+viscorod.decayTable = function (table, decay, second) {
+  const row = (cells, kind) => {
+    const line = document.createElement("tr");
+    for (const cell of cells) {
+      const box = document.createElement(kind);
+      box.textContent = cell;
+      line.append(box);
+    }
+    table.append(line);
+  };
+  row(["cycle", `starts at [${second}]`, `amplitude [${decay.unit}]`, `period [${second}]`, "damping ratio"], "th");
+  decay.ratio.forEach((ratio, k) => row([k + 1, ...[decay.time[k], decay.amplitude[k], decay.period[k], ratio].map((v) => viscorod.text(v, 5))], "td"));
+};

@@ -1,0 +1,251 @@
+"use strict";
+/* The view in space: camera, light, grid, trace, names; draws when something has changed. */
+
+viscorod.Space = class {
+  constructor(meta, arrays, canvas) {
+    this.meta = meta;
+    this.arrays = arrays;
+    this.canvas = canvas;
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
+    this.renderer.setClearColor("#ffffff");
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.scene = new THREE.Scene();
+    const { look } = meta;
+    this.camera = new THREE.PerspectiveCamera(28, 1, look.size * 1e-3, look.size * 100);
+    this.camera.up.fromArray(look.up);
+    this.target = new THREE.Vector3(...look.centre);
+    this.camera.position.copy(this.target).addScaledVector(new THREE.Vector3(...look.eye), 3 * look.size);
+    this.controls = new THREE.OrbitControls(this.camera, canvas);
+    this.controls.target.copy(this.target);
+    this.controls.addEventListener("change", () => this.refresh());
+    const light = new THREE.DirectionalLight("#ffffff", 1.6);
+    light.position.set(0.4, 0.7, 1);
+    this.camera.add(light);
+    this.scene.add(this.camera, new THREE.AmbientLight("#ffffff", 1.9));
+
+    this.surface = new viscorod.Surface(meta, arrays);
+    this.reader = new viscorod.FieldReader(this.surface, meta, arrays);
+    this.symbols = new viscorod.Symbols(meta, arrays, look.size);
+    this.scene.add(this.surface.mesh, this.symbols.parts, this.symbols.loads);
+    this.reference = this.referenceLines();
+    this.grid = this.gridBelow();
+    this.scene.add(this.reference, this.grid);
+    this.trace = new THREE.Group();
+    this.scene.add(this.trace);
+    this.names = this.nameTags();
+    this.showNames = true;
+    this.tables = Object.fromEntries(
+      Object.entries(meta.colours).map(([key, table]) => [key, table.map((rgb) => new THREE.Color().setRGB(...rgb.map((v) => v / 255), THREE.SRGBColorSpace).toArray())]),
+    );
+    this.frame = [0, 0];
+    this.field = null;
+    this.rangeNow = false;
+    this.onRange = () => {};
+    new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+    this.resize();
+    this.fit();
+  }
+
+  referenceLines() {
+    const group = new THREE.Group();
+    const at = this.surface.along(this.arrays.reference.values, 3, new Float32Array(3 * this.surface.rings));
+    let ring = 0;
+    for (const line of this.meta.lines) {
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", new THREE.BufferAttribute(at.slice(3 * ring, 3 * (ring + line.rings)), 3));
+      const size = 0.012 * this.meta.look.size;
+      const dashes = new THREE.LineDashedMaterial({ color: viscorod.COLOUR.reference, dashSize: size, gapSize: 0.7 * size });
+      const curve = new THREE.Line(geometry, dashes);
+      curve.computeLineDistances();
+      group.add(curve);
+      ring += line.rings;
+    }
+    return group;
+  }
+
+  gridBelow() {
+    const { low, high, centre, up, cell, size } = this.meta.look;
+    const reach = Math.max(...high.map((value, k) => (Math.abs(up[k]) > 0.5 ? 0 : value - low[k])), 0.3 * size);
+    const cells = 2 * Math.ceil((1.1 * reach) / (2 * cell));
+    const grid = new THREE.GridHelper(cells * cell, cells, "#b8b8b8", "#e2e2e2");
+    grid.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...up));
+    grid.position.fromArray(
+      centre.map((value, k) => {
+        if (Math.abs(up[k]) < 0.5) return cell * Math.round(value / cell);
+        return up[k] > 0 ? low[k] - 0.04 * size : high[k] + 0.04 * size;
+      }),
+    );
+    return grid;
+  }
+
+  nameTags() {
+    const box = document.getElementById("labels");
+    return this.symbols.names.slice(0, 24).map((name) => {
+      const tag = document.createElement("span");
+      tag.style.color = name.colour;
+      box.append(tag);
+      return { ...name, tag };
+    });
+  }
+
+  /* All that a place passes through; what it has passed is darker. */
+  leaveTrace(mark) {
+    for (const line of this.trace.children) line.geometry.dispose();
+    this.trace.clear();
+    if (mark === null) return this.refresh();
+    const { marks } = this.arrays;
+    const count = marks.shape[0];
+    const points = new Float32Array(3 * count);
+    const row = new Float32Array(marks.row);
+    for (let k = 0; k < count; k++) points.set(viscorod.between(marks, k, 0, row).subarray(3 * mark, 3 * mark + 3), 3 * k);
+    for (const colour of ["#b9d7ea", viscorod.COLOUR.trace]) {
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute("position", new THREE.BufferAttribute(points, 3));
+      const line = new THREE.Line(geometry, new THREE.LineBasicMaterial({ color: colour }));
+      line.frustumCulled = false;
+      line.renderOrder = colour === viscorod.COLOUR.trace ? 2 : 1;
+      this.trace.add(line);
+    }
+    return this.refresh();
+  }
+
+  show(k, part) {
+    this.frame = [k, part];
+    this.changed = true;
+    this.refresh();
+  }
+
+  refresh() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.draw();
+    });
+  }
+
+  draw() {
+    const [k, part] = this.frame;
+    if (this.changed) {
+      this.changed = false;
+      this.surface.move(k, part);
+      this.symbols.move(k, part);
+      this.colour();
+      if (this.trace.children.length) this.trace.children[1].geometry.setDrawRange(0, k + 1);
+    }
+    this.renderer.render(this.scene, this.camera);
+    this.placeNames();
+    this.drawTriad();
+  }
+
+  colour() {
+    if (!this.field) {
+      const plain = new THREE.Color("#0072b2").toArray();
+      this.surface.draw(() => plain);
+      return;
+    }
+    const values = this.reader.rings(this.field, ...this.frame);
+    let [low, high] = this.reader.range(this.field);
+    const signed = low < -1e-3 * Math.abs(high);
+    if (this.rangeNow) [low, high] = values.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+    if (signed) [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
+    else if (!this.rangeNow) low = Math.min(low, 0);
+    const table = this.tables[signed ? "signed" : "plain"];
+    const span = high - low;
+    const scale = span > 0 ? (table.length - 1) / span : 0;
+    const middle = table[signed ? table.length >> 1 : 0];
+    this.surface.draw((value) => (scale ? table[Math.max(0, Math.min(table.length - 1, Math.round((value - low) * scale)))] : middle));
+    this.onRange(low, high, signed);
+  }
+
+  placeNames() {
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    const taken = [];
+    const point = new THREE.Vector3();
+    for (const { tag, text, mark, point: fixed, of } of this.names) {
+      const words = this.showNames && this.symbols[of].visible ? text() : "";
+      if (mark === undefined) point.copy(fixed);
+      else this.symbols.point(mark, point);
+      point.project(this.camera);
+      const [x, y] = [(0.5 + 0.5 * point.x) * width + 9, (0.5 - 0.5 * point.y) * height + 7];
+      if (!words || Math.abs(point.z) > 1 || x < 0 || y < 0 || x > width || y > height) {
+        tag.hidden = true;
+        continue;
+      }
+      if (tag.textContent !== words) tag.textContent = words;
+      tag.hidden = false;
+      const wide = tag.offsetWidth;
+      let [left, top] = [Math.max(2, Math.min(x, width - wide - 2)), Math.min(y, height - 20)];
+      for (let tries = 0; tries < 8 && taken.some((t) => left < t[0] + t[2] && t[0] < left + wide && Math.abs(top - t[1]) < 17); tries++) top += 17;
+      taken.push([left, top, wide]);
+      tag.style.transform = `translate(${left}px, ${top}px)`;
+    }
+  }
+
+  drawTriad() {
+    const triad = document.getElementById("triad");
+    const turn = this.camera.quaternion.clone().invert();
+    const axes = ["x", "y", "z"].map((name, k) => {
+      const axis = new THREE.Vector3(...[0, 1, 2].map((i) => Number(i === k))).applyQuaternion(turn);
+      return { name, axis };
+    });
+    axes.sort((a, b) => a.axis.z - b.axis.z);
+    if (!triad.children.length) {
+      for (const { name } of axes) {
+        for (const kind of ["line", "text"]) {
+          const element = document.createElementNS("http://www.w3.org/2000/svg", kind);
+          element.dataset.axis = name;
+          triad.append(element);
+        }
+      }
+    }
+    for (const { name, axis } of axes) {
+      const [line, text] = triad.querySelectorAll(`[data-axis="${name}"]`);
+      const colour = { x: "#b3420a", y: "#00694d", z: "#005b8f" }[name];
+      line.setAttribute("x2", 34 * axis.x);
+      line.setAttribute("y2", -34 * axis.y);
+      line.setAttribute("stroke", colour);
+      line.setAttribute("stroke-width", 2.5);
+      text.setAttribute("x", 44 * axis.x);
+      text.setAttribute("y", -44 * axis.y);
+      text.setAttribute("fill", colour);
+      text.textContent = name;
+      triad.append(line, text);
+    }
+  }
+
+  resize() {
+    const box = this.canvas.parentElement.getBoundingClientRect();
+    if (!box.width || !box.height) return;
+    this.renderer.setSize(box.width, box.height, false);
+    this.camera.aspect = box.width / box.height;
+    this.camera.updateProjectionMatrix();
+    this.refresh();
+  }
+
+  /* Put the eye so far away, in the direction in which it is, that everything is in the picture. */
+  fit(direction = null) {
+    const { low, high, centre, up } = this.meta.look;
+    const target = new THREE.Vector3(...centre);
+    const back = direction ? direction.clone() : this.camera.position.clone().sub(this.controls.target).normalize();
+    if (Math.abs(back.dot(new THREE.Vector3(...up))) > 0.999) back.addScaledVector(new THREE.Vector3(up[1], up[2], up[0]), -1e-3).normalize();
+    const right = new THREE.Vector3(...up).cross(back).normalize();
+    const above = back.clone().cross(right);
+    const tan = Math.tan((this.camera.fov * Math.PI) / 360);
+    let distance = 0.1 * this.meta.look.size;
+    for (let corner = 0; corner < 8; corner++) {
+      const point = new THREE.Vector3(...[0, 1, 2].map((k) => (corner & (1 << k) ? high[k] : low[k]))).sub(target);
+      const near = point.dot(back);
+      distance = Math.max(distance, near + Math.abs(point.dot(right)) / (tan * this.camera.aspect), near + Math.abs(point.dot(above)) / tan);
+    }
+    this.controls.target.copy(target);
+    this.camera.position.copy(target).addScaledVector(back, 1.22 * distance);
+    this.controls.update();
+    this.refresh();
+  }
+
+  look(word) {
+    const directions = { first: this.meta.look.eye, x: [1, 0, 0], y: [0, -1, 0], z: [0, 0, 1] };
+    this.fit(word in directions ? new THREE.Vector3(...directions[word]) : null);
+  }
+};

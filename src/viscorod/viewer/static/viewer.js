@@ -1,0 +1,290 @@
+"use strict";
+/* The page: reads the data, connects player, view and charts. */
+
+viscorod.Player = class {
+  constructor(x, rate, show) {
+    this.x = x; // instants of the frames, increasing
+    this.rate = rate; // of x per second of the reader
+    this.show = show;
+    this.repeat = true;
+    this.playing = false;
+    this.at = x[0];
+  }
+
+  /* The frame at or before an instant, and the part of the way to the next. */
+  frame(x) {
+    let [low, high] = [0, this.x.length - 1];
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (this.x[middle] <= x) low = middle;
+      else high = middle;
+    }
+    if (high === 0) return [0, 0];
+    if (x >= this.x[high]) return [high, 0];
+    const gap = this.x[high] - this.x[low];
+    return [low, gap > 0 ? Math.max(0, (x - this.x[low]) / gap) : 0];
+  }
+
+  goTo(x) {
+    this.at = Math.min(Math.max(x, this.x[0]), this.x[this.x.length - 1]);
+    this.show(this.at, ...this.frame(this.at));
+  }
+
+  step(count) {
+    const [k, part] = this.frame(this.at);
+    const from = count < 0 && part > 0 ? k + 1 : k;
+    this.goTo(this.x[Math.min(Math.max(from + count, 0), this.x.length - 1)]);
+  }
+
+  play(on) {
+    if (this.playing === on || this.x.length < 2) return;
+    this.playing = on;
+    if (!on) return;
+    const [first, last] = [this.x[0], this.x[this.x.length - 1]];
+    if (this.at >= last) this.at = first;
+    let before = null;
+    const tick = (now) => {
+      if (!this.playing) return;
+      if (before !== null) {
+        let next = this.at + (this.rate * Math.min(now - before, 250)) / 1000;
+        if (next >= last) {
+          next = this.repeat ? first + ((next - first) % (last - first)) : last;
+          if (!this.repeat) this.ended();
+        }
+        this.goTo(next);
+      }
+      before = now;
+      requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  ended() {
+    this.playing = false;
+  }
+};
+
+viscorod.increasing = (values) => values.every((value, k) => k === 0 || value > values[k - 1]);
+
+viscorod.speeds = function (span, timed) {
+  const best = timed && span >= 2 && span <= 40 ? 1 : timed ? span / 8 : 1;
+  const power = Math.floor(Math.log10(best));
+  const rounds = [];
+  for (let p = power - 2; p <= power + 2; p++) for (const d of [1, 2, 5]) rounds.push(Number((d * 10 ** p).toPrecision(3)));
+  const chosen = rounds.reduce((a, b) => (Math.abs(Math.log(b / best)) < Math.abs(Math.log(a / best)) ? b : a));
+  return { options: rounds.filter((r) => r >= 0.01 * chosen && r <= 100 * chosen), chosen };
+};
+
+viscorod.start = async function () {
+  const $ = (id) => document.getElementById(id);
+  const { meta, arrays } = await viscorod.read();
+  const timed = meta.dimension === "time";
+  const [clock, second] = meta.clock; // short motions are told in ms or µs
+  const told = (values) => Float64Array.from(values, (value) => clock * value);
+  const instants = told(arrays.instants.values);
+  const samples = told(arrays.samples.values);
+  $("title").textContent = meta.title || "Untitled";
+  const version = meta.version ? `viscorod ${meta.version}` : "viscorod";
+  $("notes").textContent = [...meta.notes, version].join(" \u00b7 ");
+  const warnings = [...(meta.outcome === "completed" ? [] : [`outcome: ${meta.outcome}`]), ...meta.warnings];
+  if (warnings.length) {
+    $("warnings").hidden = false;
+    $("warnings").querySelector("summary").textContent = warnings.length === 1 ? "1 warning" : `${warnings.length} warnings`;
+    for (const text of warnings) {
+      const item = document.createElement("li");
+      item.textContent = text;
+      $("warnings").querySelector("ul").append(item);
+    }
+  }
+  const option = (select, value, text) => {
+    const item = document.createElement("option");
+    item.value = value;
+    item.textContent = text;
+    select.append(item);
+    return item;
+  };
+
+  // what runs along the slider and the charts: time, a load factor that grows, or the number of the state
+  const grows = timed || (viscorod.increasing(instants) && viscorod.increasing(samples));
+  const x = Array.from(grows ? instants : arrays.numbers.values);
+  const chartX = Array.from(grows ? samples : arrays.sample_numbers.values);
+  const xLabel = timed ? `time [${second}]` : grows ? "load factor" : "state";
+  const span = x[x.length - 1] - x[0];
+
+  let space = null;
+  try {
+    space = new viscorod.Space(meta, arrays, $("space"));
+  } catch (error) {
+    $("failure").hidden = false;
+    $("failure").textContent = `The view in space needs WebGL, which this browser does not give (${error.message}). The charts work without it.`;
+  }
+
+  const charts = [];
+  const total = x.length;
+  const show = (at, k, part) => {
+    if (space) space.show(k, part);
+    for (const chart of charts) chart.point(at);
+    $("scrub").value = at;
+    const nearest = part < 0.5 ? k : k + 1;
+    const instant = instants[k] + part * (instants[Math.min(k + 1, total - 1)] - instants[k]);
+    $("now").textContent = `${timed ? "t = " : "load factor "}${instant.toFixed(digits).replace("-", "\u2212")}${timed ? ` ${second}` : ""}, frame ${nearest + 1}/${total}`;
+    $("scrub").setAttribute("aria-valuetext", $("now").textContent);
+  };
+  // as many digits as tell neighbouring frames apart
+  const [least, most] = instants.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+  const digits = most > least ? Math.max(timed ? 0 : 3, Math.min(9, Math.ceil(-Math.log10((most - least) / total)))) : 3;
+  const player = new viscorod.Player(x, 1, show);
+  const goTo = (at) => player.goTo(at);
+
+  // charts
+  const xRange = () => (span > 0 ? [x[0], x[x.length - 1]] : [x[0] - 0.5, x[0] + 0.5]);
+  const common = { xLabel, xRange, goTo };
+  const replace = (number, make) => {
+    if (charts[number]) charts[number].remove();
+    charts[number] = make();
+    charts[number].point(player.at);
+  };
+  meta.histories.forEach((group, k) => option($("history"), k, `${group.label} [${group.unit}]`));
+  const drawHistory = () => {
+    const group = meta.histories[Number($("history").value)];
+    replace(0, () => viscorod.historyChart($("history-chart"), group, chartX, arrays[group.array], common, meta.main));
+  };
+  $("history").addEventListener("change", drawHistory);
+  drawHistory();
+  replace(1, () => viscorod.energyChart($("energy-chart"), meta.energy, chartX, arrays.energy, common));
+  if (meta.energy.fraction !== undefined) {
+    const fraction = 100 * meta.energy.fraction;
+    $("energy-title").textContent = `Energy account; numerical remainder at most ${viscorod.text(fraction, 2)} % of the ${viscorod.text(meta.energy.moved)} ${meta.energy.unit} that moved`;
+  } else $("energy-title").textContent = "Elastic energy";
+  if (meta.decay) {
+    meta.decay.time = Array.from(told(meta.decay.time));
+    meta.decay.period = Array.from(told(meta.decay.period));
+    $("decay").hidden = false;
+    $("decay-title").textContent = `Damping ratio of every cycle of ${meta.decay.place} along ${meta.decay.axis}; ${meta.decay.scattered ? "all cycles as one" : "small amplitude"}: ${viscorod.text(meta.decay.limit)}`;
+    replace(2, () => viscorod.decayChart($("decay-chart"), meta.decay, common));
+    viscorod.decayTable($("cycles"), meta.decay, second);
+  }
+
+  // player
+  $("scrub").min = x[0];
+  $("scrub").max = x[x.length - 1];
+  $("scrub").addEventListener("input", () => goTo(Number($("scrub").value)));
+  const press = (on) => {
+    player.play(on);
+    $("play").textContent = player.playing ? "Pause" : "Play";
+    $("play").setAttribute("aria-pressed", String(player.playing));
+  };
+  player.ended = () => press(false);
+  $("play").disabled = x.length < 2;
+  $("play").addEventListener("click", () => press(!player.playing));
+  const { options, chosen } = viscorod.speeds(span / clock || 1, timed);
+  for (const speed of options) option($("speed"), speed, timed ? (speed === 1 ? "real time" : `${speed} \u00d7 real time`) : `${speed} \u00d7`).selected = speed === chosen;
+  const setSpeed = () => { player.rate = Number($("speed").value) * (timed ? clock : span / 8); };
+  $("speed").addEventListener("change", setSpeed);
+  setSpeed();
+  $("loop").addEventListener("change", () => { player.repeat = $("loop").checked; });
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const on = event.target.tagName;
+    const slider = event.target === $("scrub");
+    if (on === "SELECT" || on === "SUMMARY" || (on === "INPUT" && !slider)) return;
+    const actions = {
+      " ": () => press(!player.playing),
+      ArrowLeft: () => { press(false); player.step(-1); },
+      ArrowRight: () => { press(false); player.step(1); },
+      Home: () => goTo(x[0]),
+      End: () => goTo(x[x.length - 1]),
+      f: () => space && space.fit(),
+    };
+    if (!(event.key in actions) || (on === "BUTTON" && event.key === " ")) return;
+    event.preventDefault();
+    actions[event.key]();
+  });
+
+  if (space) viscorod.connect(space, meta, arrays, option, $);
+  goTo(x[0]);
+  document.documentElement.dataset.ready = "yes";
+};
+
+/* The controls of the view in space. */
+viscorod.connect = function (space, meta, arrays, option, $) {
+  const fields = viscorod.fields(meta, arrays);
+  option($("field"), "", "none");
+  for (const field of fields) option($("field"), field.key, `${field.title}${field.unit === "1" ? "" : ` [${field.unit}]`}`);
+  const context = $("ramp").getContext("2d");
+  space.onRange = (low, high, signed) => {
+    const unit = !space.field || space.field.unit === "1" ? "" : ` ${space.field.unit}`;
+    $("scale-low").textContent = `${viscorod.text(low, 3)}${unit}`;
+    $("scale-high").textContent = `${viscorod.text(high, 3)}${unit}`;
+    const table = meta.colours[signed ? "signed" : "plain"];
+    for (let k = 0; k < 256; k++) {
+      context.fillStyle = `rgb(${table[Math.floor((k * table.length) / 256)].join(",")})`;
+      context.fillRect(k, 0, 1, 1);
+    }
+  };
+  const again = () => space.show(...space.frame);
+  $("field").addEventListener("change", () => {
+    space.field = fields.find((field) => field.key === $("field").value) || null;
+    $("scale").style.visibility = space.field ? "visible" : "hidden";
+    again();
+  });
+  $("range").addEventListener("change", () => { space.rangeNow = $("range").value === "now"; again(); });
+  const first = fields.find((field) => ["fibre", "bending"].includes(field.key)) || fields[0];
+  $("field").value = first ? first.key : "";
+  $("field").dispatchEvent(new Event("change"));
+
+  option($("trace"), "", "nothing");
+  meta.scene.places.forEach(({ label, mark }, k) => { option($("trace"), mark, label).selected = k === 0; });
+  const trace = () => space.leaveTrace($("trace").value === "" ? null : Number($("trace").value));
+  $("trace").addEventListener("change", () => { trace(); again(); });
+  trace();
+
+  // rods thinner than a line are drawn thicker unless their true size is asked for
+  const widest = meta.lines.some((line) => line.known) ? Math.max(...arrays.halves.values) : 0;
+  const legible = widest > 0 ? Math.max(1, (0.004 * meta.look.size) / widest) : 1;
+  const sizes = [["legible", legible > 1 ? "enlarged to be seen" : widest > 0 ? "true size" : "thin tubes", legible]];
+  if (legible > 1) sizes.push(["true", "true size", 1]);
+  for (const factor of [2, 5, 10]) if (factor > legible) sizes.push([String(factor), `${factor} \u00d7`, factor]);
+  for (const [value, text] of sizes) option($("thickness"), value, text);
+  const unknown = meta.lines.filter((line) => !line.known).length;
+  const thicken = () => {
+    const [, , factor] = sizes.find(([value]) => value === $("thickness").value);
+    space.surface.factor = factor;
+    const notes = [];
+    if (factor !== 1 && widest > 0) notes.push(`Sections are drawn ${viscorod.text(factor, 3)} times as large as they are.`);
+    if (unknown) notes.push("Rods whose section has no known outline are drawn as round tubes.");
+    $("section-note").textContent = notes.join(" ");
+    again();
+  };
+  $("thickness").addEventListener("change", thicken);
+  thicken();
+
+  const shows = { reference: [space.reference], symbols: [space.symbols.parts], loads: [space.symbols.loads], grid: [space.grid] };
+  for (const [word, objects] of Object.entries(shows)) {
+    $(`show-${word}`).addEventListener("change", () => {
+      for (const object of objects) object.visible = $(`show-${word}`).checked;
+      space.refresh();
+    });
+  }
+  $("show-names").addEventListener("change", () => { space.showNames = $("show-names").checked; space.refresh(); });
+  for (const button of document.querySelectorAll("[data-look]")) button.addEventListener("click", () => space.look(button.dataset.look));
+  const { cell } = meta.look;
+  const [factor, unit] = cell < 0.01 ? [1e3, "mm"] : cell >= 1000 ? [1e-3, "km"] : [1, "m"];
+  $("grid-size").textContent = `grid ${viscorod.text(factor * cell, 3)} ${unit}`;
+  $("show-grid").addEventListener("change", () => { $("grid-size").hidden = !$("show-grid").checked; });
+  const legend = [...space.symbols.kinds.values(), ["reference shape", viscorod.COLOUR.reference], ["trace", viscorod.COLOUR.trace]];
+  for (const [text, colour] of legend) {
+    const entry = document.createElement("span");
+    const patch = document.createElement("i");
+    patch.style.background = colour;
+    entry.append(patch, text);
+    $("legend").append(entry);
+  }
+};
+
+viscorod.start().catch((error) => {
+  const box = document.getElementById("failure");
+  box.hidden = false;
+  box.textContent = `The page could not be shown: ${error.message}`;
+  console.error(error);
+});

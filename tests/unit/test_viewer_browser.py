@@ -1,0 +1,259 @@
+"""The page in a real browser: it loads without a complaint, plays, scrubs, colours, and stays safe."""
+
+import json
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+import browser
+import pages
+import synthetic
+from viscorod.results.run import Equilibrium, Run
+from viscorod.viewer import view
+
+pytestmark = pytest.mark.skipif(
+    browser.find() is None, reason=f"no browser: none of {', '.join(browser.NAMES)} is on the PATH"
+)
+NOW = "document.getElementById('now').textContent"
+SCRUB = "Number(document.getElementById('scrub').value)"
+
+
+@pytest.fixture(scope="module")
+def chrome(tmp_path_factory):
+    pytest.importorskip("websocket", reason="the package websocket-client drives the browser")
+    with browser.opened(tmp_path_factory.mktemp("profile")) as page:
+        yield page
+
+
+@pytest.fixture
+def shown(chrome, tmp_path):
+    def show(result, **options):
+        path = view(result, tmp_path / "page.html")
+        chrome.errors.clear()
+        chrome.requests.clear()
+        chrome.open(path.as_uri(), **options)
+        return chrome
+
+    return show
+
+
+def moving():
+    """A clamped beam, held by a force until t = 0, with dissipation."""
+    data = synthetic.swing(zeta=0.05, duration=4.0)
+    data["dissipation"] = 1e-3 * data["strain"][..., 3] ** 2
+    loads = [
+        {"kind": "force", "at": "beam.end", "value": [0.0, 0.035, 0.0], "until": 0.0},
+        {"kind": "gravity"},
+    ]
+    return Run(pages.described(data, loads=loads))
+
+
+def scrub(page, value):
+    """Move the slider as a hand does."""
+    page.run(
+        f"(() => {{ const s = document.getElementById('scrub'); s.value = {value};"
+        " s.dispatchEvent(new Event('input')); })()"
+    )
+    page.drawn()
+
+
+def space(page, path):
+    """Pixels of the view in space ``(rows, columns, 3)``."""
+    box = page.run("(() => { const r = document.getElementById('stage').getBoundingClientRect();"
+                   " return [r.x, r.y, r.width, r.height]; })()")  # fmt: skip
+    x, y, width, height = (round(value) for value in box)
+    picture = matplotlib.image.imread(page.picture(path))
+    return picture[y : y + height, x : x + width, :3]
+
+
+def changed(before, after):
+    """Number of pixels that differ visibly."""
+    return int(np.count_nonzero(np.abs(before - after).max(axis=-1) > 0.1))
+
+
+def test_page_loads_without_errors_and_asks_for_nothing_but_itself(shown, tmp_path):
+    page = shown(moving())
+    page.drawn()
+    assert page.errors == []
+    assert [url for url in page.requests if not url.startswith(("data:", "blob:"))] == [
+        (tmp_path / "page.html").as_uri()
+    ]
+    assert page.run("document.getElementById('title').textContent") == "A swing in closed form"
+    assert page.run("document.getElementById('failure').hidden")
+    assert page.run("document.querySelectorAll('.uplot').length") == 3  # history, energy, damping
+    names = page.run(
+        "[...document.querySelectorAll('#labels span')].filter(s => !s.hidden).map(s => s.textContent)"
+    )
+    assert {"clamp at beam.start", "force at beam.end: 0.035 N", "gravity: 9.81 m/s²"} <= set(names)
+    # something of many colours is drawn, and not only a white page
+    colours = np.unique(np.round(space(page, tmp_path / "page.png").reshape(-1, 3), 1), axis=0)
+    assert len(colours) > 20
+
+
+def test_play_goes_on_in_time_and_pauses(shown):
+    page = shown(moving())
+    assert page.run(SCRUB) == 0.0
+    page.run("document.getElementById('play').click()")
+    page.wait(f"{SCRUB} > 0.2")
+    assert page.run("document.getElementById('play').textContent") == "Pause"
+    page.key(" ", "Space", " ")  # the button that was clicked by a script has no focus
+    page.wait("document.getElementById('play').textContent === 'Play'")
+    still = page.run(SCRUB)
+    page.drawn()
+    assert page.run(SCRUB) == still
+    assert page.errors == []
+
+
+def test_speed_is_that_of_the_clock(shown):
+    page = shown(moving())
+    page.choose("speed", "0.5")
+    ran, passed = page.run(
+        "new Promise((done) => { document.getElementById('play').click(); const start = performance.now();"
+        f" setTimeout(() => done([{SCRUB}, (performance.now() - start) / 1000]), 1500); }})"
+    )
+    # pictures that take more than a quarter of a second are not caught up with
+    assert 0.05 * passed < ran <= 0.5 * passed + 0.02
+
+
+def test_slider_sets_the_frame_in_view_and_charts(shown, tmp_path):
+    page = shown(moving())
+    first = space(page, tmp_path / "first.png")
+    needle = "document.querySelector('.needle').getBoundingClientRect().x"
+    left = page.run(needle)
+    scrub(page, 1.74)  # half a period: the other side
+    text = page.run(NOW)
+    assert text.startswith("t = 1.74")
+    time, frame = float(text.split()[2]), int(text.split()[-1].split("/")[0])
+    count = int(text.rsplit("/", 1)[1])
+    assert frame == round(time / 4.0 * (count - 1)) + 1
+    assert page.run(needle) > left + 50
+    assert changed(first, space(page, tmp_path / "second.png")) > 1000
+    for key, expected in (("End", 4.0), ("Home", 0.0)):
+        page.key(key, key)
+        assert page.run(SCRUB) == pytest.approx(expected)
+    page.key("ArrowRight", "ArrowRight")
+    assert page.run(NOW).split("frame ")[1].startswith("2/")
+    assert page.errors == []
+
+
+def test_place_of_the_tip_in_the_scripts_is_that_of_the_run(shown):
+    run = moving()
+    page = shown(run)
+    page.run(
+        "(() => { const kind = viscorod.Surface.prototype, old = kind.move;"
+        " kind.move = function (...a) { old.apply(this, a); window.surface = this; }; })()"
+    )
+    for time in (0.0, 0.613, 2.2, 4.0):
+        scrub(page, time)
+        page.wait("window.surface !== undefined")
+        tip = np.array(page.run("[...window.surface.at.slice(-3)]"))
+        expected = run.positions_at(time)[-1]
+        # straight between frames that are 2.5 ms apart: h^2/8 of the largest acceleration, and half a step
+        assert np.abs(tip - expected).max() < 0.0025**2 / 8.0 * 0.2 * 3.6**2 + 0.4 / 65535
+
+
+def test_click_in_a_chart_goes_there(shown):
+    page = shown(moving())
+    x, y, width = page.run(
+        "(() => { const chart = document.querySelector('#history-chart .u-over');"
+        " const r = chart.getBoundingClientRect(); return [r.x, r.y + r.height / 2, r.width]; })()"
+    )
+    page.click(x + 0.75 * width, y)
+    assert page.run(SCRUB) == pytest.approx(3.0, abs=0.03)
+
+
+def test_field_changes_the_colours_and_their_scale(shown, tmp_path):
+    page = shown(moving())
+    pictures, scales = [], []
+    for field in ("bending", "strain3", "force3", "dissipation", "speed", ""):
+        page.choose("field", field)
+        scrub(page, 0.5)
+        pictures.append(space(page, tmp_path / f"{field or 'none'}.png"))
+        scales.append(page.run("document.getElementById('scale-high').textContent"))
+    for one, two in ((0, 1), (0, 3), (3, 4), (4, 5)):
+        assert changed(pictures[one], pictures[two]) > 300, (one, two)
+    # a bending of both signs and a size of one: 2 q / L^2 with q = 0.2 m at the start
+    assert scales[0] == scales[1] == "4.44 1/m"
+    assert scales[3].endswith("W/m") or scales[3].endswith("mW/m")
+    page.choose("field", "bending")
+    page.choose("range", "now")
+    page.drawn()
+    assert page.run("document.getElementById('scale-high').textContent") != "4.44 1/m"
+    assert page.errors == []
+
+
+def test_symbols_loads_and_trace_can_be_left_out(shown, tmp_path):
+    page = shown(moving())
+    before = space(page, tmp_path / "all.png")
+    for word in ("symbols", "loads", "grid", "reference"):
+        page.run(f"document.getElementById('show-{word}').click()")
+        after = space(page, tmp_path / f"{word}.png")
+        assert changed(before, after) > 30, word
+        before = after
+    page.choose("trace", "")
+    assert changed(before, space(page, tmp_path / "trace.png")) > 30
+
+
+def test_text_from_a_file_is_shown_as_text(shown):
+    data = synthetic.swing(duration=0.4).assign_attrs(title=pages.EVIL, warnings=json.dumps([pages.EVIL]))
+    data = data.assign_coords(
+        support=[pages.EVIL], station_rod=("station", [pages.EVIL] * synthetic.STATIONS)
+    )
+    page = shown(Run(data))
+    page.drawn()
+    assert page.run("document.getElementById('title').textContent") == pages.EVIL
+    assert page.run("document.title").startswith("</script><img src=x")
+    assert page.run("document.querySelector('#warnings li').textContent") == pages.EVIL
+    assert page.run("document.querySelectorAll('img').length") == 0
+    assert page.run("window.hit === undefined")
+    assert page.errors == []
+
+
+def test_equilibrium_is_played_along_the_load_factor(shown):
+    page = shown(Equilibrium(synthetic.rolled_up()))
+    assert page.run(NOW).startswith("load factor 0.250")
+    page.key("End", "End")
+    assert page.run(NOW).startswith("load factor 1.000")
+    assert page.run("document.getElementById('decay').hidden")
+    assert page.run("document.querySelector('#history option').textContent").startswith(
+        "displacement of beam.end"
+    )
+    assert page.errors == []
+
+
+def test_path_whose_loads_fall_again_is_played_state_by_state(shown):
+    data = synthetic.rolled_up(factors=(0.2, 0.6, 0.9, 0.7, 0.4))
+    page = shown(Equilibrium(data))
+    scrub(page, 3)
+    assert page.run(NOW).startswith("load factor 0.7")
+    assert page.run(NOW).endswith("frame 4/5")
+    assert page.errors == []
+
+
+def test_one_state_is_shown_without_a_player(shown):
+    page = shown(Run(synthetic.swing(duration=0.0)))
+    assert page.run("document.getElementById('play').disabled")
+    assert page.errors == []
+
+
+def test_narrow_window_needs_no_sideways_scrolling(shown, tmp_path):
+    page = shown(moving(), width=390, height=800)
+    page.drawn()
+    assert page.run("document.documentElement.scrollWidth") <= 390
+    page.picture(tmp_path / "narrow.png")
+    page.resize(1400, 900)
+
+
+def test_long_run_is_drawn_fast_enough(shown):
+    page = shown(Run(pages.beating()))
+    mean = page.run(
+        "(async () => { const kind = viscorod.Space.prototype, old = kind.draw; let sum = 0, count = 0;"
+        " kind.draw = function () { const t = performance.now(); old.call(this);"
+        " sum += performance.now() - t; count++; };"
+        " document.getElementById('play').click(); await new Promise((done) => setTimeout(done, 4000));"
+        " document.getElementById('play').click(); kind.draw = old; return count > 3 ? sum / count : 1e9; })()"
+    )
+    # what the scripts take of a thirtieth of a second, 4 ms where it was measured; WebGL's own time is not theirs
+    assert mean < 33.0
+    assert page.errors == []
