@@ -18,6 +18,7 @@ import typer
 
 from viscorod.damping_commands import app as damping_app
 from viscorod.errors import InputError, SolveError
+from viscorod.export_commands import register as register_exports
 from viscorod.terminal import existing, readable_errors, rows_text
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ app = typer.Typer(
 )
 
 app.add_typer(damping_app, name="damping")
+register_exports(app)
 
 CaseFile = Annotated[
     Path, typer.Argument(metavar="CASE.toml", help="Case file; `viscorod example` lists some.")

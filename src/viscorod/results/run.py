@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -20,6 +21,8 @@ from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from viscorod.results.probe import Places
 
 _STARTS_BELOW = 0.5  # a start this far below rest, as a part of the largest departure, makes minima count
 
@@ -126,6 +129,37 @@ class Run(Result):
         unit: Floats = between / np.linalg.norm(between, axis=-1, keepdims=True)
         return unit
 
+    def probe(
+        self,
+        places: Places,
+        times: float | Sequence[float] | Floats | None = None,
+        *,
+        s: Sequence[float] | Floats | None = None,
+    ) -> xr.Dataset:
+        """Return everything at any places and any times; see ``Result.probe`` for what is between stations.
+
+        Between stored states positions and rotations are cubics through the stored ones and their rates; velocities,
+        strains, section forces and dissipation are the cubic through the four nearest states (errors of order 4 in the
+        time between states). A run without ``output_interval`` stores the
+        integrator's own polynomial at three instants within every step, so that positions and rotations lie far below
+        its tolerance; an ``output_interval`` should resolve the motion.
+
+        Args:
+            places: "beam.end", "beam@0.15", "plate", "plate.corner", the number of a station, or a list of these; with
+                ``s`` the name of a rod.
+            times: times of the run [s]; without them all stored ones.
+            s: arc lengths on that rod [m].
+
+        Returns:
+            A data set over (time, place); see ``Result.probe``.
+
+        Raises:
+            InputError: no such place, a time outside the run, or places on rods and on bodies in one call.
+        """
+        from viscorod.results.probe import probed
+
+        return probed(self, places, s, times)
+
     def report(self) -> str:
         """Return a report: the start, every cycle of the decay, the energy account, the effort, warnings."""
         from viscorod.results.report import run_report
@@ -154,6 +188,25 @@ class Run(Result):
         from viscorod.results.style import write
 
         return write(draw_energy(self), path)
+
+    def animate(self, path: str | Path, *, fps: float = 25.0, speed: float | None = None) -> Path:
+        """Write a film of the motion, uniform in time, in fixed limits.
+
+        Args:
+            path: .mp4 (needs ffmpeg: pip install 'viscorod[animate]') or .gif.
+            fps: frames per second of the film; those of a .gif last whole hundredths of a second.
+            speed: seconds of motion in one second of film. By default 1 for a motion of 2 to 60 s, else a round number
+                for which the film lasts about 10 s.
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: the suffix is unknown, ffmpeg is missing, or there would be too many frames.
+        """
+        from viscorod.results.animation import write_film
+
+        return write_film(self, path, fps=fps, speed=speed)
 
 
 class Equilibrium(Result):
