@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 __all__ = ["plot"]
 
 KINDS = ("tip", "energy", "strain", "space-time", "modes", "phase")
+_RIGID = 12
+"""Eigenvalues of the free motions of a body, two each; as many more are found, to know which are."""
 _TAKES = {
     "place": ("tip", "phase"),
     "axis": ("tip", "phase"),
@@ -140,8 +142,8 @@ def _modes(result: Result, count: int, about: str) -> Figure:
     except InputError as error:
         raise InputError(f"the model in this result cannot be built again, for its modes: {error}") from None
     model = as_model(case.description)
-    modes = model.modes(count, about=about)
+    modes = model.modes(count + _RIGID, about=about)
     base = result.data["reference_position"].values
     if about == "equilibrium":
         base = model.equilibrium().field("position")[-1]
-    return draw_modes(result, modes, base)
+    return draw_modes(result, modes, base, count)

@@ -122,9 +122,7 @@ class Film:
         self._axes.apply_aspect()  # which sets the limits, for all frames
         self._axes.set_autoscale_on(False)
         self._axes.set_aspect("equal", adjustable="box")
-        self._clock = self._axes.text(
-            0.0, 1.01, "", transform=self._axes.transAxes, fontsize=TEXT, color=INK, va="bottom"
-        )
+        self._clock = self.figure.text(0.985, 0.98, "", fontsize=TEXT, color=INK, ha="right", va="top")
         self._still = set(self._axes.lines)
         self.draw(0)
         self._legend(self._axes)
@@ -171,8 +169,8 @@ class Film:
         axes.legend(
             [handles[k] for k in shown],
             [labels[k] for k in shown],
-            loc="lower right",
-            bbox_to_anchor=(1.0, 1.0),
+            loc="lower left",
+            bbox_to_anchor=(0.0, 1.0),
             ncols=6,
             frameon=False,
             fontsize=SMALL,

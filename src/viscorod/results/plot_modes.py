@@ -18,17 +18,19 @@ if TYPE_CHECKING:
 
 _SIZE = 0.15  # of the largest displacement, as a part of the model
 _COLUMNS = 3
+_ZERO = 1e-5  # eigenvalues below this part of the largest are round-off
 
 
-def draw_modes(result: Result, modes: Modes, base: Floats) -> Figure:
+def draw_modes(result: Result, modes: Modes, base: Floats, count: int | None = None) -> Figure:
     """Return the figure of modes, each in the plane of its motion or in space, in both directions of the swing.
 
     Args:
         result: tells where the stations are on the rods, and the supports.
         modes: of its model.
         base: positions of the stations about which they vibrate ``(stations, 3)`` [m].
+        count: how many are drawn, all by default; the others help to tell motions without stiffness from slow ones.
     """
-    count = len(modes.frequencies)
+    count = min(count or len(modes.frequencies), len(modes.frequencies))
     columns = min(_COLUMNS, count)
     rows = -(-count // columns)
     width, height = 1.2 + 3.6 * columns, 1.4 + 3.5 * rows
@@ -69,8 +71,8 @@ def draw_modes(result: Result, modes: Modes, base: Floats) -> Figure:
 
 def _name(k: int, modes: Modes, view: View) -> str:
     eigenvalue, ratio = modes.eigenvalues[k], modes.damping_ratios[k]
-    if abs(eigenvalue) == 0.0:
-        return f"{k + 1}: no frequency, {view.name}"
+    if abs(eigenvalue) <= _ZERO * np.max(np.abs(modes.eigenvalues)):
+        return f"{k + 1}: free motion without stiffness\n{view.name}"
     if abs(eigenvalue.imag) <= 1e-9 * abs(eigenvalue):
         return f"{k + 1}: overdamped, decays at {-eigenvalue.real:.4g} 1/s\n{view.name}"
     return f"{k + 1}: {modes.frequencies[k]:.4g} Hz, damping ratio {ratio:.3g}\n{view.name}"
