@@ -13,8 +13,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.results.assemblies import Assembly
-from viscorod.results.between_records import Instants
-from viscorod.results.probe import poses_at
+from viscorod.results.probe import instants_of, poses_at
 from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
 from viscorod.results.style import BLUE, DPI, GREY, INK, ORANGE, SMALL, TEXT, titled
 from viscorod.typing import Floats
@@ -96,11 +95,11 @@ class Film:
         self.pace = pace
         self._run = run
         stations = np.arange(run.data.sizes["station"])
-        self._poses = poses_at(run, stations, Instants.of(run.time, pace.times))
+        self._poses = poses_at(run, stations, instants_of(run, pace.times))
         self._curves, self._assembly = Curves(run), Assembly(run)
         self._site, _ = run.main_motion
         every = np.arange(_FINE * (len(self) - 1) + 1) / _FINE
-        instants = Instants.of(run.time, np.interp(every, np.arange(len(self)), pace.times))
+        instants = instants_of(run, np.interp(every, np.arange(len(self)), pace.times))
         around = poses_at(run, self._site.stations, instants).position
         self._trail = np.einsum("k,tkc->tc", self._site.weights, around)
         reference = np.asarray(run.data["reference_position"].values, dtype=float)

@@ -1,9 +1,11 @@
-"""What lies between stored states: cubic polynomials in time of poses and of fields.
+"""What lies between stored states: polynomials in time of poses and of fields.
 
-The integrator's own polynomial of a step, of degree 5 in the poses, is stored at several instants (three within every
-step unless the run has an ``output_interval``); between two of them a cubic through values and rates follows it with an
-error of order 4. Everything else, velocities too, is the cubic through the four nearest states: the rate of the
-first cubic would divide the round-off and drift corrections of positions by a small step.
+Positions and rotations are cubics through two stored states and their rates. Everything else, velocities too (the rate
+of that cubic would divide the round-off and the drift corrections of positions by a small step), is a polynomial
+through stored states alone: where both ends of a step and two or more states between are stored, as they are by default
+for the collocation methods, the one through these. Section forces then are the integrator's own polynomial of the step,
+which is a cubic through its start and three stages. Elsewhere it is the cubic through the four nearest states. Errors
+are of order 4.
 """
 
 from __future__ import annotations
@@ -17,6 +19,8 @@ from viscorod.mechanics.quaternion import conjugate, product
 from viscorod.results.decrement import hermite
 from viscorod.typing import Floats, Integers
 
+_NEAREST = 4  # stored states of a polynomial across steps
+_INSIDE = 5  # of one within a step, at most
 _SMALL = 1e-4  # rotation [rad] below which series replace quotients
 
 
@@ -29,7 +33,7 @@ class Instants:
         first, last: the stored states that are needed are ``first`` to ``last``, exclusive.
         interval: number of the stored state before each, counted from ``first``; part: of the interval, 0 to 1.
         length: of the interval [s].
-        window: stored states of the cubics, counted from ``first`` ``(n, k)``; weights: theirs ``(n, k)``.
+        window: stored states of the polynomials, counted from ``first`` ``(n, k)``; weights: theirs ``(n, k)``.
     """
 
     time: Floats
@@ -42,8 +46,12 @@ class Instants:
     weights: Floats
 
     @classmethod
-    def of(cls, known: Floats, times: Floats) -> Instants:
+    def of(cls, known: Floats, times: Floats, ends: Integers | None = None) -> Instants:
         """Locate times [s] among the stored ones, which increase.
+
+        Args:
+            known: stored times; times: those asked for.
+            ends: which stored states end a step, the first one too; see :func:`step_ends`.
 
         Raises:
             InputError: a time is not finite or lies outside the run.
@@ -62,14 +70,7 @@ class Instants:
         k = np.clip(np.searchsorted(known, times, side="right") - 1, 0, max(last - 1, 0))
         after = np.minimum(k + 1, last)
         length = np.where(after > k, known[after] - known[k], 1.0)
-        size = min(4, known.size)
-        window = np.clip(k - 1, 0, known.size - size)[:, None] + np.arange(size)
-        nodes = known[window]
-        weights = np.ones(window.shape)
-        for i in range(size):
-            for j in range(size):
-                if i != j:
-                    weights[:, i] *= (times - nodes[:, j]) / (nodes[:, i] - nodes[:, j])
+        window, weights = _windows(known, times, k, ends)
         first = int(window.min())
         return cls(
             times,
@@ -82,8 +83,8 @@ class Instants:
             weights,
         )
 
-    def cubic(self, field: Floats) -> Floats:
-        """Return a field ``(states, ...)`` at the times, the cubic through four stored states."""
+    def fields(self, field: Floats) -> Floats:
+        """Return a field ``(states, ...)`` at the times, the polynomial through stored states."""
         result: Floats = np.einsum("tk,tk...->t...", self.weights, field[self.window])
         return result
 
@@ -113,6 +114,52 @@ class Instants:
     @staticmethod
     def _spread(x: Floats, field: Floats) -> Floats:
         return x.reshape(-1, *(1,) * (field.ndim - 1))
+
+
+def step_ends(known: Floats, step_size: Floats) -> Integers | None:
+    """Return which stored states end a step, the initial one too; None where the ends of some steps are not stored.
+
+    Args:
+        known: stored times ``(n,)`` [s]; step_size: of the step in which each lies ``(n,)`` [s].
+    """
+    ends, last = [0], known.size - 1
+    while ends[-1] < last:
+        start = ends[-1]
+        goal = known[start] + step_size[start + 1]
+        k = start + 1
+        slack = 1e-6 * step_size[start + 1]
+        while k < last and known[k] < goal - slack:
+            k += 1
+        if abs(known[k] - goal) > slack:
+            return None
+        ends.append(k)
+    return np.array(ends)
+
+
+def _windows(known: Floats, times: Floats, k: Integers, ends: Integers | None) -> tuple[Integers, Floats]:
+    """Stored states of the polynomials of times in the intervals ``k``, and their weights, padded with zeros."""
+    size = min(_NEAREST, known.size)
+    low = np.clip(k - 1, 0, known.size - size)
+    count = np.full(times.size, size)
+    if ends is not None and ends.size > 1:
+        step = np.clip(np.searchsorted(ends, k, side="right") - 1, 0, ends.size - 2)
+        a, b = ends[step], ends[step + 1]
+        inside = b - a + 1 >= _NEAREST
+        within = np.minimum(b - a + 1, _INSIDE)
+        low = np.where(inside, np.clip(k - 1, a, b + 1 - within), low)
+        count = np.where(inside, within, count)
+    most = int(count.max())
+    used = np.arange(most) < count[:, None]
+    window = low[:, None] + np.where(used, np.arange(most), 0)
+    nodes = known[window]
+    weights = np.where(used, 1.0, 0.0)
+    for i in range(most):
+        for j in range(most):
+            if i != j:
+                both = used[:, i] & used[:, j]
+                gap = np.where(both, nodes[:, i] - nodes[:, j], 1.0)
+                weights[:, i] *= np.where(both, (times - nodes[:, j]) / gap, 1.0)
+    return window, weights
 
 
 def _hermite(u: Floats, h: Floats, y0: Floats, y1: Floats, v0: Floats, v1: Floats) -> Floats:

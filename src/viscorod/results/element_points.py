@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.mechanics.basis import gauss, lagrange
 from viscorod.mechanics.quaternion import conjugate, product
+from viscorod.results.places import lagrange_weights
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -106,57 +106,73 @@ class Stencil:
     @classmethod
     def of(cls, data: xr.Dataset, sites: Sites, chosen: Sequence[Site]) -> Stencil:
         """Find the elements of places on rods; where two elements meet it is the one that begins there."""
-        arc = np.asarray(data["station_s"].values, dtype=float)
-        orders = np.asarray(data["station_order"].values, dtype=int)
-        point_rod = np.asarray(data["point_rod"].values, dtype=str) if "point_rod" in data.coords else None
-        point_s = np.asarray(data["point_s"].values, dtype=float) if point_rod is not None else None
-        found: dict[int, list[tuple[int, int, Integers, Integers, float]]] = {}
-        rods = {}
-        for rod in dict.fromkeys(site.rod for site in chosen):
-            stations = sites.stations(rod)
-            points = np.zeros(0, dtype=np.int64)
-            if point_rod is not None and point_s is not None:
-                points = np.flatnonzero(point_rod == rod)
-                points = points[np.argsort(point_s[points], kind="stable")]
-            rods[rod] = (stations, points)
-        for k, site in enumerate(chosen):
-            stations, points = rods[site.rod]
-            p = int(orders[stations[0]])
-            ends = arc[stations][::p]
-            slack = 1e-9 * (ends[-1] - ends[0])
-            e = int(np.clip(np.searchsorted(ends, site.s + slack, side="right") - 1, 0, ends.size - 2))
-            half = 0.5 * (ends[e + 1] - ends[e])
-            xi = float(np.clip((site.s - ends[e]) / half - 1.0, -1.0, 1.0))
-            nodes = stations[p * e : p * (e + 1) + 1]
-            whole = points.size == p * (ends.size - 1)
-            inside = points[p * e : p * (e + 1)] if whole else points[:0]
-            found.setdefault(p, []).append((k, int(nodes[0]), nodes, inside, xi))
-        needed = [row for rows in found.values() for row in rows]
-        stations = np.unique(np.concatenate([row[2] for row in needed]))
-        points = np.unique(np.concatenate([row[3] for row in needed]))
-        groups = tuple(_group(p, rows, stations, points) for p, rows in found.items())
-        return cls(tuple(chosen), stations, points, groups)
+        rods = {rod: _Elements.of(data, sites, rod) for rod in dict.fromkeys(site.rod for site in chosen)}
+        placed = [rods[site.rod].at(site.s) for site in chosen]
+        stations = np.unique(np.concatenate([one.nodes for one in placed]))
+        points = np.unique(np.concatenate([one.gauss for one in placed]))
+        sizes = list(dict.fromkeys((one.nodes.size, one.gauss.size) for one in placed))
+        groups = []
+        for size in sizes:
+            mine = [k for k, one in enumerate(placed) if (one.nodes.size, one.gauss.size) == size]
+            elements = {int(placed[k].nodes[0]): placed[k] for k in mine}
+            number = {first: k for k, first in enumerate(elements)}
+            groups.append(
+                ElementPoints(
+                    np.array(mine),
+                    np.array([number[int(placed[k].nodes[0])] for k in mine]),
+                    np.searchsorted(stations, np.array([one.nodes for one in elements.values()])),
+                    np.searchsorted(points, np.array([one.gauss for one in elements.values()])),
+                    np.array([placed[k].values for k in mine]),
+                    np.array([placed[k].weights for k in mine]),
+                )
+            )
+        return cls(tuple(chosen), stations, points, tuple(groups))
 
 
-def _group(
-    p: int,
-    rows: list[tuple[int, int, Integers, Integers, float]],
-    stations: Integers,
-    points: Integers,
-) -> ElementPoints:
-    elements = {row[1]: row for row in rows}
-    number = {first: k for k, first in enumerate(elements)}
-    element = np.array([number[row[1]] for row in rows])
-    xi = np.array([row[4] for row in rows])
-    nodes = np.searchsorted(stations, np.array([row[2] for row in elements.values()]))
-    inside = np.searchsorted(points, np.array([row[3] for row in elements.values()]))
-    at = gauss(p)[0]
-    weights = np.ones((len(xi), p))
-    for g in range(p):
-        others = np.delete(at, g)
-        weights[:, g] = np.prod((xi[:, None] - others) / (at[g] - others), axis=1)
-    places = np.array([row[0] for row in rows])
-    return ElementPoints(places, element, nodes, inside, lagrange(p, xi)[0], weights)
+@dataclass(frozen=True)
+class _Placed:
+    """One place: stations and Gauss points of its element, and the values of their polynomials there."""
+
+    nodes: Integers
+    gauss: Integers
+    values: Floats
+    weights: Floats
+
+
+@dataclass(frozen=True)
+class _Elements:
+    """The elements of one rod: stations and Gauss points by increasing arc length [m]."""
+
+    order: int
+    stations: Integers
+    points: Integers
+    s: Floats
+    point_s: Floats
+
+    @classmethod
+    def of(cls, data: xr.Dataset, sites: Sites, rod: str) -> _Elements:
+        stations = sites.stations(rod)
+        order = int(data["station_order"].values[stations[0]])
+        s = np.asarray(data["station_s"].values, dtype=float)[stations]
+        if "point_rod" not in data.coords:
+            return cls(order, stations, np.zeros(0, dtype=np.int64), s, np.zeros(0))
+        points = np.flatnonzero(np.asarray(data["point_rod"].values, dtype=str) == rod)
+        point_s = np.asarray(data["point_s"].values, dtype=float)[points]
+        ascending = np.argsort(point_s, kind="stable")
+        return cls(order, stations, points[ascending], s, point_s[ascending])
+
+    def at(self, s: float) -> _Placed:
+        p = self.order
+        ends = self.s[::p]
+        slack = 1e-9 * (ends[-1] - ends[0])
+        e = int(np.clip(np.searchsorted(ends, s + slack, side="right") - 1, 0, ends.size - 2))
+        nodes, inside = slice(p * e, p * (e + 1) + 1), slice(p * e, p * (e + 1))
+        return _Placed(
+            self.stations[nodes],
+            self.points[inside],
+            lagrange_weights(self.s[nodes], s),
+            lagrange_weights(self.point_s[inside], s),
+        )
 
 
 def aligned(q: Floats) -> Floats:

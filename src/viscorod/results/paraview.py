@@ -8,22 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 from xml.etree import ElementTree
 
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results.between_records import Instants
 from viscorod.results.element_points import Stencil
 from viscorod.results.places import Site
-from viscorod.results.probe import fields_at
+from viscorod.results.probe import fields_at, instants_of
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     import pyvista
 
     from viscorod.results.result import Result
+    from viscorod.results.run import Run
 
 _SEGMENTS = 2  # drawn per order of an element
 _BLOCK = 64  # states that are read at once
@@ -135,11 +135,10 @@ def _states(
     """Yield the level (time or load factor) of every state and the fields of rods and of bodies there."""
     moves = result.kind == "simulate"
     levels = _levels(result) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
-    known = np.asarray(result.data[result.dimension].values, dtype=float)
     step = _BLOCK if moves else len(levels)
     for first in range(0, len(levels), step):
         part = levels[first : first + step]
-        instants = Instants.of(known, part) if moves else None
+        instants = instants_of(cast("Run", result), part) if moves else None
         rods = fields_at(result, sites, instants)
         bodies = fields_at(result, on_bodies, instants) if on_bodies else {}
         for k, level in enumerate(part.tolist()):

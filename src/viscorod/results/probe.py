@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from viscorod.results.result import Result
+    from viscorod.results.run import Run
 
 Places = str | int | Sequence[str | int]
 
@@ -39,7 +40,7 @@ def probed(
         raise InputError(
             f"{bodies[0]!r} is a place on a body and has no strains; ask for places on bodies and on rods apart"
         )
-    instants = None if times is None else Instants.of(np.asarray(result.data["time"].values, float), times)
+    instants = None if times is None else instants_of(cast("Run", result), times)
     along = result.dimension
     level = np.asarray(result.data[along].values, dtype=float) if instants is None else instants.time
     values = fields_at(result, chosen, instants)
@@ -73,6 +74,15 @@ def probed(
         },
         {"title": result.title},
     )
+
+
+def instants_of(run: Run, times: Any) -> Instants:
+    """Return times [s] located among the states of a run.
+
+    Raises:
+        InputError: a time lies outside the run.
+    """
+    return Instants.of(run.time, times, run.step_ends)
 
 
 def fields_at(result: Result, sites: Sequence[Site], instants: Instants | None = None) -> dict[str, Floats]:
@@ -140,7 +150,7 @@ class _Read:
         r, q, v, w = (self.at(name, "station", stations) for name in names)
         if self.instants is not None:
             r, q = self.instants.positions(r, v), self.instants.rotations(q, w)
-            v, w = self.instants.cubic(v), self.instants.cubic(w)
+            v, w = self.instants.fields(v), self.instants.fields(w)
         return Poses(r, q), v, w
 
     def poses(self, stations: Integers) -> Poses:
@@ -193,7 +203,7 @@ class _OfRods:
                 inside = field[:, group.gauss] if field.ndim == 3 else field[:, group.gauss, None]
                 found = group.through_gauss_points(inside)
                 if read.instants is not None:
-                    found = read.instants.cubic(found)
+                    found = read.instants.fields(found)
                 # between Gauss points or states a polynomial through small powers may fall below zero
                 values[name] = np.maximum(found[..., 0], 0.0) if name == "dissipation" else found
             parts.append(values)

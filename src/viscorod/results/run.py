@@ -12,6 +12,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.mechanics.quaternion import conjugate, product, rotation_vector
+from viscorod.results.between_records import step_ends
 from viscorod.results.decrement import Decrement, decrement, hermite, resting_value
 from viscorod.results.energy import Energy
 from viscorod.results.places import Site
@@ -36,6 +37,13 @@ class Run(Result):
     def time(self) -> Floats:
         """Stored times [s]."""
         return np.asarray(self.data["time"].values, dtype=float)
+
+    @cached_property
+    def step_ends(self) -> Integers | None:
+        """Numbers of the stored states that end a step, 0 too; None where some steps end between stored states."""
+        if "step_size" not in self.data:
+            return None
+        return step_ends(self.time, np.asarray(self.data["step_size"].values, dtype=float))
 
     @cached_property
     def energy(self) -> Energy:
@@ -139,10 +147,11 @@ class Run(Result):
         """Return everything at any places and any times; see ``Result.probe`` for what is between stations.
 
         Between stored states positions and rotations are cubics through the stored ones and their rates; velocities,
-        strains, section forces and dissipation are the cubic through the four nearest states (errors of order 4 in the
-        time between states). A run without ``output_interval`` stores the
-        integrator's own polynomial at three instants within every step, so that positions and rotations lie far below
-        its tolerance; an ``output_interval`` should resolve the motion.
+        strains, section forces and dissipation are the polynomial through the stored states of the step, or the cubic
+        through the four nearest ones (errors of order 4 in the time between states). Without ``output_interval`` the
+        collocation methods store their own polynomial at three instants within every step: strains and section forces
+        between are that polynomial again, positions and rotations follow it far below the tolerance. An
+        ``output_interval`` should resolve the motion.
 
         Args:
             places: "beam.end", "beam@0.15", "plate", "plate.corner", the number of a station, or a list of these; with
