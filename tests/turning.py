@@ -92,3 +92,18 @@ def rigid(step, duration=2.0, order=3, elements=2):
         },
         attrs={"kind": "simulate", "title": "A tumbling rod", "case": "{}"},
     )
+
+
+def with_body():
+    """The tumbling rod with a mass centre at twice its length."""
+    data = rigid(0.02)
+    last = data.isel(station=[-1]).assign_coords(
+        station_rod=("station", ["plate"]), station_s=("station", [0.0]), station_order=("station", [0])
+    )
+    for name in ("position", "reference_position", "velocity"):
+        last[name] = 2.0 * last[name]
+    states = [name for name in data if "station" in data[name].dims]
+    joined = xr.concat(
+        [data[states], last[states]], "station", coords="minimal", compat="override", join="outer"
+    )
+    return joined.merge(data.drop_dims("station")).assign_attrs(data.attrs)

@@ -8,9 +8,10 @@ import pytest
 import viscorod as vr
 from synthetic import LENGTH as ARC
 from synthetic import rolled_up
-from turning import LENGTH, along, director, rigid, tumbling
+from turning import LENGTH, along, director, rigid, tumbling, with_body
 from viscorod.mechanics.basis import gauss, lobatto
 from viscorod.mechanics.quaternion import matrices
+from viscorod.results import storage
 from viscorod.results.between_records import Instants, step_ends
 from viscorod.results.run import Equilibrium, Run
 
@@ -192,21 +193,17 @@ def test_one_time_reads_four_states():
     )
 
 
-def with_body():
-    """The tumbling rod with a mass centre at twice its length."""
-    data = rigid(0.02)
-    last = data.isel(station=[-1]).assign_coords(
-        station_rod=("station", ["plate"]), station_s=("station", [0.0]), station_order=("station", [0])
-    )
-    for name in ("position", "reference_position", "velocity"):
-        last[name] = 2.0 * last[name]
-    import xarray as xr
-
-    states = [name for name in data if "station" in data[name].dims]
-    joined = xr.concat(
-        [data[states], last[states]], "station", coords="minimal", compat="override", join="outer"
-    )
-    return joined.merge(data.drop_dims("station")).assign_attrs(data.attrs)
+def test_a_large_file_is_read_in_pieces_only(monkeypatch, tmp_path):
+    fresh = Run(rigid(0.002))
+    path = fresh.save(tmp_path / "run.nc")
+    monkeypatch.setattr(storage, "LARGE", 0.0)
+    lazy = vr.load(path)
+    found = lazy.probe("rod@0.3", 0.5131)
+    exact = fresh.probe("rod@0.3", 0.5131)
+    for name in exact:
+        assert found[name].values == pytest.approx(exact[name].values, abs=1e-15)
+    assert not lazy.data["position"].variable._in_memory
+    assert not lazy.data["section_force"].variable._in_memory
 
 
 def test_bodies_have_motion_only():
