@@ -3,7 +3,8 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-compile
+# Wheels rather than sources: the mesher of sections has some that need a compiler.
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-compile --prefer-binary
 WORKERS ?= 2
 
 .DEFAULT_GOAL := help
@@ -53,7 +54,7 @@ docs: $(VENV)/.stamp-test
 	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
-figures: $(VENV)/.stamp-run
+figures: $(VENV)/.stamp-test
 	set -e; for script in docs/figures/*.py; do echo "$$script"; $(BIN)/python $$script; done
 
 bench: $(VENV)/.stamp-test

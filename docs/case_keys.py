@@ -14,14 +14,19 @@ from viscorod.cases import schema
 from viscorod.model.attachment import Attachment
 from viscorod.model.body import BODIES, Body
 from viscorod.model.body_velocity import BodyVelocity
+from viscorod.model.complex_moduli import ModulusTable
+from viscorod.model.composite import SIMPLE, Region
+from viscorod.model.event import EVENTS
 from viscorod.model.initial_strain import InitialStrain
 from viscorod.model.joint import JOINTS, Rigid
+from viscorod.model.kelvin_voigt import KelvinVoigt
 from viscorod.model.load import LOADS
-from viscorod.model.material import KelvinVoigt, Material
+from viscorod.model.material import DAMPINGS, Material
 from viscorod.model.motion_words import MOTIONS, VELOCITIES
 from viscorod.model.profile import SECTIONS, Piece, Taper
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.spring import SPRINGS, Spring
+from viscorod.model.stiffness_section import MaxwellBranch
 from viscorod.model.support import SUPPORTS, Support
 from viscorod.model.time_table import TIME_FUNCTIONS
 from viscorod.model.velocity import InitialVelocity
@@ -32,13 +37,16 @@ PYTHON_ONLY_KEYS = {
     (BodyVelocity, "motion"),
     *((Rigid, name) for name in ("stiffness", "damping", "rest", "motion")),
 }
-DEFAULT_KINDS = (Support, Spring, Body)
+DEFAULT_KINDS = (Support, Spring, Body, KelvinVoigt)
 
 PARTS = {
     "materials": Material,
-    "materials.damping": KelvinVoigt,
+    **{f"damping.{word}": kind for word, kind in DAMPINGS.items()},
+    "damping.other": ModulusTable,
     "sections.piece": Piece,
     "sections.taper": Taper,
+    "sections.region": Region,
+    "sections.branch": MaxwellBranch,
     **{f"sections.{word}": kind for word, kind in SECTIONS.items()},
     **{f"rods.{word}": kind for word, kind in CENTRELINES.items()},
     "attachments": Attachment,
@@ -50,6 +58,7 @@ PARTS = {
     **{f"time.{word}": kind for word, kind in TIME_FUNCTIONS.items()},
     "velocities": InitialVelocity,
     "strains": InitialStrain,
+    **{f"events.{word}": kind for word, kind in EVENTS.items()},
     **schema.ANALYSES,
 }
 PARTS = {name: kind for name, kind in PARTS.items() if name not in PYTHON_ONLY}
@@ -81,7 +90,7 @@ ROD = {
     "material": (
         "name of a material in quotes, or a table",
         "\N{EN DASH}",
-        "for all sections but `stiffness`",
+        "for all sections but `stiffness` and `composite`",
     ),
 }
 
@@ -106,8 +115,24 @@ TEXTS = {
     "_several": "list of 2 numbers or more",
     "_points": "list of 2 points or more, 3 numbers each",
     "_density": "3 numbers",
+    "corners": "list of 3 points or more, 2 numbers each",
+    "rings": "list of such lists",
+    "_at": "2 numbers",
+    "_some_regions": "list of tables, see below",
+    "composite._material": "name of a material in quotes, or a table",
+    "_times": "6 numbers >= 0",
+    "_some_branches": "list of tables, see below",
+    "_branch_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
     "_twist": "number",
+    "_ratio": "number above 0 and below 1",
+    "_decrement": "number > 0",
+    "_mode": 'whole number, 1 to 50, or a text such as `"bend_1 2"`',
+    "_column": "list of numbers",
+    "frequency_band": "2 numbers > 0, the lower first",
+    "_modulus_table": "table, see below",
     "_strain": "6 numbers",
+    "_part": "number above 0 and below 1",
+    "_some_events": "list of tables, see below",
     "_spin": "number > 0, or 3 numbers",
     "_stiffness": "6 numbers (a diagonal) or 6 rows of 6",
     "stiffness_section._inertia": "6 numbers (a diagonal) or 6 rows of 6",
@@ -140,6 +165,7 @@ FILE_WORDS = {
     "None lets the program choose": "left out, the program chooses",
     "None stores every step": "left out, every step",
     "None for ": "left out, ",
+    "; its path, from the case file on": "; its path from the case file on",
 }
 """Turns of the docstrings that concern Python only, and what they become here."""
 
@@ -152,6 +178,8 @@ def allowed(check):
         return allowed(inside["check"])
     if name == "_bounded.<locals>.check":
         return f"number {inside['allowed'].split(', or')[0]}"
+    if name == "_numbers.<locals>.check":
+        return f"list of numbers {inside['allowed']}"
     if name == "whole_number.<locals>.check":
         return f"whole number, {inside['low']} to {inside['high']}"
     if name == "_whole_or_auto.<locals>.parse":
@@ -159,7 +187,7 @@ def allowed(check):
     if name == "one_of.<locals>.check":
         return " or ".join(f'`"{word}"`' for word in inside["allowed"])
     if name == "choose.<locals>.parse":
-        return SECTION if inside["kinds"] is SECTIONS else f"table with `{inside['tag']}`"
+        return SECTION if inside["kinds"] in (SECTIONS, SIMPLE) else f"table with `{inside['tag']}`"
     if name == "_table.<locals>.parse":
         return f"table from motion words to {allowed(inside['check']).replace('number', 'numbers')}"
     module = check.__module__.rpartition(".")[2]

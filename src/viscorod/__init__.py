@@ -13,15 +13,22 @@ from viscorod.errors import InputError, SolveError
 if TYPE_CHECKING:
     from viscorod.cases.case import load_case
     from viscorod.front import Model
+    from viscorod.material_fit import kelvin_voigt_fit
     from viscorod.model.axis_joint import Cylindrical, Planar, Prismatic, Revolute
     from viscorod.model.body import Body
     from viscorod.model.body_shapes import Box, Cylinder, Sphere
     from viscorod.model.body_velocity import BodyVelocity
     from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
+    from viscorod.model.complex_moduli import ComplexModuli, ModulusTable
+    from viscorod.model.composite import Composite, Region
+    from viscorod.model.event import Crossing, Decayed, SteadyState
     from viscorod.model.initial_strain import InitialStrain
     from viscorod.model.joint import Ball, Joint, Rigid, Universal
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
+    from viscorod.model.loss_factor import LossFactor
     from viscorod.model.material import KelvinVoigt, Material
+    from viscorod.model.modal import ModalDamping
+    from viscorod.model.outline import Outline
     from viscorod.model.profile import Piecewise, Taper
     from viscorod.model.prony import Prony
     from viscorod.model.relaxation import Relaxation
@@ -36,6 +43,7 @@ if TYPE_CHECKING:
     from viscorod.model.velocity import InitialVelocity
     from viscorod.results.decrement import Decrement
     from viscorod.results.energy import Energy
+    from viscorod.results.kelvin_voigt_fit import KelvinVoigtFit
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady import Steady
     from viscorod.results.storage import load
@@ -51,13 +59,21 @@ _HOMES = {
     "model.centreline": ("Arc", "Curve", "Helix", "Points", "Straight"),
     "model.body": ("Body",),
     "model.body_shapes": ("Box", "Cylinder", "Sphere"),
+    "model.event": ("Crossing", "Decayed", "SteadyState"),
     "model.joint": ("Ball", "Joint", "Rigid", "Universal"),
     "model.axis_joint": ("Cylindrical", "Planar", "Prismatic", "Revolute"),
     "model.spring": ("LineSpring", "Spring"),
     "model.load": ("DistributedForce", "DistributedMoment", "Force", "Gravity", "Moment", "MovingForce"),
     "model.material": ("KelvinVoigt", "Material"),
+    "model.modal": ("ModalDamping",),
+    "material_fit": ("kelvin_voigt_fit",),
+    "results.kelvin_voigt_fit": ("KelvinVoigtFit",),
+    "model.composite": ("Composite", "Region"),
+    "model.outline": ("Outline",),
     "model.prony": ("Prony",),
     "model.relaxation": ("Relaxation",),
+    "model.complex_moduli": ("ComplexModuli", "ModulusTable"),
+    "model.loss_factor": ("LossFactor",),
     "model.profile": ("Piecewise", "Taper"),
     "model.rod": ("Rod",),
     "model.section": ("Section",),
@@ -88,10 +104,14 @@ __all__ = [
     "Box",
     "Circle",
     "Clamp",
+    "ComplexModuli",
+    "Composite",
     "Constant",
+    "Crossing",
     "Curve",
     "Cylinder",
     "Cylindrical",
+    "Decayed",
     "Decrement",
     "DistributedForce",
     "DistributedMoment",
@@ -108,13 +128,18 @@ __all__ = [
     "InputError",
     "Joint",
     "KelvinVoigt",
+    "KelvinVoigtFit",
     "LineSpring",
+    "LossFactor",
     "Material",
     "MaxwellBranch",
     "Member",
+    "ModalDamping",
     "Model",
+    "ModulusTable",
     "Moment",
     "MovingForce",
+    "Outline",
     "Piecewise",
     "Pin",
     "Planar",
@@ -123,6 +148,7 @@ __all__ = [
     "Prony",
     "Ramp",
     "Rectangle",
+    "Region",
     "Relaxation",
     "Revolute",
     "Rigid",
@@ -137,6 +163,7 @@ __all__ = [
     "Spring",
     "SquareTube",
     "Steady",
+    "SteadyState",
     "StiffnessSection",
     "Straight",
     "Support",
@@ -145,6 +172,7 @@ __all__ = [
     "Taper",
     "Universal",
     "Until",
+    "kelvin_voigt_fit",
     "load",
     "load_case",
     "sweep",

@@ -12,21 +12,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError, SolveError
+from viscorod.material_record import material_record
 from viscorod.mechanics import geometric, intrinsic
 from viscorod.mechanics.compiled import announce_compilation, announce_formulation
 from viscorod.mechanics.held_strains import add_held_strains
 from viscorod.mechanics.joints import joint_forces
 from viscorod.mechanics.relaxation import remember
+from viscorod.modal_damping import with_known_times
 from viscorod.model.description import ModelDescription
-from viscorod.model.settings import PathSettings, SimulateSettings
+from viscorod.model.event import Crossing, Decayed
+from viscorod.model.settings import LEAST_TOLERANCE, PathSettings, SimulateSettings
 from viscorod.results.dataset import dataset
-from viscorod.results.places import Sites
+from viscorod.results.places import Site, Sites
 from viscorod.results.run import Equilibrium, Run
 from viscorod.results.schema import AXES, annotated
 from viscorod.results.storage import read
 from viscorod.solve import modes as small_motion
 from viscorod.solve.arc_length import Path, PathFollower, PathPoint
 from viscorod.solve.discretise import discretise
+from viscorod.solve.events import CrossingMonitor, FadedMotion, LastingMonitor, Monitor, StillStrains, Watch
 from viscorod.solve.formulations import FORMULATIONS
 from viscorod.solve.history import EnergyAccount, History, Snapshot, StationReader
 from viscorod.solve.initial_shape import strain_rods
@@ -54,6 +58,10 @@ if TYPE_CHECKING:
 __all__ = ["Workplace"]
 
 TOLERANCE = 1e-4
+PART_OF_MOTION = 1e-3
+"""Largest tolerance as a part of the displacement from which a free vibration starts."""
+ROUND_OFF = 1e-9
+"""Displacement over the size of the model that is none."""
 SPECTRAL_RADIUS = 0.6
 LEAST_STEPS = 10
 """Steps of a run at least, when steps follow the error."""
@@ -71,6 +79,7 @@ class Workplace:
     system: System
     supports: SupportState
     static: StaticSolver
+    materials: dict[str, str]
     history: History = field(default_factory=History)
     began: float = field(default_factory=time.perf_counter)
 
@@ -81,6 +90,7 @@ class Workplace:
         Raises:
             InputError: it is inconsistent.
         """
+        model = with_known_times(model)
         problem = discretise(model)
         announce_compilation(geometric.assemble)
         if problem.constrained:
@@ -90,7 +100,7 @@ class Workplace:
         system = FORMULATIONS[formulation, damping](problem)
         supports = SupportState(problem)
         require_independent(system, supports)
-        return cls(problem, system, supports, StaticSolver(system, supports))
+        return cls(problem, system, supports, StaticSolver(system, supports), material_record(model))
 
     def equilibrium(
         self, factor: float, load_steps: int, progress: Progress | None, attrs: dict[str, Any]
@@ -187,10 +197,7 @@ class Workplace:
         assert settings.displacement is not None
         problem, reader = self.problem, StationReader(self.problem)
         start = reader.read(problem.positions, problem.quaternions, np.zeros((problem.size, 6)))[0]
-        stations = problem.stations
-        site = Sites.of(
-            np.array(problem.rods)[stations.rod], stations.s, problem.rod_orders[stations.rod]
-        ).at(settings.place)
+        site = self._site(settings.place)
         component, wanted = AXES.index(settings.axis), settings.displacement
 
         def lacking(point: PathPoint) -> float:
@@ -305,10 +312,13 @@ class Workplace:
             history=stream,
             checkpoint=None if stream is None else stream.checkpoint,
             after_step=after_step,
+            watch=Watch(self._monitors(settings, state)),
         )
         effort = result.effort
         self.history = result.history
         if stream is not None and result.outcome is Outcome.INTERRUPTED:
+            if stream.broken:
+                raise InputError(result.reason)
             stream.save(build, transient.saved)
         attrs |= chosen | {
             "outcome": result.outcome.name.lower(),
@@ -326,8 +336,12 @@ class Workplace:
             "smallest_step": effort.smallest_step,
             "smallest_step_at": effort.smallest_at,
             "smallest_step_why": effort.smallest_why,
-            "warnings": json.dumps(result.notes),
+            "warnings": json.dumps([*json.loads(attrs.get("doubts", "[]")), *result.notes]),
         }
+        if settings.events:
+            watch = transient.watch
+            events = [{"time": t, "event": label} for t, label in zip(watch.times, watch.labels, strict=True)]
+            attrs |= {"events": json.dumps(events), "ended_by": watch.ended_by}
         if self.system.constraints.rows:
             attrs["drift_position"], attrs["drift_velocity"] = integrator.drift
         if settings.dynamics == "nonlinear":
@@ -362,13 +376,78 @@ class Workplace:
         stream.flush(build)
         return Run(read(stream.finish(self._complete(attrs), keep=interrupted)))
 
+    def _monitors(self, settings: SimulateSettings, state: State) -> list[Monitor]:
+        """What the run is watched for."""
+        found: list[Monitor] = []
+        for event in settings.events:
+            if isinstance(event, Crossing):
+                found.append(
+                    CrossingMonitor(
+                        event.label,
+                        event.stop,
+                        self._quantity(event),
+                        rising=event.direction != "falling",
+                        falling=event.direction != "rising",
+                    )
+                )
+                continue
+            during = event.during or self._slowest_period(settings, state)
+            so: Callable[[Snapshot], bool]
+            if isinstance(event, Decayed):
+                so = FadedMotion(event.amplitude**2)
+            else:
+                so = StillStrains(self.system.gauss_positions(), event.change / during)
+            found.append(LastingMonitor(event.label, event.stop, so, during))
+        return found
+
+    def _quantity(self, event: Crossing) -> Callable[[Snapshot], float]:
+        """The quantity of a crossing, less the value that is crossed."""
+        reader, site = StationReader(self.problem), self._site(event.at)
+        start = reader.read(
+            self.problem.positions, self.problem.quaternions, np.zeros((self.problem.size, 6))
+        )[0]
+        component = AXES.index(event.quantity[-1])
+        kind = event.quantity[:-1]
+
+        def quantity(snapshot: Snapshot) -> float:
+            state = snapshot.state
+            position, _, velocity, _ = reader.read(state.r, state.q, state.twist)
+            field = velocity if kind == "v" else position - start if kind == "u" else position
+            return float(site.of(field)[component]) - event.value
+
+        return quantity
+
+    def _site(self, place: str) -> Site:
+        """A place by its name, before there is a data set."""
+        problem = self.problem
+        stations = problem.stations
+        names, still = list(problem.bodies.names), np.zeros(len(problem.bodies.names))
+        return Sites.of(
+            np.array([*np.array(problem.rods)[stations.rod], *names]),
+            np.append(stations.s, still),
+            np.append(problem.rod_orders[stations.rod], still.astype(np.int64)),
+        ).at(place)
+
+    def _slowest_period(self, settings: SimulateSettings, state: State) -> float:
+        """Period of the slowest undamped vibration about the state that a motion starts from [s]."""
+        linear = small_motion.linearise(
+            self.static, state, scale=1.0 if settings.initial == "equilibrium" else 0.0
+        )
+        frequencies = small_motion.natural_frequencies(linear, 16)
+        vibrating = frequencies[frequencies > 0.0]
+        if not len(vibrating):
+            raise InputError(
+                "events: nothing vibrates, so that there is no period to wait for; give during (s)"
+            )
+        return float(2.0 * np.pi / vibrating.min())
+
     def _stepping(
         self, settings: SimulateSettings, state: State
     ) -> tuple[Integrator, StepControl, dict[str, Any]]:
         """Return integrator, step control and what was chosen, by name."""
         tolerance, duration = settings.tolerance, settings.duration
         if settings.integrator == "radau" and tolerance is None:
-            tolerance = TOLERANCE
+            tolerance = self._chosen_tolerance(state, duration)
         make = (LINEAR_INTEGRATORS if settings.dynamics == "linear" else INTEGRATORS)[settings.integrator]
         given: dict[str, Any] = {}
         if settings.integrator == "generalized_alpha":
@@ -390,6 +469,18 @@ class Workplace:
             step = chosen_time_step(self.problem, frequencies, duration)
         return make(self.system, self.supports, **given), FixedSteps(step), given | {"time_step": step}
 
+    def _chosen_tolerance(self, state: State, duration: float) -> float:
+        """The usual tolerance, or less where a free vibration starts so near to rest that this would swallow it."""
+        problem = self.problem
+        loads = self.static.loads.at(0.0)
+        later = any(0.0 < t < duration for t in problem.breakpoints) or problem.periods
+        if not loads.none or later or self.supports.moving or problem.joints.motions or state.twist.any():
+            return TOLERANCE
+        moved = float(np.abs(state.r - problem.positions).max()) / problem.length
+        if moved < ROUND_OFF:
+            return TOLERANCE
+        return min(TOLERANCE, max(PART_OF_MOTION * moved, LEAST_TOLERANCE))
+
     def _dataset(self, kind: str, attrs: dict[str, Any]) -> xr.Dataset:
         return self._later(kind, attrs)()
 
@@ -399,12 +490,17 @@ class Workplace:
         return partial(dataset, kind, self.problem, self.system.gauss_positions(), self.history, complete)
 
     def _complete(self, attrs: dict[str, Any]) -> dict[str, Any]:
-        return {
-            "message": "",
-            "scale_length": self.problem.length,
-            "energy_scale": self.problem.length * max(float(s.stiffness.max()) for s in self.problem.sets),
-            "wall_time_s": time.perf_counter() - self.began,
-        } | attrs
+        return (
+            {
+                "message": "",
+                "scale_length": self.problem.length,
+                "energy_scale": self.problem.length
+                * max(float(s.stiffness.max()) for s in self.problem.sets),
+                "wall_time_s": time.perf_counter() - self.began,
+            }
+            | self.materials
+            | attrs
+        )
 
     def _static_failure(self, path: StaticPath) -> str:
         assert path.report is not None

@@ -8,13 +8,13 @@ import numpy as np
 
 from viscorod.mechanics import geometric
 from viscorod.mechanics.compiled import announce_compilation
+from viscorod.modal_damping import with_known_times
 from viscorod.model.any_body import AnyBody
 from viscorod.model.any_joint import AnyJoint, ResolvedJoint
 from viscorod.model.description import ModelDescription
 from viscorod.model.fit import require_fit
 from viscorod.model.laws import Laws
 from viscorod.model.rod import Rod
-from viscorod.model.section import MaterialSection
 from viscorod.model.settings import AnySettings, SimulateSettings, SteadySettings
 from viscorod.model.spring import AnySpring, ResolvedSpring
 from viscorod.solve.discretise import discretise
@@ -34,6 +34,9 @@ THICK = 0.1
 QUICK = 0.5
 """First angular frequency times retardation time above which Kelvin-Voigt is doubtful (LLT 2.6)."""
 
+SMALL = 1e-4
+"""Couplings of a section smaller than this fraction of the root of their diagonal entries are not shown."""
+
 COMPONENTS = ("shear 1", "shear 2", "stretch", "bend 1", "bend 2", "twist")
 
 
@@ -44,7 +47,8 @@ class CheckReport:
     Attributes:
         rods: name, length [m], mass [kg], elements, order of every rod.
         sections: stiffness [N, N m^2] and retardation time [s] of every strain, at the start of every rod and
-            where it changes; "held" in place of the stiffness of strains that the rod holds.
+            where it changes; "held" in place of the stiffness of strains that the rod holds; couplings of strains
+            in stiffness and damping, and the mass centre [m], where they are not zero.
         bodies: name, mass [kg], principal inertia [kg m^2] of every rigid body.
         joints: name, kind, places, motions that are free or driven, where it is and its gap [m] in the reference shape.
         springs: name, kind, places, motions with stiffness and damping.
@@ -52,6 +56,8 @@ class CheckReport:
         warnings: doubts, one sentence each.
         nodes, unknowns: size of the discretised model; conditions: number of those that joints and held strains make.
         linear_solver: how its linear systems are factorised.
+        materials: moduli [Pa], retardation times [s] and number of Maxwell branches of the rods with a material.
+        assumptions: what was assumed of their damping, one sentence each.
     """
 
     rods: list[dict[str, object]]
@@ -66,6 +72,8 @@ class CheckReport:
     joints: list[dict[str, object]] = field(default_factory=list)
     springs: list[dict[str, object]] = field(default_factory=list)
     conditions: int = 0
+    materials: list[dict[str, object]] = field(default_factory=list)
+    assumptions: list[str] = field(default_factory=list)
 
 
 def check(model: ModelDescription, settings: AnySettings | None = None) -> CheckReport:
@@ -76,6 +84,7 @@ def check(model: ModelDescription, settings: AnySettings | None = None) -> Check
     """
     if isinstance(settings, SimulateSettings):
         require_fit(model, settings)
+    model = with_known_times(model)
     problem, solver, state = _prepared(model)
     if isinstance(settings, SteadySettings):
         require_steady(model, problem, settings)
@@ -108,6 +117,8 @@ def check(model: ModelDescription, settings: AnySettings | None = None) -> Check
         ],
         conditions=solver.system.constraints.rows,
         linear_solver=problem.plan.description,
+        materials=_material_rows(model),
+        assumptions=_assumptions(model),
     )
 
 
@@ -121,6 +132,7 @@ def doubts(model: ModelDescription, *, settled: bool) -> list[str]:
     Raises:
         InputError: the model is inconsistent.
     """
+    model = with_known_times(model)
     problem, solver, state = _prepared(model)
     linear = linearise(solver, state, scale=0.0)
     frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
@@ -144,6 +156,34 @@ def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, s
             f"nothing holds the model against {motions}: no static equilibrium under loads that drive them"
         )
     return warnings + _speed_warnings(model, frequencies)
+
+
+def _material_rows(model: ModelDescription) -> list[dict[str, object]]:
+    """Materials of the rods; times are those of slow motion."""
+    return [
+        {
+            "material of rod": name,
+            "Young's modulus [Pa]": rod.material.youngs_modulus,
+            "Poisson's ratio": rod.material.poissons_ratio,
+            "extensional time [s]": rod.material.extensional_time,
+            "shear time [s]": rod.material.shear_time,
+            "bulk time [s]": rod.material.bulk_time,
+            "Maxwell branches": len(rod.material.branches),
+        }
+        for name, rod in model.rods.items()
+        if rod.material is not None
+    ]
+
+
+def _assumptions(model: ModelDescription) -> list[str]:
+    """What was assumed of the damping; the same of several rods once."""
+    rods: dict[str, list[str]] = {}
+    for name, rod in model.rods.items():
+        for text in rod.material.assumptions if rod.material is not None else ():
+            rods.setdefault(text, []).append(name)
+    return [
+        f"{'rod' if len(names) == 1 else 'rods'} {', '.join(names)}: {text}" for text, names in rods.items()
+    ]
 
 
 def _rod_row(problem: Problem, name: str, rod: Rod) -> dict[str, object]:
@@ -211,10 +251,34 @@ def _section_rows(name: str, rod: Rod) -> list[dict[str, object]]:
         held = rod.constrained_strains
         for i, component in enumerate(COMPONENTS):
             row[f"{component} stiffness [{'N' if i < 3 else 'N m2'}]"] = "held" if held[i] else float(C[i, i])
-        for i, component in enumerate(COMPONENTS):
-            row[f"{component} time [s]"] = "" if held[i] else float(D[i, i] / C[i, i])
+        branches = rod.branches_at(s)[1]
+        if len(branches):  # what is in motion much faster than all relaxation times
+            fast = C + branches.sum(axis=0)
+            for i, component in enumerate(COMPONENTS):
+                unit = "N" if i < 3 else "N m2"
+                row[f"{component} stiffness in fast motion [{unit}]"] = "" if held[i] else float(fast[i, i])
+        if D.any() or not len(branches):
+            for i, component in enumerate(COMPONENTS):
+                row[f"{component} time [s]"] = "" if held[i] else float(D[i, i] / C[i, i])
+        row |= _couplings("coupling", "", C, held) | _couplings("viscous coupling", " s", D, held)
+        offset = np.array([M[1, 5], -M[0, 5]]) / M[0, 0]
+        if np.hypot(*offset) > SMALL * np.sqrt(M[5, 5] / M[0, 0]):
+            x, y = np.where(np.abs(offset) > 1e-9 * np.abs(offset).max(), offset, 0.0)
+            row["mass centre [m]"] = f"({x:.4g}, {y:.4g})"
         rows.append(row)
     return rows
+
+
+def _couplings(word: str, per: str, matrix: Floats, held: tuple[bool, ...]) -> dict[str, object]:
+    """The entries beside the diagonal that are not small against those on it, of strains that are free."""
+    found: dict[str, object] = {}
+    for i, first in enumerate(COMPONENTS):
+        for j in range(i + 1, 6):
+            size = np.sqrt(matrix[i, i] * matrix[j, j])
+            if not (held[i] or held[j]) and abs(matrix[i, j]) > SMALL * size:
+                unit = ("N", "N m", "N m2")[(i > 2) + (j > 2)]
+                found[f"{first} & {COMPONENTS[j]} {word} [{unit}{per}]"] = float(matrix[i, j])
+    return found
 
 
 def _rod_warnings(name: str, rod: Rod) -> list[str]:
@@ -225,7 +289,7 @@ def _rod_warnings(name: str, rod: Rod) -> list[str]:
     curvature = np.linalg.norm(np.diff(tangents, axis=0), axis=1) / np.diff(s)
     warnings = []
     section = rod.section_at(0.0)
-    half = section.half_width if isinstance(section, MaterialSection) else None
+    half = section.half_width
     if half is not None:
         worst = float(half * curvature.max())
         if worst > THICK:
@@ -238,8 +302,7 @@ def _rod_warnings(name: str, rod: Rod) -> list[str]:
                 f"rod {name}: its half width is {half / rod.length:.2g} of its length; "
                 "a rod model is meant for slender bodies"
             )
-    if isinstance(section, MaterialSection):
-        warnings.extend(f"rod {name}: {remark}" for remark in section.remarks())
+    warnings.extend(f"rod {name}: {remark}" for remark in section.remarks())
     return warnings
 
 

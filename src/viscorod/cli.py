@@ -6,11 +6,9 @@ Heavy packages are imported inside the commands, so that ``--help`` and ``--vers
 from __future__ import annotations
 
 import gc
-import json
 import os
 import sys
 import tomllib
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -19,13 +17,11 @@ import typer
 from viscorod.damping_commands import app as damping_app
 from viscorod.errors import InputError, SolveError
 from viscorod.export_commands import register as register_exports
+from viscorod.run_commands import resume, run, writable
 from viscorod.terminal import existing, readable_errors, rows_text
 
 if TYPE_CHECKING:
-    from viscorod.cases.case import Case
     from viscorod.check import CheckReport
-    from viscorod.results.run import Equilibrium, Run
-    from viscorod.results.steady import Steady
 
 app = typer.Typer(
     name="viscorod",
@@ -36,6 +32,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+app.command()(run)
+app.command()(resume)
 app.add_typer(damping_app, name="damping")
 register_exports(app)
 
@@ -55,46 +53,6 @@ def _options(
 
         typer.echo(f"viscorod {__version__}")
         raise typer.Exit
-
-
-@app.command()
-def run(
-    case: CaseFile,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output", "-o", metavar="DIR", help="Folder for results [default: out/CASE]", show_default=False
-        ),
-    ] = None,
-) -> None:
-    """Compute a case: print a report, write data and pictures."""
-    with readable_errors():
-        from viscorod.cases.case import load_case
-        from viscorod.front import run_case
-        from viscorod.model.settings import SimulateSettings
-        from viscorod.progress import reporting
-
-        loaded = load_case(existing(case))
-        folder = output or Path("out") / case.stem
-        _writable(folder)
-        doubts = _doubts(loaded)
-        for warning in doubts:
-            typer.echo(f"warning: {warning}", err=True)
-        settings = loaded.settings
-        static = not isinstance(settings, SimulateSettings)
-        total = settings.duration if isinstance(settings, SimulateSettings) else 1.0
-        try:
-            with reporting(total, static=static) as progress:
-                result = run_case(loaded, progress=progress)
-        except SolveError as error:
-            typer.echo(f"error: {error}", err=True)
-            if error.run is not None:
-                written = _write(error.run, folder, doubts)
-                typer.echo(f"up to there: {', '.join(map(str, written))}", err=True)
-            raise typer.Exit(1) from None
-        written = _write(result, folder, doubts)
-        typer.echo(result.report())
-        typer.echo(f"\nWritten: {', '.join(map(str, written))}")
 
 
 @app.command()
@@ -119,7 +77,7 @@ def check(
 
         loaded = load_case(existing(case))
         folder = output or Path("out") / case.stem
-        _writable(folder)
+        writable(folder)
         # before anything is solved: the picture shows why something may fail
         picture = as_model(loaded.description).draw(folder / "assembly.png", loaded.title)
         try:
@@ -162,7 +120,7 @@ def sweep(
         loaded = load_case(existing(case))
         table = dict(map(_column, values))
         folder = output or Path("out") / case.stem
-        _writable(folder)
+        writable(folder)
         count = max(map(len, table.values()), default=0)
         try:
             with counting(count, "members") as progress:
@@ -260,39 +218,6 @@ def _copied(case: Path, folder: Path) -> Path:
     return target
 
 
-def _writable(folder: Path) -> None:
-    """Refuse a folder that cannot be written before anything is computed for it."""
-    existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    if not existing.is_dir() or not os.access(existing, os.W_OK | os.X_OK):
-        raise InputError(
-            f"{folder} cannot be written: {existing} is no folder to write in; name another with -o"
-        )
-
-
-def _doubts(case: Case) -> list[str]:
-    """What the user should know before the case is computed."""
-    from viscorod.check import doubts
-    from viscorod.model.settings import SimulateSettings, SteadySettings
-
-    settings = case.settings
-    flies = isinstance(settings, SimulateSettings) and settings.initial == "reference"
-    flies = flies or isinstance(settings, SteadySettings)
-    return doubts(case.description, settled=not flies)
-
-
-def _write(result: Run | Equilibrium | Steady, folder: Path, doubts: Sequence[str]) -> list[Path]:
-    """Write data, with the doubts among its warnings, and pictures; returns the files."""
-    from viscorod.results.run import Run
-
-    known = json.loads(result.data.attrs.get("warnings", "[]"))
-    result.data.attrs["warnings"] = json.dumps([*doubts, *known])
-    if isinstance(result, Run):
-        pictures = [result.plot(folder / "motion.png"), result.plot_energy(folder / "energy.png")]
-    else:
-        pictures = [result.plot(folder / "shape.png")]
-    return [result.save(folder / "run.nc"), *pictures]
-
-
 def _check_text(report: CheckReport) -> str:
     modes = [
         {
@@ -308,11 +233,15 @@ def _check_text(report: CheckReport) -> str:
     blocks = [
         rows_text("Rods", report.rods),
         rows_text("Sections", report.sections),
+        rows_text("Materials", report.materials),
         rows_text("Rigid bodies", report.bodies),
         rows_text("Joints", report.joints),
         rows_text("Springs", report.springs),
         rows_text("First natural modes about the reference shape (a quick estimate)", modes),
         f"{report.nodes} nodes, {report.unknowns} unknowns{conditions}\nLinear systems: {report.linear_solver}",
+        "\n".join(["Assumptions about damping", *(f"  - {text}" for text in report.assumptions)])
+        if report.assumptions
+        else "",
         "\n".join(["Warnings", *(f"  - {text}" for text in report.warnings)])
         if report.warnings
         else "No warnings",

@@ -5,7 +5,9 @@ The solvers are imported when something is first computed, so that a model is bu
 
 from __future__ import annotations
 
+import hashlib
 import json
+import platform
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -26,6 +28,7 @@ from viscorod.model.values import number
 
 if TYPE_CHECKING:
     from viscorod.analysis import Workplace
+    from viscorod.model.event import AnyEvent
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady import Steady
     from viscorod.solve.modes import Modes
@@ -37,6 +40,11 @@ Progress = Callable[[float, float], None]
 
 class Model(ModelDescription):
     """Rods, supports and loads (see :class:`ModelDescription`), and what can be computed of them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.about: dict[str, str] = {}
+        """What results are to tell of the case beside the model: attributes of their data set."""
 
     def equilibrium(
         self,
@@ -131,6 +139,7 @@ class Model(ModelDescription):
         dynamics: str = "nonlinear",
         progress: Progress | None = None,
         title: str = "",
+        events: Sequence[AnyEvent] = (),
         folder: str | Path | None = None,
         resume: bool = False,
         stop: Callable[[], str] | None = None,
@@ -153,6 +162,7 @@ class Model(ModelDescription):
             dynamics: "nonlinear", or "linear" about the initial state (intrinsic formulation, linearised damping).
             progress: called with (time, step) after every step.
             title: kept with the result.
+            events: what is watched for and recorded, and may end the run: `Crossing`, `Decayed`, `SteadyState`.
             folder: where the states go as they come, so that memory stays bounded and a run that is stopped can go on;
                 ``run.nc`` is there in the end. Without it everything stays in memory.
             resume: go on with the run that was stopped in that folder; model and settings have to be the same.
@@ -169,6 +179,7 @@ class Model(ModelDescription):
             "formulation": formulation,
             "damping": damping,
             "dynamics": dynamics,
+            "events": events,
         }
         optional = {
             "tolerance": tolerance,
@@ -182,12 +193,16 @@ class Model(ModelDescription):
         if resume and folder is None:
             raise InputError("resume: give the folder of the run that is to go on")
         work = self._discretised(settings.formulation, settings.damping)
+        attrs = self._attrs(title) | {"settings": json.dumps(settings.to_dict())}
         if folder is None:
-            return work.simulate(settings, progress, self._attrs(title), stop=stop)
+            return work.simulate(settings, progress, attrs, stop=stop)
         from viscorod.streaming import Stream
 
-        stream = Stream(folder=Path(folder), resuming=resume)
-        return work.simulate(settings, progress, self._attrs(title), stream, stop)
+        stream = Stream(folder=Path(folder), about=attrs, resuming=resume)
+        try:
+            return work.simulate(settings, progress, attrs, stream, stop)
+        finally:
+            stream.journal.close()
 
     def draw(self, path: str | Path, title: str = "") -> Path:
         """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.
@@ -268,6 +283,16 @@ class Model(ModelDescription):
         settings = SteadySettings(**given)
         return steady_rotation(self._discretised(), self, settings, start, self._attrs(title))
 
+    def with_known_times(self) -> Model:
+        """The model with the times of all materials known: those that follow from a mode (`ModalDamping`) are found.
+
+        Raises:
+            InputError: the model is inconsistent, or there is no such mode.
+        """
+        from viscorod.modal_damping import with_known_times
+
+        return with_known_times(self)
+
     def _discretised(self, formulation: str = "geometric", damping: str = "full") -> Workplace:
         from viscorod.analysis import Workplace
 
@@ -276,7 +301,16 @@ class Model(ModelDescription):
     def _attrs(self, title: str) -> dict[str, Any]:
         from viscorod import __version__
 
-        return {"title": title, "case": json.dumps(self.to_dict()), "version": __version__}
+        case = json.dumps(self.to_dict())
+        text = self.about.get("case_text") or case
+        return {
+            "title": title,
+            "case": case,
+            "case_hash": hashlib.sha256(text.encode()).hexdigest(),
+            "version": __version__,
+            "platform": f"Python {platform.python_version()}, NumPy {np.__version__}, {platform.platform()}",
+            **self.about,
+        }
 
 
 class Case(Protocol):
@@ -294,10 +328,34 @@ class Case(Protocol):
     def title(self) -> str:
         """The title, or empty."""
 
+    @property
+    def source(self) -> Path | None:
+        """The file."""
 
-def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibrium | Steady:
-    """Do what a case file asks for."""
+    @property
+    def text(self) -> str:
+        """Of the file."""
+
+
+def run_case(
+    case: Case,
+    *,
+    progress: Progress | None = None,
+    folder: str | Path | None = None,
+    doubts: Sequence[str] = (),
+    resume: bool = False,
+    stop: Callable[[], str] | None = None,
+) -> Run | Equilibrium | Steady:
+    """Do what a case file asks for.
+
+    Args:
+        case: of the file; progress: see ``Model.simulate``.
+        folder, resume, stop: of a motion, see there; doubts: go to its warnings.
+    """
     model = as_model(case.description)
+    model.about = {"case_text": case.text, "doubts": json.dumps(list(doubts))}
+    if case.source is not None:
+        model.about["case_file"] = str(case.source)
     given = {name: getattr(case.settings, name) for name in case.settings.model_fields_set}
     if isinstance(case.settings, EquilibriumSettings):
         return model.equilibrium(**given, progress=progress, title=case.title)
@@ -305,7 +363,9 @@ def run_case(case: Case, *, progress: Progress | None = None) -> Run | Equilibri
         return model.path(**given, progress=progress, title=case.title)
     if isinstance(case.settings, SteadySettings):
         return model.steady(**given, title=case.title)
-    return model.simulate(**given, progress=progress, title=case.title)
+    return model.simulate(
+        **given, progress=progress, title=case.title, folder=folder, resume=resume, stop=stop
+    )
 
 
 def as_model(description: ModelDescription) -> Model:

@@ -91,6 +91,7 @@ def _dataset(
         "message": "",
         "outcome": "completed",
         "scale_length": work.problem.length,
+        **work.materials,
         "formulation": settings.formulation,
         "damping": settings.damping,
         "iterations": found.iterations,

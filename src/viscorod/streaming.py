@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import difflib
+import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.results.journal import FOLDER, Journal, checkpoint, complete
+from viscorod.errors import InputError
+from viscorod.results.journal import FOLDER, Journal, checkpoint, complete, contents
 from viscorod.solve.history import EnergyAccount, History, Snapshot
 from viscorod.solve.pose_check import MOST
 
@@ -23,9 +27,28 @@ FLUSH = 1.0
 MANY = 256
 """States that are kept in memory at most before they are written."""
 
-CHECKPOINT = 10.0
-"""Seconds of wall time between two checkpoints at least; one takes a part of that at most:"""
+CHECKPOINT = 1.0
+"""Seconds of wall time between two checkpoints at least; the first is written after the first step."""
+
 SHARE = 0.02
+"""Part of the wall time that checkpoints take at most."""
+
+
+def _require_same(known: Mapping[str, Any], about: Mapping[str, str], folder: Path) -> None:
+    """Refuse to go on with another model or other settings, and show what differs."""
+    before, now = (_lines(attrs) for attrs in (known, about))
+    if before != now:
+        difference = difflib.unified_diff(before, now, "the run that was stopped", "now", lineterm="", n=1)
+        raise InputError(
+            f"{folder}: model and settings are not the same as those of the run that was stopped there:\n"
+            + "\n".join(f"  {line}" for line in difference)
+            + "\nGive the same ones, or another folder for another run"
+        )
+
+
+def _lines(attrs: Mapping[str, Any]) -> list[str]:
+    found = {name: json.loads(str(attrs.get(name, "null"))) for name in ("case", "settings")}
+    return json.dumps(found, indent=1).splitlines()
 
 
 @dataclass
@@ -34,19 +57,20 @@ class Stream(History):
 
     Attributes:
         folder: where ``run.nc`` is to be; the journal is a folder beside it.
+        about: attributes of the run; ``case`` and ``settings`` among them have to be those of a run that goes on.
         resuming: go on from the checkpoint of the journal that is there.
-        flush_after, checkpoint_after: wall time [s] between two writings.
     """
 
     folder: Path = field(kw_only=True)
+    about: dict[str, str] = field(kw_only=True)
     resuming: bool = False
-    flush_after: float = FLUSH
-    checkpoint_after: float = CHECKPOINT
 
     def __post_init__(self) -> None:
+        self.broken = False
         self._saved: tuple[Any, int, dict[str, Any]] | None = None
         count = None
         if self.resuming:
+            _require_same(contents(self.folder / FOLDER).attrs, self.about, self.folder)
             self._saved = checkpoint(self.folder / FOLDER)
             count = self._saved[1]
         self.journal = Journal(self.folder / FOLDER, keep=count)
@@ -54,10 +78,10 @@ class Stream(History):
         self._samples: list[Snapshot] = []
         self._stride = 1
         self._signs: np.ndarray | None = None
-        self._flushed = self._checked = time.monotonic()
+        self._flushed = self._checked = -np.inf
         self._cost = 0.0
         if self._saved is not None:
-            self._signs = self._saved[2].get("signs")
+            self._signs = np.array(self._saved[2]["signs"])
 
     @property
     def checkpoint(self) -> Any:
@@ -82,10 +106,9 @@ class Stream(History):
         """Write the states in memory, of which ``build`` makes a data set."""
         if not self.instant:
             return
-        data = build(self)
-        if "rotation" in data:
-            data = self._continued(data)
-        self.journal.append(data)
+        data = self._continued(build(self))
+        with self._writing():
+            self.journal.append(data)
         for values in (
             self.instant,
             self.snapshots,
@@ -110,9 +133,9 @@ class Stream(History):
     def after_step(self, build: Callable[[History], xr.Dataset], state: Callable[[], Any]) -> None:
         """Write what is due: states, and with ``state`` from what the run can go on."""
         now = time.monotonic()
-        if now - self._flushed > self.flush_after or len(self.instant) >= MANY:
+        if now - self._flushed > FLUSH or len(self.instant) >= MANY:
             self.flush(build)
-        if now - self._checked > max(self.checkpoint_after, self._cost / SHARE):
+        if now - self._checked > max(CHECKPOINT, self._cost / SHARE):
             self.save(build, state)
 
     def save(self, build: Callable[[History], xr.Dataset], state: Callable[[], Any]) -> None:
@@ -120,9 +143,22 @@ class Stream(History):
         begin = time.monotonic()
         self.flush(build)
         signs = None if self._signs is None else self._signs.tolist()
-        self.journal.checkpoint(state(), {"signs": signs})
+        with self._writing():
+            self.journal.checkpoint(state(), {"signs": signs})
         self._checked = time.monotonic()
         self._cost = self._checked - begin
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Turn a full disk into one message: what is there can be read, and the run can go on."""
+        try:
+            yield
+        except OSError as error:
+            self.broken = True
+            raise InputError(
+                f"{self.folder}: states can no longer be written ({error.strerror or error}); what was written is "
+                f"complete up to its last state; make room and go on with: viscorod resume {self.folder}"
+            ) from None
 
     def finish(self, attrs: dict[str, Any], *, keep: bool) -> Path:
         """Make ``run.nc`` of the journal, with these attributes; ``keep`` the journal, to go on from it."""

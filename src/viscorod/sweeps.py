@@ -123,7 +123,7 @@ def _contents(case: Case, rows: Sequence[Mapping[str, Any]]) -> tuple[list[dict[
         try:
             for key, value in row.items():
                 _put(content, key, value)
-            member = case_from_dict(content)
+            member = case_from_dict(content, case.source)
         except InputError as error:
             for problem in error.problems:  # the same mistake in many members is told once
                 problems.setdefault((problem.where, problem.why), problem)

@@ -25,6 +25,12 @@ def blocks(page, language):
     )
 
 
+def write_tables(page, folder):
+    """Write the tables that a page shows, each under the name in its first line."""
+    for text in blocks(page, "none"):
+        (folder / text.partition("\n")[0].lstrip("# ")).write_text(text)
+
+
 @pytest.fixture(scope="module")
 def results():
     """Results of the shipped cases, computed once each."""
@@ -55,6 +61,7 @@ def test_shipped_case_runs(name, results, tmp_path):
 )
 def test_python_in_documents_runs(page, results, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    write_tables(page, tmp_path)
     results("cantilever_swing").save("out/cantilever_swing/run.nc")  # what the pages on results start from
     (tmp_path / "cantilever_swing.toml").write_bytes(shipped_cases()["cantilever_swing"].read_bytes())
     for code in blocks(page, "python"):
@@ -65,6 +72,7 @@ def test_python_in_documents_runs(page, results, tmp_path, monkeypatch):
     "page", [page for page in PAGES if page != CASE_FILE and blocks(page, "toml")], ids=lambda page: page.stem
 )
 def test_cases_in_documents_load(page, tmp_path):
+    write_tables(page, tmp_path)
     for number, text in enumerate(blocks(page, "toml")):
         case = tmp_path / f"case_{number}.toml"
         case.write_text(text)
@@ -75,6 +83,7 @@ def test_cases_in_documents_load(page, tmp_path):
 def test_examples_of_the_case_file_are_one_case(analysis, tmp_path):
     others = tuple(f"[{other}]" for other in ANALYSES if other != analysis)
     parts = [text for text in blocks(CASE_FILE, "toml") if not text.startswith(others)]
+    write_tables(CASE_FILE, tmp_path)
     case = tmp_path / "case.toml"
     case.write_text("\n".join(parts))
     load_case(case)

@@ -165,3 +165,28 @@ def test_check_lists_bodies_joints_springs_and_held_strains():
     assert isinstance(crank["twist stiffness [N m2]"], float)
     assert report.conditions > 15
     assert np.all(report.frequencies > 0.0)
+
+
+def test_check_shows_the_couplings_of_a_section_and_its_mass_centre():
+    """A strip whose centre line lies on its face: A, B = A h/2, and nothing where there is no coupling."""
+    damping = vr.KelvinVoigt(shear_time=0.01, bulk_time=0.01)
+    rubber = vr.Material(1e6, 0.3, 1000.0, damping=damping)
+    strip = vr.Outline([(-0.01, 0.0), (0.01, 0.0), (0.01, 0.004), (-0.01, 0.004)], origin="given")
+    model = vr.Model()
+    model.add("strip", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=strip, material=rubber))
+    model.add("wire", vr.Rod.straight((0, 1, 0), (0.3, 1, 0), **STEEL))
+    model.clamp("strip.start")
+    model.clamp("wire.start")
+    coupled, plain = check(model).sections
+    assert coupled["stretch & bend 1 coupling [N m]"] == pytest.approx(1e6 * 8e-5 * 0.002)
+    assert coupled["stretch & bend 1 viscous coupling [N m s]"] == pytest.approx(1e4 * 8e-5 * 0.002)
+    assert coupled["shear 1 & twist coupling [N m]"] < 0.0
+    assert coupled["mass centre [m]"] == "(0, 0.002)"
+    assert not [key for key in plain if "coupling" in key or "centre" in key]
+    held = vr.Model()
+    held.add(
+        "strip",
+        vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=strip, material=rubber, constraints="kirchhoff"),
+    )
+    held.clamp("strip.start")
+    assert not [key for key in check(held).sections[0] if "coupling" in key]

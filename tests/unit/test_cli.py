@@ -28,6 +28,8 @@ REPORT = SimpleNamespace(
     warnings=["the rod is thick"],
     nodes=11,
     unknowns=66,
+    materials=[{"material of rod": "beam", "shear time [s]": 0.02}],
+    assumptions=["rod beam: the bulk modulus does not relax"],
     bodies=[{"body": "plate", "mass [kg]": 2.0}],
     joints=[{"joint": "elbow", "kind": "revolute", "gap [m]": 0.001}],
     springs=[],
@@ -53,9 +55,12 @@ def solving(monkeypatch):
         return path
 
     def prepare(outcome, settings):
-        def run_case(case, *, progress):
+        def run_case(case, *, progress, folder, **_):
             for reached in np.linspace(0.0, 1.0, 51)[1:]:
                 progress(reached * getattr(case.settings, "duration", 1.0), 0.02)
+            result = getattr(outcome, "run", outcome)
+            if isinstance(result, Run):  # a motion is written as it comes
+                result.save(folder / "run.nc")
             if isinstance(outcome, Exception):
                 raise outcome
             return outcome
@@ -151,6 +156,10 @@ def test_check_prints_tables(invoke, solving, monkeypatch):
     assert "Springs" not in lines
     assert lines[-1] == "Written: out/case/assembly.png"
     assert "- the rod is thick" in lines
+    assert "material of rod shear time [s]" in lines
+    assert (
+        lines[lines.index("Assumptions about damping") + 1] == "- rod beam: the bulk modulus does not relax"
+    )
     assert max(map(len, result.stdout.splitlines())) <= 100
 
 

@@ -95,6 +95,38 @@ def test_extension_in_time_by_stepping_the_three_dimensional_material():
         assert stress == pytest.approx(float(expected), rel=1e-8)
 
 
+def test_bound_of_the_kelvin_voigt_solid():
+    # a Gaussian pulse of the width b: eps^ = b sqrt(2 pi) exp(-(b w)^2/2); LLT 2.6 by adaptive quadrature
+    relaxation, b = Relaxation(1.0, (2.0, 3.0), (0.1, 1.0)), 2.0
+    omega = np.linspace(0.0, 8.0, 4001)
+    spectrum = b * np.sqrt(2.0 * np.pi) * np.exp(-((b * omega) ** 2) / 2.0)
+
+    def integrand(w):
+        weight = 2.0 * (0.1 * w) ** 2 / math.hypot(1.0, 0.1 * w) + 3.0 * w**2 / math.hypot(1.0, w)
+        return b * math.sqrt(2.0 * math.pi) * math.exp(-((b * w) ** 2) / 2.0) * weight / (2.0 * math.pi)
+
+    expected = quad(integrand, -8.0, 8.0)[0]
+    assert relaxation.kelvin_voigt_bound(omega, spectrum) == pytest.approx(expected, rel=1e-6)
+    # slow pulses: sum M_j tau_j^2 over b^2, of second order
+    slow = Relaxation(1.0, (2.0, 3.0), (1e-3, 1e-2)).kelvin_voigt_bound(omega, spectrum)
+    assert slow == pytest.approx((2.0 * 1e-6 + 3.0 * 1e-4) / b**2, rel=1e-3)
+    assert Relaxation(1.0).kelvin_voigt_bound(omega, spectrum) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("omega", "spectrum", "message"),
+    [
+        ([0.0, 1.0], [1.0], "same length"),
+        ([1.0], [1.0], "same length"),
+        ([1.0, 0.5], [1.0, 1.0], "must increase"),
+        ([-1.0, 0.5], [1.0, 1.0], "must increase"),
+    ],
+)
+def test_spectrum_refused(omega, spectrum, message):
+    with pytest.raises(InputError, match=message):
+        Relaxation(1.0, (2.0,), (1.0,)).kelvin_voigt_bound(omega, spectrum)
+
+
 def test_incompressible_extension_is_three_times_shear():
     shear = Relaxation(1.0, (2.0, 3.0), (0.1, 1.0))
     assert extension_of(shear, Relaxation(math.inf)) == shear.scaled(3.0)

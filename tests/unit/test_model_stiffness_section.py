@@ -78,6 +78,62 @@ def test_semi_definite_damping_is_accepted_and_indefinite_is_not():
         StiffnessSection(ONES, ONES, coupled)
 
 
+def test_the_motion_that_would_gain_energy_is_told_in_words():
+    damping = np.eye(6)
+    damping[2, 5] = damping[5, 2] = 1.5
+    with pytest.raises(
+        InputError, match=r"extension and twist together would create energy: .*1 stretch"
+    ) as caught:
+        StiffnessSection(ONES, ONES, damping)
+    assert "eigenvalue of -0.5" in caught.value.problems[0].found
+    damping[2, 0] = damping[0, 2] = 1.5
+    with pytest.raises(InputError, match="shear along d1, extension and twist together would create energy"):
+        StiffnessSection(ONES, ONES, damping)
+    with pytest.raises(InputError, match="bending about d2 alone would create energy"):
+        StiffnessSection(ONES, ONES, (1, 1, 1, 1, -1, 1))
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=50, deadline=None)
+def test_six_times_give_a_damping_that_never_creates_energy(seed):
+    """D = T C T: D_ii/C_ii = tau_i, symmetric, semi-definite for every coupled C; tau C is neither."""
+    rng = np.random.default_rng(seed)
+    C, times = random_matrix(seed, 0.05), rng.uniform(0.0, 10.0, 6) * (rng.random(6) > 0.2)
+    section = StiffnessSection(C, ONES, times=times)
+    D = section.matrices()[1]
+    assert np.diag(D) == pytest.approx(times * np.diag(C))
+    assert (D == D.T).all()
+    assert np.linalg.eigvalsh(D).min() > -1e-12
+    # the same power from the springs' side: the energy of strains that are scaled by the roots of the times
+    rate = rng.normal(size=6)
+    assert rate @ D @ rate == pytest.approx((np.sqrt(times) * rate) @ C @ (np.sqrt(times) * rate), rel=1e-12)
+    StiffnessSection(C, ONES, damping=D)  # is accepted as a matrix too
+
+
+def test_equal_times_scale_the_stiffness_and_a_file_gives_them_back():
+    C = random_matrix(3, 0.1)
+    section = StiffnessSection(C, ONES, times=[0.02] * 6)
+    assert section.matrices()[1] == pytest.approx(0.02 * C, rel=1e-14)
+    assert StiffnessSection.model_validate(section.to_dict()) == section
+    assert not StiffnessSection(C, ONES, times=[0] * 6).matrices()[1].any()
+
+
+@pytest.mark.parametrize(
+    ("given", "path", "text"),
+    [
+        ({"times": [1] * 5}, "times", "6 numbers are needed here, 5"),
+        ({"times": [1, 1, -1, 1, 1, 1]}, "times[2]", r"negative \(stretch\)"),
+        ({"times": [1, 1, float("nan"), 1, 1, 1]}, "times[2]", "finite"),
+        ({"times": 0.1}, "times", "a list is needed"),
+        ({"times": [1] * 6, "damping": ONES}, "times", "given twice"),
+    ],
+)
+def test_wrong_times(given, path, text):
+    with pytest.raises(InputError, match=text) as caught:
+        StiffnessSection(ONES, ONES, **given)
+    assert caught.value.problems[0].where == f"StiffnessSection.{path}"
+
+
 def test_couplings_of_an_off_centre_mass_are_accepted():
     """Mass 2 kg/m at xi = (0.1, 0.2): M = [[m 1, -m xi~], [m xi~, J]] is positive definite."""
     x, y = 0.1, 0.2

@@ -30,6 +30,7 @@ class Case:
         settings: of the analysis that is asked for.
         source: the file, if there is one.
         content: the keys and values it was read from.
+        text: of the file.
     """
 
     title: str
@@ -37,6 +38,7 @@ class Case:
     settings: AnySettings
     source: Path | None = None
     content: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
+    text: str = field(default="", compare=False, repr=False)
 
     @property
     def kind(self) -> str:
@@ -63,7 +65,8 @@ def load_case(path: str | Path) -> Case:
             message lists everything that is wrong, with key paths.
     """
     path = Path(path)
-    return parse_case(_content(path), path)
+    text = _content(path)
+    return parse_case(text, path)
 
 
 def parse_case(text: str, source: Path | None = None) -> Case:
@@ -78,17 +81,29 @@ def parse_case(text: str, source: Path | None = None) -> Case:
         raise InputError(
             Problem("file", found, "this cannot be read as TOML", "simplify it"), heading=heading
         ) from None
-    return case_from_dict(data, source)
+    return case_from_dict(data, source, text)
 
 
-def case_from_dict(data: Mapping[str, Any], source: Path | None = None) -> Case:
+def case_from_dict(data: Mapping[str, Any], source: Path | None = None, text: str = "") -> Case:
     """Read the content of a case file given as nested dicts and lists; see `load_case`."""
-    reader = CaseReader(data)
+    reader = CaseReader(data if source is None else _found_from(source.parent, data))
     reader.read()
     if reader.problems or reader.settings is None:
         raise InputError(reader.problems, heading=str(source) if source is not None else "case")
     title = reader.title or (source.stem if source is not None else "untitled")
-    return Case(title, reader.model, reader.settings, source, data)
+    return Case(title, reader.model, reader.settings, source, data, text)
+
+
+def _found_from(folder: Path, value: Any) -> Any:
+    """The same content with the paths of files (the keys ``file``) that are told from the case file's folder on."""
+    if isinstance(value, Mapping):
+        return {
+            key: str(folder / item) if key == "file" and isinstance(item, str) else _found_from(folder, item)
+            for key, item in value.items()
+        }
+    if isinstance(value, list):
+        return [_found_from(folder, item) for item in value]
+    return value
 
 
 def _content(path: Path) -> str:

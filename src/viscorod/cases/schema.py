@@ -81,7 +81,7 @@ class CaseReader:
         for name, table in self._tables("materials"):
             self._materials[name] = self._named(f"materials.{name}", Material.model_validate, table)
         for name, table in self._tables("sections"):
-            self._sections[name] = self._named(f"sections.{name}", one_section, table)
+            self._sections[name] = self._named(f"sections.{name}", one_section, self._materials_inside(table))
         if "rods" not in self.data:
             self._wrong("rods", "", "a case needs at least one rod", "add a table [rods.NAME]")
         for name, table in self._tables("rods"):
@@ -256,7 +256,24 @@ class CaseReader:
         return parsed
 
     def _section_named(self, value: Any) -> Any:
-        return self._lookup(value, self._sections, "section")
+        return self._materials_inside(self._lookup(value, self._sections, "section"))
+
+    def _materials_inside(self, section: Any) -> Any:
+        """A composite section's table with materials, and sections, in the place of their names."""
+        regions = section.get("regions") if isinstance(section, Mapping) else None
+        if not isinstance(regions, list):
+            return section
+        named = {"material": (self._materials, "material"), "section": (self._sections, "section")}
+        found = [
+            {
+                key: self._lookup(value, *named[key]) if key in named else value
+                for key, value in region.items()
+            }
+            if isinstance(region, Mapping)
+            else region
+            for region in regions
+        ]
+        return {**section, "regions": found}
 
     def _sections_inside(self, value: Any, keys: tuple[str, ...]) -> Any:
         if not isinstance(value, Mapping):

@@ -8,6 +8,7 @@ import numpy as np
 
 from viscorod.drawing.labels import Labels
 from viscorod.drawing.loads import arrows, gravity
+from viscorod.modal_damping import without_pending_times
 from viscorod.model.any_joint import ResolvedJoint
 from viscorod.model.any_support import ResolvedSupport
 from viscorod.model.connections import position_of
@@ -61,7 +62,7 @@ def draw_assembly(model: ModelDescription, title: str = "") -> Figure:
 class _Picture:
     def __init__(self, model: ModelDescription, title: str) -> None:
         self.model, self.labels = model, Labels()
-        self.problem = discretise(model)
+        self.problem = discretise(without_pending_times(model))
         self.joints, self.springs = model.resolved_joints(), model.resolved_springs()
         self.loads, self.gravity = list(arrows(model)), gravity(model)
         self.curves = {name: self._curve(name) for name in model.rods}

@@ -61,6 +61,7 @@ class Behaviour:
         branches: Maxwell branches, by time; with them the times above are only those of slow motion.
         extension, shear: the relaxation moduli, where more is known than the times.
         assumptions: what was assumed, one sentence each.
+        pending: whether the times are only known once a model has been built.
     """
 
     youngs_modulus: float
@@ -72,6 +73,7 @@ class Behaviour:
     extension: Relaxation | None = None
     shear: Relaxation | None = None
     assumptions: tuple[str, ...] = ()
+    pending: bool = False
 
     def assuming(self, *sentences: str) -> Behaviour:
         """The same, with more assumptions."""
@@ -90,14 +92,19 @@ class Damping(Described):
         """
 
 
-def bulk_time_of(extensional: float, shear: float, nu: float, keys: tuple[str, ...]) -> float:
+def bulk_time_of(
+    extensional: float, shear: float, nu: float, keys: tuple[str, ...], unit: str = " s"
+) -> float:
     """The bulk time that goes with times in extension and shear, s (LLT 4 solved for tau_B).
+
+    Loss factors at one frequency go together like times.
 
     Args:
         extensional: retardation time in extension, s.
         shear: retardation time in shear, s.
         nu: Poisson's ratio.
         keys: where the extensional time was given, for the message.
+        unit: of the numbers, for the message.
 
     Raises:
         InputError: the bulk time would be negative, or nu = 0.5 and the two times differ.
@@ -107,19 +114,19 @@ def bulk_time_of(extensional: float, shear: float, nu: float, keys: tuple[str, .
         if abs(extensional - shear) > 1e-9 * max(extensional, shear):
             raise RefusedError(
                 "an incompressible material (nu = 0.5) has the same time in extension and shear, and "
-                f"that of shear is {shear:.6g} s",
-                f"give {shear:.6g} s for both, or a Poisson's ratio below 0.5",
-                found=f"{extensional:.6g} s in extension",
+                f"that of shear is {shear:.6g}{unit}",
+                f"give {shear:.6g}{unit} for both, or a Poisson's ratio below 0.5",
+                found=f"{extensional:.6g}{unit} in extension",
                 at=keys,
             )
         return shear
     bulk = (3.0 * extensional - 2.0 * (1.0 + nu) * shear) / (1.0 - 2.0 * nu)
     if bulk < -1e-9 * max(extensional, shear) / (1.0 - 2.0 * nu):
         raise RefusedError(
-            f"with {shear:.6g} s in shear and nu = {nu:.6g} it means a negative bulk viscosity",
-            f"give at least {part * shear:.6g} s in extension, 2(1+nu)/3 of the time in shear, "
-            f"or at most {extensional / part:.6g} s in shear",
-            found=f"{extensional:.6g} s in extension",
+            f"with {shear:.6g}{unit} in shear and nu = {nu:.6g} it means a negative bulk viscosity",
+            f"give at least {part * shear:.6g}{unit} in extension, 2(1+nu)/3 of the time in shear, "
+            f"or at most {extensional / part:.6g}{unit} in shear",
+            found=f"{extensional:.6g}{unit} in extension",
             at=keys,
         )
     return max(bulk, 0.0)

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 from viscorod.errors import InputError, Problem
 from viscorod.model.body_velocity import BodyVelocity
-from viscorod.model.described import show
+from viscorod.model.connections import find
+from viscorod.model.described import RefusedError, show
+from viscorod.model.event import Crossing
 from viscorod.model.settings import SimulateSettings
 
 if TYPE_CHECKING:
@@ -78,6 +80,12 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Prob
         if settings.damping == "linearised":
             why = "linearised damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
             yield from _branches(model, why, "take damping = 'full'")
+    for index, event in enumerate(settings.events):
+        if isinstance(event, Crossing):
+            try:
+                find(model, event.at)
+            except RefusedError as error:
+                yield Problem(f"events[{index}].at", show(event.at), error.why, error.instead)
     if model.strains and settings.initial == "equilibrium":
         yield Problem(
             "initial",

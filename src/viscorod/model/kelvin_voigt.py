@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -23,6 +23,8 @@ class KelvinVoigt(Damping):
         bulk_viscosity: Pa s.
         extensional_time: retardation time in extension, with shear_time and in place of bulk_time, s.
     """
+
+    tag: ClassVar[str | None] = "kind"
 
     kind: Literal["kelvin_voigt"] = Field(default="kelvin_voigt", kw_only=True, repr=False)
     shear_time: OptionalNonNegative = None

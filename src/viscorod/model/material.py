@@ -5,20 +5,28 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Self, cast
 
-from pydantic import Field, PlainValidator, PrivateAttr, model_validator
+import numpy as np
+from pydantic import PlainValidator, PrivateAttr, model_validator
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, Problem
+from viscorod.model.complex_moduli import ComplexModuli
 from viscorod.model.damping import Behaviour, Branch, Damping, Elastic
 from viscorod.model.described import Described, RefusedError, plain_value, show
 from viscorod.model.kelvin_voigt import KelvinVoigt
+from viscorod.model.loss_factor import LossFactor
+from viscorod.model.modal import ModalDamping
 from viscorod.model.prony import Prony
+from viscorod.model.relaxation import Relaxation
 from viscorod.model.values import NOT_GIVEN, PoissonsRatio, Positive, choose
 
 __all__ = ["DAMPINGS", "Branch", "KelvinVoigt", "Material"]
 
 DAMPINGS: dict[str, type[Described]] = {
     "kelvin_voigt": KelvinVoigt,
+    "loss_factor": LossFactor,
+    "complex_moduli": ComplexModuli,
     "prony": Prony,
+    "modal": ModalDamping,
 }
 """The kinds of damping by their word in a case file; a new one is one class and one line here."""
 
@@ -36,14 +44,14 @@ class Material(Described):
     read afterwards. Read back, they are the moduli in equilibrium, also if instantaneous ones were given (`Prony`).
 
     Args:
-        youngs_modulus: E > 0, Pa.
+        youngs_modulus: E > 0, Pa; may be left out where complex moduli tell it.
         poissons_ratio: nu in (-1, 0.5]; 0.5 is incompressible.
         density: mass per volume > 0, kg/m^3.
         shear_modulus: G > 0, Pa, instead of Poisson's ratio.
-        damping: the viscosity, one of `KelvinVoigt` and `Prony`; None for a purely elastic material.
+        damping: `KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `ModalDamping`; None for an elastic material.
     """
 
-    youngs_modulus: Positive = Field(description="Young's modulus, Pa")
+    youngs_modulus: Positive = NOT_GIVEN
     poissons_ratio: PoissonsRatio = NOT_GIVEN
     density: Positive = NOT_GIVEN
     shear_modulus: Positive = NOT_GIVEN
@@ -59,18 +67,34 @@ class Material(Described):
                 "this key is required and missing", "add density (kg/m^3)", found="", at=("density",)
             )
         young, nu, shear = self.youngs_modulus, self.poissons_ratio, self.shear_modulus
-        if math.isnan(nu) == math.isnan(shear):
+        if math.isnan(young) and not isinstance(self.damping, ComplexModuli):
+            raise RefusedError(
+                "this key is required and missing",
+                "add youngs_modulus (Young's modulus, Pa)",
+                found="",
+                at=("youngs_modulus",),
+            )
+        if math.isnan(young) and not math.isnan(shear):
+            raise RefusedError(
+                "a shear modulus goes with Young's modulus only",
+                "give poissons_ratio in its place, or youngs_modulus with it",
+                found=show(shear),
+                at=("shear_modulus",),
+            )
+        if not math.isnan(young) and math.isnan(nu) == math.isnan(shear):
             given = "neither" if math.isnan(nu) else f"both, {show(nu)} and {show(shear)}"
             raise RefusedError(
                 "with Young's modulus exactly one of Poisson's ratio and shear modulus is needed",
                 "give poissons_ratio, or shear_modulus (Pa)",
                 found=f"given: {given}",
             )
-        if math.isnan(nu):
+        self._given = {
+            name: value
+            for name, value in (("youngs_modulus", young), ("poissons_ratio", nu), ("shear_modulus", shear))
+            if not math.isnan(value)
+        }
+        if not math.isnan(shear):
             nu = self._ratio(young, shear)
-        self._given = {"youngs_modulus": young} | (
-            {"poissons_ratio": nu} if math.isnan(shear) else {"shear_modulus": shear}
-        )
         self._behaviour = self._resolved(Elastic(young, nu))
         found = self._behaviour
         self.__dict__["youngs_modulus"] = found.youngs_modulus
@@ -97,18 +121,59 @@ class Material(Described):
         if self.damping is None:
             return Behaviour(*elastic)
         try:
-            return self.damping.behaviour(elastic)
+            with np.errstate(all="ignore"):
+                found = self.damping.behaviour(elastic)
         except RefusedError as error:
             raise RefusedError(
                 error.why, error.instead, found=error.found, at=("damping", *error.at)
             ) from None
         except InputError as error:
             raise RefusedError(str(error), "change the values", found="", at=("damping",)) from None
+        except ArithmeticError:
+            found = Behaviour(*elastic, math.nan)
+        numbers = [found.youngs_modulus, found.poissons_ratio, found.shear_time, found.bulk_time]
+        numbers += [value for branch in found.branches for value in branch]
+        if not found.pending and not all(map(math.isfinite, numbers)):
+            raise RefusedError(
+                "its times and moduli leave double precision",
+                "give values in SI units",
+                found="",
+                at=("damping",),
+            )
+        return found
 
     def to_dict(self) -> dict[str, Any]:
         """The material as it was given, in the words of the case file."""
         given = {name: plain_value(value) for name, value in self._given.items()}
         return {name: given.get(name, value) for name, value in super().to_dict().items()}
+
+    @property
+    def pending(self) -> bool:
+        """Whether the damping follows from a mode (`ModalDamping`) and is known in a built model only."""
+        return self._behaviour.pending
+
+    @property
+    def _known(self) -> Behaviour:
+        if self._behaviour.pending:
+            raise InputError(
+                Problem(
+                    "damping",
+                    show(self.damping),
+                    "its times follow from a mode of a model, and this material stands alone",
+                    "ask the materials of Model.with_known_times()",
+                )
+            )
+        return self._behaviour
+
+    def with_damping(self, damping: Damping | None, *assumptions: str) -> Material:
+        """The same material with another damping, and sentences about how it was found.
+
+        Raises:
+            InputError: the damping does not go with the elastic constants.
+        """
+        other = Material.model_validate({**self._given, "density": self.density, "damping": damping})
+        other._behaviour = other._behaviour.assuming(*assumptions)
+        return other
 
     @property
     def bulk_modulus(self) -> float:
@@ -126,15 +191,19 @@ class Material(Described):
         """What was assumed of the damping, one sentence each."""
         return self._behaviour.assumptions
 
+    def relaxation(self, strain: str) -> Relaxation | None:
+        """The relaxation modulus of "extension" or "shear"; None where only times are known."""
+        return self._behaviour.extension if strain == "extension" else self._behaviour.shear
+
     @property
     def shear_time(self) -> float:
         """Retardation time in shear, tau_S = eta/G, s; of a Maxwell material that of slow motion."""
-        return self._behaviour.shear_time
+        return self._known.shear_time
 
     @property
     def bulk_time(self) -> float:
         """Retardation time in volume change, tau_B = zeta/K, s; of a Maxwell material that of slow motion."""
-        return self._behaviour.bulk_time
+        return self._known.bulk_time
 
     @property
     def shear_viscosity(self) -> float:

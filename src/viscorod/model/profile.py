@@ -9,15 +9,16 @@ from typing import Annotated, Any, Self, TypeAlias
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
+from viscorod.model.any_section import AnySection
+from viscorod.model.composite import Composite
 from viscorod.model.described import Described, RefusedError, base_init, show
-from viscorod.model.section import MaterialSection, Section
+from viscorod.model.outline import Outline
+from viscorod.model.section import Section
 from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
 from viscorod.model.stiffness_section import StiffnessSection
 from viscorod.model.values import Positive, choose, sequence
 
 __all__ = ["AnySection", "Piece", "Piecewise", "SectionProfile", "Taper", "section_profile"]
-
-AnySection: TypeAlias = MaterialSection | StiffnessSection
 
 SECTIONS: dict[str, type[Described]] = {
     "circle": Circle,
@@ -25,6 +26,8 @@ SECTIONS: dict[str, type[Described]] = {
     "rectangle": Rectangle,
     "ellipse": Ellipse,
     "square_tube": SquareTube,
+    "outline": Outline,
+    "composite": Composite,
     "given": Section,
     "stiffness": StiffnessSection,
 }
@@ -108,6 +111,13 @@ class Taper(Described):
                 "give start and end the same shape",
                 found=f"{type(self.start).__name__} and {type(self.end).__name__}",
             )
+        if not self.start.can_taper:
+            raise RefusedError(
+                "such a section would need a mesh of its own at every station",
+                "give pieces, each with its section",
+                found=type(self.start).__name__,
+                at=("start",),
+            )
         for name in type(self.start).model_fields:
             if (getattr(self.start, name) is None) != (getattr(self.end, name) is None):
                 raise RefusedError(
@@ -145,5 +155,5 @@ def section_profile(value: Any) -> SectionProfile:
             "a section is needed here", f"give a table with shape = one of {', '.join(SECTIONS)}"
         )
     section = one_section(value)
-    assert isinstance(section, MaterialSection | StiffnessSection)
+    assert isinstance(section, AnySection)
     return section

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal, Self
 
+import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.model.damping import Behaviour, Branch, Damping, Elastic
 from viscorod.model.described import RefusedError, show
+from viscorod.model.kelvin_voigt_fit import Viscous, band_of, errors, nearest_kelvin_voigt
 from viscorod.model.relaxation import Relaxation, extension_of
-from viscorod.model.values import LARGEST, numbers, one_of, optional
+from viscorod.model.values import LARGEST, frequency_band, numbers, one_of, optional
 
 __all__ = ["Prony", "maxwell_branches"]
 
@@ -21,7 +24,7 @@ STRAINS = ("shear", "bulk", "extension")
 Series = Sequence[float]
 
 
-def _numbers(allowed: str, low: float) -> Any:
+def _numbers(allowed: str, low: float) -> Callable[[Any], tuple[float, ...]]:
     def check(value: Any) -> tuple[float, ...]:
         items = numbers(value)
         if len(items) > MOST_BRANCHES:
@@ -31,7 +34,7 @@ def _numbers(allowed: str, low: float) -> Any:
                 found=f"{len(items)} numbers",
             )
         for index, item in enumerate(items):
-            if not ((item > 0.0 and item >= low) or item == low):
+            if not (item >= 1.0 / LARGEST or item == low):
                 raise RefusedError(
                     "outside what is allowed", f"give numbers {allowed}", found=show(item), at=(index,)
                 )
@@ -72,6 +75,8 @@ class Prony(Damping):
         ratios_of: the modulus of which ratios are fractions, "equilibrium" or "instantaneous"; left out, that of
             moduli.
         law: "maxwell" keeps every branch; "kelvin_voigt" replaces them by one viscosity, that of slow motion.
+        band: lowest and highest frequency of the motion, Hz: with the law "kelvin_voigt", moduli and viscosities are
+            then those nearest to the Prony series over this band, not those of slow motion.
     """
 
     tag: ClassVar[str | None] = "kind"
@@ -92,6 +97,7 @@ class Prony(Damping):
     moduli: Annotated[str, one_of(*REFERENCES)] = "equilibrium"
     ratios_of: Annotated[str | None, PlainValidator(optional(one_of(*REFERENCES).func))] = None
     law: Annotated[str, one_of("maxwell", "kelvin_voigt")] = "maxwell"
+    band: Annotated[tuple[float, float] | None, PlainValidator(optional(frequency_band))] = None
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -110,6 +116,13 @@ class Prony(Damping):
             )
         if self.ratios_of is not None and not any(getattr(self, f"{strain}_ratios") for strain in strains):
             raise RefusedError("there are no ratios", "leave it out", at=("ratios_of",), found=self.ratios_of)
+        if self.band is not None and self.law == "maxwell":
+            raise RefusedError(
+                "Maxwell branches hold at every frequency",
+                "leave it out, or give law = 'kelvin_voigt'",
+                found=show(list(self.band)),
+                at=("band",),
+            )
         self._constant_fits(strains)
         return self
 
@@ -162,34 +175,39 @@ class Prony(Damping):
 
     def behaviour(self, elastic: Elastic) -> Behaviour:
         """Branches of extension and shear: E* = 9 K* G*/(3 K* + G*) by the correspondence principle."""
-        extension, shear, nu, bulk_time = self._relaxations(elastic)
+        extension, shear, bulk, nu = self._relaxations(elastic)
         given = "instantaneous moduli" if self.moduli == "instantaneous" else "equilibrium moduli"
         assumptions = [f"the elastic constants of the material are its {given}"]
         if self.constant is not None or self.extension_times is not None:
             word = (self.constant or "poissons_ratio").replace("_", " ").replace("poissons", "Poisson's")
             assumptions.append(f"the {word} does not relax")
-        branches: tuple[Branch, ...] = ()
+        rest = Elastic(extension.equilibrium, nu)
+        times = shear.retardation_time, (bulk if math.isfinite(bulk.equilibrium) else shear).retardation_time
         if self.law == "maxwell":
-            branches = maxwell_branches(extension, shear)
-        else:
+            found = Behaviour(*rest, *times, branches=maxwell_branches(extension, shear))
+        elif self.band is None:
+            found = Behaviour(*rest, *times)
             assumptions.append("one viscosity replaces the Prony series: it is right in slow motion only")
-        return Behaviour(
-            extension.equilibrium,
-            nu,
-            shear.retardation_time,
-            bulk_time,
-            branches=branches,
-            extension=extension,
-            shear=shear,
-            assumptions=tuple(assumptions),
-        )
+        else:
+            found = _nearest(shear, bulk, self.band)
+            viscous = Viscous(found.youngs_modulus, _extensional_viscosity(found))
+            omega = band_of(self.band)
+            exact = extension.complex_modulus(omega)
+            wrong = [100.0 * float(np.abs(e).max()) for e in errors(exact, viscous.complex_modulus(omega))]
+            assumptions.append(
+                f"moduli and viscosities are those nearest to the Prony series from {self.band[0]:.4g} to "
+                f"{self.band[1]:.4g} Hz: there Young's storage modulus is wrong by {wrong[0]:.2g} % at most and its "
+                f"loss modulus by {wrong[1]:.2g} %; at rest Young's modulus would be {rest.youngs_modulus:.4g} Pa"
+            )
+        return replace(found, extension=extension, shear=shear, assumptions=tuple(assumptions))
 
-    def _relaxations(self, elastic: Elastic) -> tuple[Relaxation, Relaxation, float, float]:
-        """Relaxation of Young's modulus and of the shear modulus; Poisson's ratio and bulk time at rest."""
+    def _relaxations(self, elastic: Elastic) -> tuple[Relaxation, Relaxation, Relaxation, float]:
+        """Relaxation of Young's, the shear and the bulk modulus; Poisson's ratio at rest."""
         nu = elastic.poissons_ratio
         if self.extension_times is not None:
             extension = self._series("extension", elastic.youngs_modulus)
-            return extension, extension.scaled(0.5 / (1.0 + nu)), nu, extension.retardation_time
+            shear = extension.scaled(0.5 / (1.0 + nu))
+            return extension, shear, _bulk(shear, nu), nu
         if self.bulk_times is not None and nu == 0.5:
             raise RefusedError(
                 "an incompressible material (nu = 0.5) has no volume change that could relax",
@@ -203,20 +221,19 @@ class Prony(Damping):
             else:
                 bulk = self._series("bulk", elastic.bulk_modulus)
                 shear = bulk.scaled(elastic.shear_modulus / elastic.bulk_modulus)
-            return shear.scaled(2.0 * (1.0 + nu)), shear, nu, shear.retardation_time
+            return shear.scaled(2.0 * (1.0 + nu)), shear, _bulk(shear, nu), nu
         shear, bulk = Relaxation(elastic.shear_modulus), Relaxation(elastic.bulk_modulus)
         if self.shear_times is not None:
             shear = self._series("shear", elastic.shear_modulus)
         if self.bulk_times is not None:
             bulk = self._series("bulk", elastic.bulk_modulus)
         extension = extension_of(shear, bulk)
-        bulk_time = shear.retardation_time if math.isinf(bulk.equilibrium) else bulk.retardation_time
         if self.moduli == "equilibrium":
             kept = Relaxation(elastic.youngs_modulus, extension.moduli, extension.times)
-            return kept, shear, nu, bulk_time
+            return kept, shear, bulk, nu
         G, K = shear.equilibrium, bulk.equilibrium
         ratio = 0.5 if math.isinf(K) else (3.0 * K - 2.0 * G) / (6.0 * K + 2.0 * G)
-        return extension, shear, ratio, bulk_time
+        return extension, shear, bulk, ratio
 
     def _series(self, strain: str, modulus: float) -> Relaxation:
         """The relaxation modulus of a strain from its terms and the given modulus."""
@@ -248,6 +265,36 @@ class Prony(Damping):
                 at=(key,),
             )
         return Relaxation(remaining, tuple(moduli), tuple(times))
+
+
+def _bulk(shear: Relaxation, nu: float) -> Relaxation:
+    """The bulk modulus beside a shear modulus at a constant Poisson's ratio."""
+    if nu == 0.5:
+        return Relaxation(math.inf)
+    return shear.scaled(2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu)))
+
+
+def _nearest(shear: Relaxation, bulk: Relaxation, band: tuple[float, float]) -> Behaviour:
+    """The Kelvin-Voigt material whose shear and bulk moduli are nearest over a band."""
+    omega = band_of(band)
+    fit = nearest_kelvin_voigt(omega, shear.complex_modulus(omega))
+    if math.isinf(bulk.equilibrium):
+        return Behaviour(3.0 * fit.modulus, 0.5, fit.time, fit.time)
+    volume = nearest_kelvin_voigt(omega, bulk.complex_modulus(omega))
+    G, K = fit.modulus, volume.modulus
+    return Behaviour(
+        9.0 * K * G / (3.0 * K + G), (3.0 * K - 2.0 * G) / (6.0 * K + 2.0 * G), fit.time, volume.time
+    )
+
+
+def _extensional_viscosity(found: Behaviour) -> float:
+    """Viscosity in extension, Pa s (LLT 4)."""
+    nu = found.poissons_ratio
+    return (
+        found.youngs_modulus
+        * ((1.0 - 2.0 * nu) * found.bulk_time + 2.0 * (1.0 + nu) * found.shear_time)
+        / 3.0
+    )
 
 
 def maxwell_branches(extension: Relaxation, shear: Relaxation) -> tuple[Branch, ...]:

@@ -21,6 +21,9 @@ from viscorod.typing import Floats
 
 __all__ = ["Relaxation", "extension_of"]
 
+NOTHING = 1e-30
+"""Branches of less than this part of the equilibrium modulus are none."""
+
 Complexes: TypeAlias = npt.NDArray[np.complex128]
 
 
@@ -60,7 +63,7 @@ class Relaxation:
                 raise InputError(
                     Problem("moduli", found, "outside what is allowed", "give moduli >= 0 and times > 0")
                 )
-            if modulus > 0.0:
+            if modulus > NOTHING * self.equilibrium or math.isinf(self.equilibrium):
                 merged[float(time)] = merged.get(float(time), 0.0) + float(modulus)
         object.__setattr__(self, "equilibrium", float(self.equilibrium))
         object.__setattr__(self, "times", tuple(sorted(merged)))
@@ -102,6 +105,36 @@ class Relaxation:
         decay = np.exp(-np.asarray(t, dtype=float)[..., None] / np.array(self.times))
         total: Floats = np.sum(np.array(self.moduli) * decay, axis=-1) + self.equilibrium
         return total
+
+    def kelvin_voigt_bound(self, omega: Floats, spectrum: Floats) -> float:
+        """Bound of the stress error, Pa, of the Kelvin-Voigt solid of slow motion for a given strain spectrum.
+
+        (1/2 pi) int ``|eps^(w)|`` sum M_j (tau_j w)^2/sqrt(1 + (tau_j w)^2) dw over both signs of the frequency (Linn,
+        Lang and Tuganov 2013, end of section 2.6), by the trapezoidal rule.
+
+        Args:
+            omega: increasing angular frequencies >= 0 (n,), rad/s.
+            spectrum: size of the strain's Fourier transform at them (n,), s.
+
+        Raises:
+            InputError: the two have different lengths, or the frequencies do not increase from 0 or above.
+        """
+        omega, spectrum = np.asarray(omega, dtype=float), np.abs(np.asarray(spectrum))
+        if omega.ndim != 1 or omega.shape != spectrum.shape or omega.size < 2:
+            found = f"{omega.shape} and {spectrum.shape}"
+            raise InputError(
+                Problem(
+                    "spectrum",
+                    found,
+                    "each frequency has one value",
+                    "give two lists of the same length, 2 at least",
+                )
+            )
+        if omega[0] < 0.0 or not (np.diff(omega) > 0.0).all():
+            raise InputError(Problem("omega", "", "frequencies must increase from 0 or above", "sort them"))
+        product = omega[:, None] * np.array(self.times)
+        weight = np.sum(np.array(self.moduli) * product**2 / np.sqrt(1.0 + product**2), axis=1)
+        return float(np.trapezoid(spectrum * weight, omega)) / math.pi
 
     def scaled(self, factor: float) -> Relaxation:
         """The same relaxation of another modulus: all moduli times a positive factor."""

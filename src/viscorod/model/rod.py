@@ -10,13 +10,12 @@ import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.errors import InputError
+from viscorod.model.any_section import AnySection, Branches, Matrices
 from viscorod.model.centreline import Arc, Centreline, Curve, Helix, Points, Straight, Twist
 from viscorod.model.constraint_words import constrained_strains, constraint_words
 from viscorod.model.described import Described, RefusedError, show
 from viscorod.model.material import Material
-from viscorod.model.profile import AnySection, Piecewise, SectionProfile, Taper, section_profile
-from viscorod.model.section import Branches, MaterialSection, Matrices
-from viscorod.model.stiffness_section import StiffnessSection
+from viscorod.model.profile import Piecewise, SectionProfile, Taper, section_profile
 from viscorod.model.values import OptionalDirection, choose, number, whole_number
 from viscorod.typing import Floats
 
@@ -64,7 +63,7 @@ class Rod(Described):
     Args:
         centreline: the curve of the section's centres.
         section: a section, `Piecewise`, `Taper`, or a function of the arc length (in Python only).
-        material: for sections given by their shape; none for `StiffnessSection`.
+        material: for sections given by their shape; none for `StiffnessSection` and `Composite`.
         elements: number of elements, 1 to 100 000; None lets the program choose.
         order: of the elements' polynomials, 1 to 12; None lets the program choose.
         d1: direction of the section's first axis at the start, global axes (see `Centreline.frames`).
@@ -209,10 +208,10 @@ class Rod(Described):
             return self.section.at(s)
         if isinstance(self.section, Taper):
             return self.section.at(min(max(s / self.length, 0.0), 1.0))
-        if isinstance(self.section, MaterialSection | StiffnessSection):
+        if isinstance(self.section, AnySection):
             return self.section
         section = self.section(s)
-        if not isinstance(section, MaterialSection | StiffnessSection):
+        if not isinstance(section, AnySection):
             raise RefusedError(
                 f"the function of the section returned no section at s = {s:.6g}",
                 "return one",
@@ -223,12 +222,12 @@ class Rod(Described):
     def matrices_at(self, s: float) -> Matrices:
         """Stiffness C, damping D and inertia M per length (6, 6) of the section at the arc length `s`."""
         section = self.section_at(s)
-        return section.matrices(self.material if isinstance(section, MaterialSection) else None)
+        return section.matrices(self.material if section.needs_material else None)
 
     def branches_at(self, s: float) -> Branches:
         """Maxwell branches of the section at the arc length `s`: times (n,), s, and stiffnesses (n, 6, 6)."""
         section = self.section_at(s)
-        return section.branch_matrices(self.material if isinstance(section, MaterialSection) else None)
+        return section.branch_matrices(self.material if section.needs_material else None)
 
     def frames(self, s: Floats | Sequence[float]) -> tuple[Floats, Floats]:
         """Positions (n, 3) and frames (n, 3, 3; columns d1, d2, d3) of the reference shape, global axes."""
@@ -238,7 +237,7 @@ class Rod(Described):
         """Sections that stand for all of them, with a station of each."""
         if isinstance(self.section, Piecewise):
             return [(piece.until - 1e-9 * self.length, piece.section) for piece in self.section.pieces]
-        if isinstance(self.section, MaterialSection | StiffnessSection):
+        if isinstance(self.section, AnySection):
             return [(0.0, self.section)]
         return [(s, self.section_at(s)) for s in np.linspace(0.0, self.length, 5).tolist()]
 
@@ -248,16 +247,15 @@ class Rod(Described):
         if isinstance(self.section, Piecewise):
             self._pieces_cover_length(self.section)
         sections = self._sections()
-        if self.material is not None and all(
-            isinstance(section, StiffnessSection) for _, section in sections
-        ):
+        reasons = [section.no_material for _, section in sections]
+        if self.material is not None and None not in reasons:
             raise RefusedError(
-                "a section given by its stiffness takes no material",
+                reasons[0] or "",
                 "leave material out",
                 found="",
                 at=("material",),
             )
-        if self.material is None and any(isinstance(section, MaterialSection) for _, section in sections):
+        if self.material is None and None in reasons:
             raise RefusedError(
                 "a section given by its shape needs a material for its stiffness and mass",
                 "add material",
@@ -290,11 +288,12 @@ class Rod(Described):
 
     def _usable(self, s: float, section: AnySection) -> None:
         """Refuse sections whose stiffness or mass is not a positive number in double precision."""
+        material = self.material if section.needs_material else None
+        if material is not None and material.pending:
+            material = material.with_damping(None)
         try:
             with np.errstate(all="ignore"):
-                stiffness, damping, inertia = section.matrices(
-                    self.material if isinstance(section, MaterialSection) else None
-                )
+                stiffness, damping, inertia = section.matrices(material)
         except (OverflowError, ZeroDivisionError):
             stiffness = damping = inertia = np.full((6, 6), math.nan)
         except InputError as error:

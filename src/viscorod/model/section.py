@@ -7,27 +7,21 @@ The section lies in the plane of d1 and d2, its principal axes; widths are along
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import ClassVar, Literal, TypeAlias
+from typing import Literal
 
 import numpy as np
 from pydantic import Field
 
 from viscorod.errors import InputError, Problem
-from viscorod.model.described import Described
+from viscorod.model.any_section import AnySection, Branches, Matrices
 from viscorod.model.material import Material
 from viscorod.model.values import Positive
-from viscorod.typing import Floats
 
-__all__ = ["Branches", "MaterialSection", "Matrices", "Section"]
-
-Matrices: TypeAlias = tuple[Floats, Floats, Floats]
-Branches: TypeAlias = tuple[Floats, Floats]
+__all__ = ["Branches", "MaterialSection", "Matrices", "Section", "required"]
 
 
-class MaterialSection(Described):
+class MaterialSection(AnySection):
     """A section that gets stiffness, damping and inertia from a `Material`."""
-
-    tag: ClassVar[str | None] = "shape"
 
     @abstractmethod
     def moments(self) -> tuple[float, float, float]:
@@ -40,15 +34,6 @@ class MaterialSection(Described):
     @abstractmethod
     def shear_factors(self, poissons_ratio: float) -> tuple[float, float]:
         """The factors k1, k2 of the shear stiffnesses k1 G A and k2 G A."""
-
-    @property
-    def half_width(self) -> float | None:
-        """Largest distance of a point of the section from the centre line, m; None where it is not known."""
-        return None
-
-    def remarks(self) -> tuple[str, ...]:
-        """What the user should know about the formulas used for this section."""
-        return ()
 
     def geometry(self, poissons_ratio: float) -> Matrices:
         """What the shape alone gives: C_E (m^2, m^4), C_G (likewise) and inertia per density, (6, 6) each.
@@ -63,7 +48,7 @@ class MaterialSection(Described):
         inertia = np.diag([area, area, area, inertia_1, inertia_2, inertia_1 + inertia_2])
         return extensional, shearing, inertia
 
-    def matrices(self, material: Material | None) -> Matrices:
+    def matrices(self, material: Material | None = None) -> Matrices:
         """Stiffness C, damping D and inertia M per length, (6, 6) each.
 
         C = E C_E + G C_G, D = eta_E C_E + eta C_G and M = density times the inertia of the :meth:`geometry`.
@@ -74,7 +59,7 @@ class MaterialSection(Described):
         Raises:
             InputError: there is no material.
         """
-        material = _required(material)
+        material = required(material)
         extensional, shearing, inertia = self.geometry(material.poissons_ratio)
         stiffness = material.youngs_modulus * extensional + material.shear_modulus * shearing
         damping = np.zeros((6, 6))
@@ -82,13 +67,13 @@ class MaterialSection(Described):
             damping = material.extensional_viscosity * extensional + material.shear_viscosity * shearing
         return stiffness, damping, material.density * inertia
 
-    def branch_matrices(self, material: Material | None) -> Branches:
+    def branch_matrices(self, material: Material | None = None) -> Branches:
         """Maxwell branches: relaxation times (n,), s, and their stiffnesses E_j C_E + G_j C_G (n, 6, 6).
 
         Raises:
             InputError: there is no material.
         """
-        material = _required(material)
+        material = required(material)
         extensional, shearing, _ = self.geometry(material.poissons_ratio)
         branches = material.branches
         times = np.array([branch.time for branch in branches])
@@ -96,7 +81,8 @@ class MaterialSection(Described):
         return times, np.array(stiffness).reshape(-1, 6, 6)
 
 
-def _required(material: Material | None) -> Material:
+def required(material: Material | None) -> Material:
+    """`material`, or an `InputError` where there is none."""
     if material is None:
         raise InputError(
             Problem("material", "", "this section needs one for its stiffness and mass", "add material")

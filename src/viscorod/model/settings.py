@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.model.described import Described, RefusedError, show
+from viscorod.model.event import Events
 from viscorod.model.values import (
     OptionalDirection,
     OptionalNumber,
@@ -36,7 +37,8 @@ class SimulateSettings(Described):
         time_step: s; the step of integrators with equal steps (None: chosen from the lowest modes), the largest step of
             the others.
         tolerance: wanted accuracy of the motion: displacements over the size of the model and rotations in rad; the
-            steps follow from it. 1e-4 for "radau" unless given; "generalized_alpha" has equal steps without it.
+            steps follow from it. 1e-4 for "radau" unless given, less for free vibrations that start from displacements
+            below a tenth of the size; "generalized_alpha" has equal steps without it.
         initial: what the motion starts from: "equilibrium" under the loads at t = 0-, or the "reference"
             shape.
         integrator: "radau" (order 5, steps that follow the error), "generalized_alpha" or "midpoint" (order 2, which
@@ -49,6 +51,7 @@ class SimulateSettings(Described):
         damping: "full" Kelvin-Voigt damping, which never damps rigid motions, or "linearised" (Artola, Wynn and
             Palacios), which also damps rotations of bent rods; the latter with the intrinsic formulation.
         dynamics: "nonlinear", or "linear" about the state that the motion starts from, with linearised damping.
+        events: what is watched for and recorded, and may end the run: `Crossing`, `Decayed`, `SteadyState`.
     """
 
     duration: Positive = Field(description="simulated time, s")
@@ -65,6 +68,7 @@ class SimulateSettings(Described):
     formulation: Annotated[Literal["geometric", "intrinsic"], one_of("geometric", "intrinsic")] = "geometric"
     damping: Annotated[Literal["full", "linearised"], one_of("full", "linearised")] = "full"
     dynamics: Annotated[Literal["nonlinear", "linear"], one_of("nonlinear", "linear")] = "nonlinear"
+    events: Events = ()
 
     @model_validator(mode="after")
     def _fits_formulation(self) -> Self:

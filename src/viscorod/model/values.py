@@ -90,6 +90,16 @@ def numbers(value: Any, *, count: int | None = None, at_least: int = 1) -> tuple
     return tuple(converted)
 
 
+def frequency_band(value: Any) -> tuple[float, float]:
+    """`value` as a lower and a higher frequency > 0."""
+    low, high = numbers(value, count=2)
+    if not 1.0 / LARGEST <= low < high:
+        raise RefusedError(
+            "a band goes from a lower to a higher frequency", "give [low, high] in Hz, both > 0"
+        )
+    return low, high
+
+
 def sequence(value: Any) -> Sequence[Any]:
     """`value` if it is a list, tuple or array, as a list or tuple."""
     if isinstance(value, np.ndarray):

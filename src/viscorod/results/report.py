@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.errors import InputError
 from viscorod.results.schema import COUNTERS
 from viscorod.results.text import table
 from viscorod.results.warnings import warnings_of
@@ -18,6 +20,7 @@ if TYPE_CHECKING:
     from viscorod.results.steady import Steady
 
 _WORKING = 0.01  # more work of the loads than this part of what moved, meanwhile, makes it no free decay
+_MOST_EVENTS = 20
 _ROUND_OFF = 1e-10  # a number below this part of its table's largest reads 0
 
 
@@ -34,11 +37,40 @@ def run_report(run: Run) -> str:
         _ends(run, *_shown_state(run)),
         _decay(run),
         str(run.energy),
+        _events(run),
+        _validity(run),
         _drift(run),
         _effort(run),
         _warnings(run),
     ]
     return "\n\n".join(block for block in blocks if block)
+
+
+def _events(run: Run) -> str:
+    """What the run was watched for."""
+    attrs = run.data.attrs
+    if "events" not in attrs:
+        return ""
+    events = json.loads(attrs["events"])
+    if not events:
+        return "Events: none of those that the run was watched for"
+    lines = [f"  {event['time']:.9g} s  {event['event']}" for event in events[:_MOST_EVENTS]]
+    if len(events) > _MOST_EVENTS:
+        lines.append(f"  and {len(events) - _MOST_EVENTS} more")
+    if attrs.get("ended_by"):
+        lines.append("The last of them ended the run")
+    return "\n".join(["Events", *lines])
+
+
+def _validity(run: Run) -> str:
+    """Whether Kelvin-Voigt damping stood well for what is known of a material, in a sentence."""
+    if "damping_laws" not in run.data.attrs:
+        return ""
+    try:
+        found = run.damping_validity()
+    except InputError:  # too short for a spectrum
+        return ""
+    return found.sentence if any(np.isfinite(strain.bound) for strain in found.strains) else ""
 
 
 def _formulation(run: Run) -> str:

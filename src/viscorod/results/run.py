@@ -23,6 +23,7 @@ from viscorod.typing import Floats, Integers
 if TYPE_CHECKING:
     import xarray as xr
 
+    from viscorod.results.damping_validity import DampingValidity
     from viscorod.results.probe import Places
 
 _STARTS_BELOW = 0.5  # a start this far below rest, as a part of the largest departure, makes minima count
@@ -168,6 +169,26 @@ class Run(Result):
         from viscorod.results.probe import probed
 
         return probed(self, places, s, times)
+
+    def damping_validity(self, tolerance: float = 0.1) -> DampingValidity:
+        """Tell whether Kelvin-Voigt damping was right for this motion, from the spectrum of its strains.
+
+        Where the material is known by a Prony series, the error of the stress is bounded (Linn, Lang and Tuganov
+        2013, end of section 2.6); otherwise the frequencies at which energy was lost are compared with the retardation
+        times. See ``viscorod.results.damping_validity`` for how the spectrum is taken.
+
+        Args:
+            tolerance: accepted error of the stress, as a part of the largest.
+
+        Returns:
+            A verdict with numbers for every strain that took part; ``print`` shows it in sentences.
+
+        Raises:
+            InputError: the run is too short, or from a version that did not keep its damping laws.
+        """
+        from viscorod.results.damping_validity import damping_validity
+
+        return damping_validity(self, tolerance)
 
     def report(self) -> str:
         """Return a report: the start, every cycle of the decay, the energy account, the effort, warnings."""

@@ -11,7 +11,9 @@ or measures. Where a rod holds a strain, ``section_force`` is the reaction that 
 or lost there. Springs of joints are part of the elastic energy, their dampers of what is lost to viscosity,
 motors of the work from outside. Runs with joints or held strains have the attributes ``drift_position`` and
 ``drift_velocity``: the largest gap that was found between what these hold and the motion, over the size of the
-model (or in rad, or strain), and that of velocities over the fastest one, before it was removed.
+model (or in rad, or strain), and that of velocities over the fastest one, before it was removed. The attributes
+``damping_assumptions`` and ``damping_laws`` (JSON by rod) tell what was assumed of the damping and what it was
+computed with (``viscorod.material_record``).
 """
 
 from __future__ import annotations

@@ -18,7 +18,8 @@ def all_branches(problem: Problem) -> Floats:
 
 def gauss_positions(sets: tuple[ElementSet, ...]) -> tuple[Integers, GaussPositions]:
     """Return the order of all Gauss points by rod and arc length, and their places in that order."""
-    rod, s, length, half_width, damping = [], [], [], [], []
+    rod, s, length, half_width = [], [], [], []
+    stiffness, damping = [], []
     for e in sets:
         count = e.section.shape[1]
         inside = e.shapes @ lobatto(e.order)[0]  # xi of the points
@@ -26,6 +27,7 @@ def gauss_positions(sets: tuple[ElementSet, ...]) -> tuple[Integers, GaussPositi
         s.append((e.start[:, None] + e.half_lengths[:, None] * (1.0 + inside)).ravel())
         length.append((e.half_lengths[:, None] * e.weights).ravel())
         half_width.append(e.half_widths.ravel())
+        stiffness.append(e.stiffness[e.section].reshape(-1, 6, 6))
         damping.append(e.damping[e.section].reshape(-1, 6, 6))
     rods, places = np.concatenate(rod), np.concatenate(s)
     order = np.lexsort((places, rods))
@@ -34,6 +36,7 @@ def gauss_positions(sets: tuple[ElementSet, ...]) -> tuple[Integers, GaussPositi
         places[order],
         np.concatenate(length)[order],
         np.concatenate(half_width)[order],
+        np.concatenate(stiffness)[order],
         np.concatenate(damping)[order],
     )
 

@@ -15,9 +15,8 @@ from viscorod.mechanics.attachment import link_map
 from viscorod.mechanics.basis import gauss, gauss_table, lobatto
 from viscorod.mechanics.quaternion import conjugate, from_matrices, matrices, product
 from viscorod.model.any_body import AnyBody
+from viscorod.model.any_section import AnySection
 from viscorod.model.rod import Rod
-from viscorod.model.section import MaterialSection
-from viscorod.model.stiffness_section import StiffnessSection
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem import ElementSet, Stations
 from viscorod.typing import Floats, Integers
@@ -269,7 +268,7 @@ def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], 
             lumped = np.empty((len(start), order + 1, 6, 6))
             middle = start + half
             held = np.array(rod_mesh.rod.constrained_strains, dtype=float)
-            if isinstance(rod_mesh.rod.section, MaterialSection | StiffnessSection):
+            if isinstance(rod_mesh.rod.section, AnySection):
                 section[:] = table.add(rod_mesh.rod, 0.0, held)
                 widths[:] = rod_mesh.rod.section_at(0.0).half_width or 0.0
                 mass_per_length = rod_mesh.rod.matrices_at(0.0)[2]

@@ -8,6 +8,7 @@ classes named here and of no other; nothing in a file is ever executed.
 from __future__ import annotations
 
 from collections import deque
+from inspect import isroutine
 from typing import Any
 
 import numpy as np
@@ -58,7 +59,11 @@ def _saved(value: Any, seen: set[int]) -> Tree:
         return {"kind": "complex", "parts": [value.real, value.imag]}
     if isinstance(value, np.ndarray):
         return value.copy() if value.dtype != object else _LEFT_OUT
-    if isinstance(value, UNCHANGED) or callable(value):
+    if (
+        isinstance(value, UNCHANGED)
+        or (callable(value) and not hasattr(value, "__dict__"))
+        or isroutine(value)
+    ):
         return _LEFT_OUT
     name = type(value).__name__
     if name not in MADE:  # one object that many share is saved once; small ones are saved wherever they are

@@ -66,12 +66,13 @@ class GaussPoints:
 
 @dataclass(frozen=True)
 class GaussPositions:
-    """Rod, arc length [m], quadrature length [m], half width [m] and damping of the section of every Gauss point."""
+    """Rod, arc length [m], quadrature length [m], half width [m], stiffness and damping of every Gauss point."""
 
     rod: Integers
     s: Floats
     length: Floats
     half_width: Floats
+    stiffness: Floats
     damping: Floats
 
 

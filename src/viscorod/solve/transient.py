@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.solve.events import Watch
 from viscorod.solve.history import EnergyAccount, History
 from viscorod.solve.integrators.contract import Integrator, StepReport
 from viscorod.solve.newton import Outcome
@@ -82,6 +83,7 @@ class Transient:
         self.account = EnergyAccount()
         self.effort = Effort()
         self.notes: list[str] = []
+        self.watch = Watch([])
 
     def run(
         self,
@@ -93,6 +95,7 @@ class Transient:
         history: History | None = None,
         checkpoint: Tree = None,
         after_step: Callable[[], str] | None = None,
+        watch: Watch | None = None,
     ) -> TransientResult:
         """Integrate from ``state`` at t = 0 to ``duration`` [s].
 
@@ -103,7 +106,9 @@ class Transient:
             history: what records; None keeps everything in memory.
             checkpoint: what :meth:`saved` returned in a run that was stopped: this one goes on from there.
             after_step: called after every step; returns why the run is to stop, or nothing.
+            watch: asked after every step what has happened, and whether the run ends with it.
         """
+        self.watch = watch or Watch([])
         result = TransientResult(history or History(), effort=self.effort, notes=self.notes)
         try:
             self._march(result, state, duration, output_interval, progress, checkpoint, after_step)
@@ -137,6 +142,7 @@ class Transient:
         account.branches = np.zeros(len(self.problem.relaxation_times))
         if checkpoint is None:
             history.record(0.0, integrator.snapshot(), account, 0.0, 0)
+            self.watch.begin(0.0, integrator.snapshot())
         else:
             self._resume(checkpoint)
         corners, jumps = self._corners(duration)
@@ -177,7 +183,10 @@ class Transient:
                     effort.smallest_why = self._why(report)
                 if progress is not None:
                     progress(end, end - t)
+                stop = self.watch.after(integrator, t) if self.watch.monitors else None
                 times = self._records(t, end, output_interval, end == duration)
+                if stop is not None:
+                    times = [*(at for at in times if at < stop), stop]
                 parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
                 states = integrator.between(np.array(parts)) if parts else []
                 lost = integrator.branch_losses(np.array(parts))
@@ -191,6 +200,8 @@ class Transient:
                 if control.exhausted:
                     result.outcome, result.failed_at = Outcome.TOO_SMALL, end
                     return
+                if stop is not None:
+                    return
                 reason = after_step() if after_step is not None else ""
                 if reason and end < duration:
                     result.outcome, result.reason = Outcome.INTERRUPTED, reason
@@ -201,11 +212,11 @@ class Transient:
 
     def saved(self) -> Tree:
         """Return from what another run of the same model can go on."""
-        parts = (self.integrator, self.control, self.account, self.effort)
+        parts = (self.integrator, self.control, self.account, self.effort, self.watch)
         return {"parts": [saved(part) for part in parts], "notes": list(self.notes)}
 
     def _resume(self, checkpoint: Tree) -> None:
-        parts = (self.integrator, self.control, self.account, self.effort)
+        parts = (self.integrator, self.control, self.account, self.effort, self.watch)
         for part, tree in zip(parts, checkpoint["parts"], strict=True):
             restore(part, tree)
         self.notes[:] = checkpoint["notes"]

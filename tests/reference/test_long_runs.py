@@ -1,0 +1,303 @@
+"""Runs that are killed, stopped, resumed and watched: results are those of one run, memory stays bounded."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import multiprocessing
+import os
+import signal
+import sys
+import time
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+from viscorod import streaming
+from viscorod.cases.shipped import shipped_case
+from viscorod.front import as_model
+from viscorod.results import journal, storage
+from viscorod.results.journal import FOLDER, Journal, checkpoint, contents
+
+from .cases import cantilever
+
+
+def swing(**more):
+    C, _, M = vr.Rectangle(0.01, 0.01).matrices(vr.Material(1e6, poissons_ratio=0.3, density=1000.0))
+    section = vr.StiffnessSection(C, M, **({"damping": 0.02 * C} | more))
+    model = cantilever(section, 0.3, elements=2, order=4)
+    model.force("beam.end", (0, 0.035, 0.01), until=0.0)
+    return model
+
+
+def maxwell():
+    C, _, _ = vr.Rectangle(0.01, 0.01).matrices(vr.Material(1e6, poissons_ratio=0.3, density=1000.0))
+    return swing(branches=[vr.MaxwellBranch(time=0.1, stiffness=C)])
+
+
+def shipped(name):
+    case = vr.load_case(shipped_case(name))
+    given = {key: getattr(case.settings, key) for key in case.settings.model_fields_set}
+    return as_model(case.description), given
+
+
+RUNS = {
+    "radau": lambda: (swing(), {"duration": 5.0}),
+    "loads that jump": lambda: (pushed(), {"duration": 2.0, "output_interval": 0.03}),
+    "midpoint": lambda: (swing(), {"duration": 1.0, "integrator": "midpoint", "time_step": 0.01}),
+    "generalised-alpha": lambda: (swing(), {"duration": 1.0, "integrator": "generalized_alpha"}),
+    "intrinsic": lambda: (swing(), {"duration": 3.0, "formulation": "intrinsic"}),
+    "Maxwell": lambda: (maxwell(), {"duration": 2.0}),
+    "joints": lambda: shipped("four_bar"),
+}
+
+
+def pushed():
+    model = swing()
+    model.force("beam.end", (0, 0, 0.02), time=vr.Table([0, 0.5, 0.5, 1.0, 1.0, 2.0], [0, 0, 1, 1, 0, 0]))
+    return model
+
+
+def difference(found, expected):
+    """Largest difference of any variable over its size; names, times and counts have to be the same."""
+    assert set(found.data.variables) == set(expected.data.variables)
+    worst = 0.0
+    for name, variable in expected.data.variables.items():
+        a, b = variable.values, found.data[name].values
+        assert a.shape == b.shape, name
+        if a.dtype.kind == "f":
+            worst = max(worst, float(np.abs(a - b).max(initial=0.0)) / (np.abs(a).max(initial=0.0) or 1.0))
+        else:
+            assert (a == b).all(), name
+    for name in ("steps", "iterations", "rejected", "outcome", "events"):
+        assert found.data.attrs.get(name) == expected.data.attrs.get(name), name
+    return worst
+
+
+def after(steps):
+    """A reason to stop after so many steps."""
+    count = itertools.count(1)
+    return lambda: "enough" if next(count) >= steps else ""
+
+
+@pytest.fixture
+def eager(monkeypatch):
+    """Write and make checkpoints as often as possible."""
+    monkeypatch.setattr(streaming, "SHARE", 1.0)
+    monkeypatch.setattr(streaming, "FLUSH", 0.0)
+    monkeypatch.setattr(streaming, "CHECKPOINT", 0.0)
+
+
+# --- what is written as it comes
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_written_run_is_the_run(tmp_path, eager, name):
+    """Identity: what went to disk piece by piece is what stays in memory, bit for bit."""
+    model, given = RUNS[name]()
+    expected = model.simulate(**given)
+    found = model.simulate(**given, folder=tmp_path)
+    assert difference(found, expected) == 0.0
+    assert difference(vr.load(tmp_path / "run.nc"), expected) == 0.0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.nc"]
+    for key, value in expected.data.variables.items():
+        assert found.data[key].attrs == value.attrs
+        assert found.data[key].dims == value.dims
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_a_stopped_run_goes_on(tmp_path, eager, name):
+    """Identity, at three different steps; stopped twice the last time."""
+    model, given = RUNS[name]()
+    expected = model.simulate(**given)
+    total = int(expected.data.attrs["steps"])
+    for count, stops in enumerate(([1], [total // 2], [total // 3, total // 3])):
+        folder = tmp_path / str(count)
+        for number, stop in enumerate(stops):
+            with pytest.raises(vr.SolveError, match="enough") as error:
+                model.simulate(**given, folder=folder, resume=number > 0, stop=after(stop))
+            assert error.value.run.outcome == "interrupted"
+            assert (folder / "run.nc").is_file()
+        assert difference(model.simulate(**given, folder=folder, resume=True), expected) == 0.0
+        assert not (folder / FOLDER).exists()
+
+
+def _child(model, given, folder):
+    given = given | {"progress": lambda t, h: time.sleep(0.003)}
+    model.simulate(**given, folder=folder)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no fork")
+def test_killed_at_twenty_random_moments(tmp_path, eager):
+    """Identity to 1e-12 (bit for bit here): killed without warning wherever it is, then resumed."""
+    fork = multiprocessing.get_context("fork")
+    rng = np.random.default_rng(5)
+    cases = {name: (*RUNS[name](),) for name in ("radau", "midpoint", "Maxwell", "joints")}
+    expected = {name: model.simulate(**given) for name, (model, given) in cases.items()}
+    resumed = 0
+    for number in range(20):
+        name = list(cases)[number % len(cases)]
+        model, given = cases[name]
+        folder = tmp_path / str(number)
+        child = fork.Process(target=_child, args=(model, given, folder))
+        child.start()
+        time.sleep(rng.uniform(0.05, 0.6))
+        os.kill(child.pid, signal.SIGKILL)
+        child.join()
+        if not (folder / FOLDER / "checkpoint.npz").is_file():
+            continue  # killed before its first step, or after its end
+        until = contents(folder / FOLDER).sizes["time"]  # whole records, however it ended
+        assert until >= checkpoint(folder / FOLDER)[1]
+        assert difference(model.simulate(**given, folder=folder, resume=True), expected[name]) <= 1e-12
+        resumed += 1
+    assert resumed >= 10
+
+
+def test_half_a_record_is_not_read(tmp_path, eager):
+    """A full disk leaves a part of a record: what is complete is read, and the run goes on from its checkpoint."""
+    model, given = RUNS["radau"]()
+    expected = model.simulate(**given)
+    with pytest.raises(vr.SolveError):
+        model.simulate(**given, folder=tmp_path, stop=lambda: "enough")
+    states = tmp_path / FOLDER / "states.bin"
+    whole = contents(tmp_path / FOLDER).sizes["time"]
+    with states.open("ab") as file:
+        file.write(b"\1" * 100)
+    assert contents(tmp_path / FOLDER).sizes["time"] == whole
+    assert difference(model.simulate(**given, folder=tmp_path, resume=True), expected) == 0.0
+
+
+def test_full_disk_keeps_what_there_is(tmp_path, eager, monkeypatch):
+    """What was written before the disk was full can be read."""
+    model, given = RUNS["radau"]()
+    append, calls = Journal.append, iter(range(5))
+
+    def failing(self, data):
+        if next(calls, None) is None:
+            raise OSError(28, "No space left on device")
+        append(self, data)
+
+    monkeypatch.setattr(Journal, "append", failing)
+    with pytest.raises(vr.InputError, match=r"No space left on device.*viscorod resume"):
+        model.simulate(**given, folder=tmp_path)
+    monkeypatch.undo()
+    assert contents(tmp_path / FOLDER).sizes["time"] > 4
+    expected = model.simulate(**given)
+    assert difference(model.simulate(**given, folder=tmp_path, resume=True), expected) == 0.0
+
+
+def test_another_model_is_refused(tmp_path, eager):
+    model, given = RUNS["radau"]()
+    with pytest.raises(vr.SolveError):
+        model.simulate(**given, folder=tmp_path, stop=lambda: "enough")
+    other = swing()
+    other.gravity()
+    with pytest.raises(vr.InputError, match=r"(?s)not the same.*gravity"):
+        other.simulate(**given, folder=tmp_path, resume=True)
+    with pytest.raises(vr.InputError, match=r"(?s)not the same.*duration"):
+        model.simulate(**given | {"duration": 4.0}, folder=tmp_path, resume=True)
+    with pytest.raises(vr.InputError, match="give the folder"):
+        model.simulate(**given, resume=True)
+    with pytest.raises(vr.InputError, match="holds no"):
+        model.simulate(**given, folder=tmp_path / "elsewhere", resume=True)
+
+
+def test_memory_does_not_grow_with_the_run(tmp_path, monkeypatch):
+    """A run ten times as long keeps no more in memory (Python's own allocations, arrays included)."""
+    monkeypatch.setattr(journal, "CHUNK", 1e5)  # files larger than these are copied and read in pieces
+    monkeypatch.setattr(storage, "LARGE", 1e5)
+
+    def peak(duration, folder):
+        model = swing()
+        model.simulate(0.05, folder=tmp_path / f"{folder}-first", integrator="midpoint", time_step=0.01)
+        tracemalloc.start()
+        model.simulate(duration, folder=tmp_path / folder, integrator="midpoint", time_step=0.01)
+        found = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return found
+
+    short, long = peak(4.0, "short"), peak(40.0, "long")
+    assert long < 1.6 * short
+    assert vr.load(tmp_path / "long" / "run.nc").time.size > 4000
+
+
+# --- events
+
+
+def test_crossings_are_found_between_steps():
+    """Closed form: a free rod falls from rest through -g t^2/2."""
+    model = vr.Model()
+    rod = vr.Rod.straight(
+        (0, 0, 0), (0.3, 0, 0), section=vr.Circle(0.01), material=vr.Material(1e6, 0.3, 1000.0)
+    )
+    model.add("rod", rod)
+    model.gravity((0, 0, -9.81))
+    events = [
+        vr.Crossing("rod.end", "uz", -0.5, stop=False),
+        vr.Crossing("rod@0.1", "vz", -5.0, direction="falling", stop=False),
+        vr.Crossing("rod.end", "vz", -6.0, direction="rising", stop=False),
+        vr.Crossing("rod.start", "z", -2.0),
+    ]
+    run = model.simulate(3.0, initial="reference", events=events)
+    found = {event["event"]: event["time"] for event in json.loads(run.data.attrs["events"])}
+    times = [np.sqrt(2 * 0.5 / 9.81), 5.0 / 9.81, np.sqrt(2 * 2.0 / 9.81)]
+    assert list(found.values()) == pytest.approx(sorted(times), rel=1e-7)
+    assert len(found) == 3  # nothing rises
+    assert run.time[-1] == pytest.approx(times[2], rel=1e-7)
+    assert run.data.position[-1, 0, 2] == pytest.approx(-2.0, abs=1e-9)
+    assert "z of rod.start" in run.data.attrs["ended_by"]
+    assert run.outcome == "completed"
+    assert "ended the run" in run.report()
+
+
+def test_a_decayed_motion_ends_the_run():
+    """Closed form: the amplitude falls as exp(-zeta omega t) of the first mode once others are gone."""
+    model = swing()
+    omega = model.modes(1, about="reference").eigenvalues[0]
+    run = model.simulate(200.0, events=[vr.Decayed(0.01)])
+    tip = run.history("beam.end", "displacement").sel(axis="y").values
+    start, last = np.abs(tip).max(), np.abs(tip[run.time > run.time[-1] - 2 * np.pi / omega.imag]).max()
+    assert 0.003 * start < last < 0.03 * start
+    rate = np.log(start / last) / run.time[-1]
+    assert rate == pytest.approx(-omega.real, rel=0.2)
+
+
+def test_a_steady_rotation_ends_the_run():
+    """A damped rod that is spun up by its clamp comes to a steady shape: strains of two later instants agree."""
+    model = cantilever(vr.Rectangle(0.01, 0.01), 0.3, material=vr.Material(
+        1e6, 0.3, 1000.0, damping=vr.KelvinVoigt(0.05, 0.05)))  # fmt: skip
+    model.supports.clear()
+    model.clamp("beam.start", motion={"rz": vr.SpinUp(5.0, 2.0)})
+    run = model.simulate(200.0, initial="reference", events=[vr.SteadyState(1e-3)])
+    assert 2.0 < run.time[-1] < 60.0
+    strain = run.data.strain.values
+    assert np.abs(strain[-1] - strain[-8]).max() < 1e-2 * np.abs(strain).max()
+    assert np.abs(run.data.velocity.values[-1]).max() > 0.1
+
+
+def test_events_of_a_case_file_and_their_errors(tmp_path):
+    text = shipped_case("cantilever_swing").read_text()
+    good = '\n[[simulate.events]]\nkind = "crossing"\nat = "beam.end"\nquantity = "uy"\n'
+    path = tmp_path / "case.toml"
+    path.write_text(text + good)
+    (event,) = vr.load_case(path).settings.events
+    assert event == vr.Crossing("beam.end", "uy")
+    for change, words in (
+        (good.replace('"uy"', '"uq"'), r"simulate.events\[0\].quantity: 'uq'"),
+        (good.replace("at =", "place ="), r"simulate.events\[0\].place: .*no such key"),
+        (good.replace('"crossing"', '"crosing"'), "did you mean 'crossing'"),
+        (
+            '\n[[simulate.events]]\nkind = "decayed"\namplitude = 2.0\n',
+            r"events\[0\].amplitude: 2.*between 0 and 1",
+        ),
+        ('\n[[simulate.events]]\nkind = "steady"\nduring = -1.0\n', r"events\[0\].during"),
+    ):
+        path.write_text(text + change)
+        with pytest.raises(vr.InputError, match=words):
+            vr.load_case(path)
+    path.write_text(text + good.replace("beam.end", "bam.end"))
+    case = vr.load_case(path)
+    with pytest.raises(vr.InputError, match="did you mean 'beam'"):
+        vr.Model.of(**case.description.parts()).simulate(0.1, events=case.settings.events)
