@@ -169,11 +169,11 @@ class Result(ABC):
             s: arc lengths on that rod [m].
 
         Returns:
-            A data set over (time or load_factor or spin, place): ``position``, ``displacement`` [m], ``rotation``
-            (quaternion), ``frame`` (d1, d2, d3 as columns of a matrix), ``velocity`` [m/s] and ``angular_velocity``
-            [rad/s, body axes], ``strain``, ``section_force`` (body axes) and ``dissipation`` [W/m], as far as this kind
-            of result has them; see the reference of the data set for components, units and axes. On bodies only the
-            motion.
+            A data set over ``time`` (or ``load_factor``, ``spin``) and ``place`` with ``position``, ``displacement``
+            [m], ``rotation`` (quaternion), ``frame`` (d1, d2, d3 as columns of a matrix), ``velocity`` [m/s] and
+            ``angular_velocity`` [rad/s, body axes], ``strain``, ``section_force`` (body axes) and ``dissipation``
+            [W/m], as far as this kind of result has them; see the reference of the data set for components, units and
+            axes. On bodies only the motion.
 
         Raises:
             InputError: no such place, or places on rods and on bodies in one call.

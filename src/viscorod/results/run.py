@@ -161,7 +161,7 @@ class Run(Result):
             s: arc lengths on that rod [m].
 
         Returns:
-            A data set over (time, place); see ``Result.probe``.
+            A data set over ``time`` and ``place``, see ``Result.probe``.
 
         Raises:
             InputError: no such place, a time outside the run, or places on rods and on bodies in one call.
