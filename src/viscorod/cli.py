@@ -16,6 +16,7 @@ import typer
 
 from viscorod.damping_commands import app as damping_app
 from viscorod.errors import InputError, SolveError
+from viscorod.export_commands import register as register_exports
 from viscorod.run_commands import resume, run, writable
 from viscorod.terminal import existing, readable_errors, rows_text
 from viscorod.view_command import view
@@ -36,6 +37,7 @@ app.command()(run)
 app.command()(resume)
 app.add_typer(damping_app, name="damping")
 app.command()(view)
+register_exports(app)
 
 CaseFile = Annotated[
     Path, typer.Argument(metavar="CASE.toml", help="Case file; `viscorod example` lists some.")

@@ -151,7 +151,7 @@ class Sites:
         ends = known[::order]
         element = int(np.clip(np.searchsorted(ends, s, side="right") - 1, 0, ends.size - 2))
         chosen = slice(order * element, order * (element + 1) + 1)
-        return Site(f"{rod}@{s:g}", rod, float(s), stations[chosen], _lagrange_weights(known[chosen], s))
+        return Site(f"{rod}@{s:g}", rod, float(s), stations[chosen], lagrange_weights(known[chosen], s))
 
     def _known(self) -> list[str]:
         """All places that have names."""
@@ -176,7 +176,7 @@ class Sites:
         return Site(label, rod, float(self._s[station]), at, one)
 
 
-def _lagrange_weights(nodes: Floats, s: float) -> Floats:
+def lagrange_weights(nodes: Floats, s: float) -> Floats:
     """Return the values at ``s`` of the Lagrange polynomials of ``nodes``."""
     difference = nodes[:, None] - nodes[None, :]
     np.fill_diagonal(difference, 1.0)

@@ -18,11 +18,12 @@ from viscorod.results.style import (
     SMALL,
     TEXT,
     clean,
-    figure,
     heading,
     legend_above,
     legend_inside,
     scaled,
+    time_colours,
+    titled,
 )
 from viscorod.typing import Floats
 
@@ -38,27 +39,39 @@ _SIDE_BY_SIDE = 5  # snapshots of rods that would hide each other
 _BETWEEN, _ENOUGH = 8, 4000  # points drawn from one stored time to the next, and in all
 
 
-def draw_motion(run: Run, place: str | int | None = None, axis: str | None = None) -> Figure:
-    """Return the figure of a motion; see ``Run.plot``."""
+def draw_tip(run: Run, place: str | int | None = None, axis: str | None = None) -> Figure:
+    """Return the figure of one displacement over time alone; see ``Run.plot``."""
+    place, axis = chosen_motion(run, place, axis)
+    picture = titled(run, 9.0, 4.4)
+    draw_history(picture.add_subplot(), run, place, axis, run.free_decay(place, axis))
+    return picture
+
+
+def chosen_motion(run: Run, place: str | int | None, axis: str | None) -> tuple[str, str]:
+    """Return a place in words and an axis: by default those that move most."""
     site, main_axis = run.main_motion
     if place is not None:
         site = run.sites.at(place)
         spread = np.ptp(run.history(place, "displacement").values, axis=0)
         main_axis = "xyz"[int(np.argmax(spread))]
-    axis = axis or main_axis
-    decay = run.free_decay(site.label, axis)
-    picture = figure(10.0, 7.6)
-    if run.title:
-        picture.suptitle(run.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+    return site.label, axis or main_axis
+
+
+def draw_motion(run: Run, place: str | int | None = None, axis: str | None = None) -> Figure:
+    """Return the figure of a motion; see ``Run.plot``."""
+    place, axis = chosen_motion(run, place, axis)
+    decay = run.free_decay(place, axis)
+    picture = titled(run, 10.0, 7.6)
     grid = picture.add_gridspec(2, 1 if decay is None else 2, height_ratios=(1.0, 1.2))
-    _history(picture.add_subplot(grid[0, :]), run, site.label, axis, decay)
+    draw_history(picture.add_subplot(grid[0, :]), run, place, axis, decay)
     _snapshots(picture, grid[1, 0], run, decay)
     if decay is not None:
         _damping(picture.add_subplot(grid[1, 1]), decay)
     return picture
 
 
-def _history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement | None) -> None:
+def draw_history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement | None) -> None:
+    """Draw a displacement over time into an axes, with the maxima and the envelope of a decay."""
     values = run.history(place, "displacement").sel(axis=axis).values
     scale, unit = scaled("m", values)
     clean(axes, "time [s]", f"displacement {axis} of {place} [{unit}]")
@@ -101,9 +114,8 @@ def _curve(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Floats]:
 
 
 def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | None) -> None:
-    from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import LinearSegmentedColormap, Normalize
+    from matplotlib.colors import Normalize
 
     start, end = (run.time[0], run.time[-1]) if decay is None else decay.time[:2]
     reference = np.asarray(run.data["reference_position"].values, dtype=float)
@@ -121,8 +133,7 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     period = "" if decay is None else ", first period"
     rods += " and bodies" if assembly.bodies else ""
     view.prepare(axes, f"{rods} {view.name}{period}{', side by side' if coiled else ''}")
-    # The light end of the map is left out: it would not show on white.
-    colours = LinearSegmentedColormap.from_list("time", colormaps["viridis"](np.linspace(0.0, 0.88, 64)))
+    colours = time_colours()
     span = Normalize(start, end if end > start else start + 1.0)
     if not coiled:
         draw_reference(axes, view, curves, run)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
@@ -18,6 +18,8 @@ from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from viscorod.results.probe import Places
 
 Quantity: TypeAlias = Literal["position", "displacement", "velocity"]
 
@@ -152,6 +154,34 @@ class Result(ABC):
         values = np.asarray(self.data[name].values, dtype=float)
         return values - self.data["reference_position"].values if quantity == "displacement" else values
 
+    def probe(self, places: Places, *, s: Sequence[float] | Floats | None = None) -> xr.Dataset:
+        """Return everything at any places, by the element's own interpolation, in all stored states.
+
+        Positions and frames are those of the element between its nodes. Strains, section forces and dissipation are
+        the polynomial through the Gauss points of the element, of degree p - 1 with order p: with it the element
+        stores energy (derivatives of the positions agree with it at the Gauss points only, and are less accurate
+        between). Where two elements meet they are those of the element that begins there. Dissipation is not
+        negative.
+
+        Args:
+            places: "beam.end", "beam@0.15", "plate", "plate.corner", the number of a station, or a list of these; with
+                ``s`` the name of a rod.
+            s: arc lengths on that rod [m].
+
+        Returns:
+            A data set over ``time`` (or ``load_factor``, ``spin``) and ``place`` with ``position``, ``displacement``
+            [m], ``rotation`` (quaternion), ``frame`` (d1, d2, d3 as columns of a matrix), ``velocity`` [m/s] and
+            ``angular_velocity`` [rad/s, body axes], ``strain``, ``section_force`` (body axes) and ``dissipation``
+            [W/m], as far as this kind of result has them; see the reference of the data set for components, units and
+            axes. On bodies only the motion.
+
+        Raises:
+            InputError: no such place, or places on rods and on bodies in one call.
+        """
+        from viscorod.results.probe import probed
+
+        return probed(self, places, s)
+
     @cached_property
     def main_motion(self) -> tuple[Site, str]:
         """The station and the global axis whose displacement has the largest range."""
@@ -167,6 +197,19 @@ class Result(ABC):
         from viscorod.results.storage import write
 
         return write(self.data, path)
+
+    def save_paraview(self, folder: str | Path) -> Path:
+        """Write polylines of all stored states for ParaView (pip install 'viscorod[vtk]').
+
+        Args:
+            folder: it is made; files of this name in it are replaced.
+
+        Returns:
+            The collection ``run.pvd``, to be opened in ParaView.
+        """
+        from viscorod.results.paraview import write_paraview
+
+        return write_paraview(self, folder)
 
     @abstractmethod
     def report(self) -> str:

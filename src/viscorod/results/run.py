@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -11,6 +12,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.mechanics.quaternion import conjugate, product, rotation_vector
+from viscorod.results.between_records import step_ends
 from viscorod.results.decrement import Decrement, decrement, hermite, resting_value
 from viscorod.results.energy import Energy
 from viscorod.results.places import Site
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from viscorod.results.damping_validity import DampingValidity
+    from viscorod.results.probe import Places
 
 _STARTS_BELOW = 0.5  # a start this far below rest, as a part of the largest departure, makes minima count
 
@@ -35,6 +38,13 @@ class Run(Result):
     def time(self) -> Floats:
         """Stored times [s]."""
         return np.asarray(self.data["time"].values, dtype=float)
+
+    @cached_property
+    def step_ends(self) -> Integers | None:
+        """Numbers of the stored states that end a step, 0 too; None where some steps end between stored states."""
+        if "step_size" not in self.data:
+            return None
+        return step_ends(self.time, np.asarray(self.data["step_size"].values, dtype=float))
 
     @cached_property
     def energy(self) -> Energy:
@@ -128,6 +138,38 @@ class Run(Result):
         unit: Floats = between / np.linalg.norm(between, axis=-1, keepdims=True)
         return unit
 
+    def probe(
+        self,
+        places: Places,
+        times: float | Sequence[float] | Floats | None = None,
+        *,
+        s: Sequence[float] | Floats | None = None,
+    ) -> xr.Dataset:
+        """Return everything at any places and any times; see ``Result.probe`` for what is between stations.
+
+        Between stored states positions and rotations are cubics through the stored ones and their rates; velocities,
+        strains, section forces and dissipation are the polynomial through the stored states of the step, or the cubic
+        through the four nearest ones (errors of order 4 in the time between states). Without ``output_interval`` the
+        collocation methods store their own polynomial at three instants within every step: strains and section forces
+        between are that polynomial again, positions and rotations follow it far below the tolerance. An
+        ``output_interval`` should resolve the motion.
+
+        Args:
+            places: "beam.end", "beam@0.15", "plate", "plate.corner", the number of a station, or a list of these; with
+                ``s`` the name of a rod.
+            times: times of the run [s]; without them all stored ones.
+            s: arc lengths on that rod [m].
+
+        Returns:
+            A data set over ``time`` and ``place``, see ``Result.probe``.
+
+        Raises:
+            InputError: no such place, a time outside the run, or places on rods and on bodies in one call.
+        """
+        from viscorod.results.probe import probed
+
+        return probed(self, places, s, times)
+
     def damping_validity(self, tolerance: float = 0.1) -> DampingValidity:
         """Tell whether Kelvin-Voigt damping was right for this motion, from the spectrum of its strains.
 
@@ -176,6 +218,25 @@ class Run(Result):
         from viscorod.results.style import write
 
         return write(draw_energy(self), path)
+
+    def animate(self, path: str | Path, *, fps: float = 25.0, speed: float | None = None) -> Path:
+        """Write a film of the motion, uniform in time, in fixed limits.
+
+        Args:
+            path: .mp4 (needs ffmpeg: pip install 'viscorod[animate]') or .gif.
+            fps: frames per second of the film; those of a .gif last whole hundredths of a second.
+            speed: seconds of motion in one second of film. By default 1 for a motion of 2 to 60 s, else a round number
+                for which the film lasts about 10 s.
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: the suffix is unknown, ffmpeg is missing, or there would be too many frames.
+        """
+        from viscorod.results.animation import write_film
+
+        return write_film(self, path, fps=fps, speed=speed)
 
 
 class Equilibrium(Result):

@@ -92,6 +92,76 @@ VARIABLES: dict[str, tuple[str, str]] = {
 }
 """Name -> (unit, long name), written into the attributes of every data set."""
 
+STATES = "states"
+"""Stands for the dimension of the states in ``DIMENSIONS``: time, load_factor or spin (see ``DIMENSION``)."""
+
+DIMENSIONS: dict[str, tuple[str, ...]] = {
+    "time": ("time",),
+    "load_factor": ("load_factor",),
+    "spin": ("spin",),
+    **dict.fromkeys(("station_rod", "station_s", "station_order", "station_body"), ("station",)),
+    **dict.fromkeys(("point_rod", "point_s", "point_weight", "half_width"), ("point",)),
+    "reference_position": ("station", "axis"),
+    "reference_rotation": ("station", "quaternion"),
+    **dict.fromkeys(("position", "velocity", "angular_velocity"), (STATES, "station", "axis")),
+    "rotation": (STATES, "station", "quaternion"),
+    **dict.fromkeys(("strain", "section_force"), (STATES, "point", "component")),
+    "dissipation": (STATES, "point"),
+    "relaxation_time": ("branch",),
+    "branch_loss": (STATES, "branch"),
+    **dict.fromkeys(("kinetic", "elastic", "viscous", "external", "numerical"), (STATES,)),
+    "reaction": (STATES, "support", "motion"),
+    **dict.fromkeys(("joint", "joint_motion", "joint_held"), ("joint_coordinate",)),
+    **dict.fromkeys(("joint_value", "joint_rate", "joint_force"), (STATES, "joint_coordinate")),
+    **dict.fromkeys(("connection", "connection_kind"), ("connection",)),
+    "connection_station": ("connection", "side"),
+    "connection_arm": ("connection", "side", "axis"),
+    **dict.fromkeys(("step_size", "iterations", "negative_eigenvalues"), (STATES,)),
+    **dict.fromkeys(("linear_momentum", "angular_momentum"), (STATES, "axis")),
+    **dict.fromkeys(("spin_vector", "joint_spin", "centre", "momentum"), ("axis",)),
+    "eigenvalue": ("small_motion", "part"),
+}
+"""Name -> dimensions of every variable."""
+
+FRAMES = {
+    **dict.fromkeys(
+        (
+            "reference_position",
+            "position",
+            "velocity",
+            "reaction",
+            "linear_momentum",
+            "angular_momentum",
+            "spin_vector",
+            "centre",
+            "momentum",
+        ),
+        "global",
+    ),
+    **dict.fromkeys(("reference_rotation", "rotation"), "body to global"),
+    **dict.fromkeys(("angular_velocity", "strain", "section_force", "joint_spin"), "body (d1, d2, d3)"),
+    **dict.fromkeys(("joint_value", "joint_rate", "joint_force"), "of the joint"),
+    "connection_arm": "of the station",
+}
+"""Name -> axes in which the components of a vector are."""
+
+PLACES = {
+    "station": "nodes of the elements, rod by rod by increasing arc length, then bodies and their points",
+    "point": "Gauss points of the elements, rod by rod by increasing arc length",
+    "axis": "x, y, z: components in the axes that the variable names (body axes: d1, d2, d3)",
+    "quaternion": "w, x, y, z",
+    "component": "shear_1, shear_2, stretch, bend_1, bend_2, twist: along and about d1, d2, d3",
+    "support": "supports, by name",
+    "motion": "fx, fy, fz, mx, my, mz",
+    "branch": "Maxwell branches, by relaxation time",
+    "joint_coordinate": "motions of joints and springs",
+    "connection": "joints and springs",
+    "side": "the two places of a connection",
+    "small_motion": "eigenvalues, slowest first",
+    "part": "real and imaginary",
+}
+"""Dimension -> what its places are."""
+
 COUNTERS = {
     "steps": "steps",
     "rejected": "rejected steps",

@@ -11,7 +11,11 @@ from viscorod.errors import InputError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.figure import Figure
+
+    from viscorod.results.result import Result
 
 # Okabe and Ito's palette, told apart by readers with any kind of colour vision.
 BLUE, ORANGE, GREEN, RED, SKY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9"
@@ -42,6 +46,29 @@ def figure(width: float, height: float) -> Figure:
     )
     FigureCanvasAgg(result)
     return result
+
+
+def titled(result: Result, width: float, height: float) -> Figure:
+    """Return an empty figure [inches] with the title of the case, if it has one."""
+    picture = figure(width, height)
+    if result.title:
+        picture.suptitle(result.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+    return picture
+
+
+def time_colours() -> LinearSegmentedColormap:
+    """Return the colours of instants, early to late; the light end of viridis would not show on white."""
+    from matplotlib import colormaps
+    from matplotlib.colors import LinearSegmentedColormap
+
+    return LinearSegmentedColormap.from_list("time", colormaps["viridis"](np.linspace(0.0, 0.88, 64)))
+
+
+def colour_bar(picture: Figure, axes: Axes, mappable: ScalarMappable, label: str) -> None:
+    """Put a labelled colour bar beside an axes."""
+    bar = picture.colorbar(mappable, ax=axes, aspect=28, pad=0.03)
+    bar.set_label(label, fontsize=TEXT)
+    bar.ax.tick_params(labelsize=SMALL)
 
 
 def write(picture: Figure, path: str | Path) -> Path:

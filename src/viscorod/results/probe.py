@@ -1,0 +1,231 @@
+"""Everything at any place and, of a motion, any time; see ``Result.probe``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.mechanics.quaternion import matrices
+from viscorod.results.between_records import Instants
+from viscorod.results.element_points import Poses, Stencil
+from viscorod.results.places import Site
+from viscorod.results.schema import AXES, VARIABLES
+from viscorod.typing import Floats, Integers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from viscorod.results.result import Result
+    from viscorod.results.run import Run
+
+Places = str | int | Sequence[str | int]
+
+DIRECTORS = ("d1", "d2", "d3")
+FIELDS = ("strain", "section_force", "dissipation")
+"""What rods have and bodies have not."""
+
+
+def probed(
+    result: Result, places: Places, s: Sequence[float] | Floats | None = None, times: Any = None
+) -> xr.Dataset:
+    """Return the fields of a result at places, and at times of a run; see ``Result.probe`` and ``Run.probe``."""
+    import xarray as xr
+
+    chosen = _sites(result, places, s)
+    bodies = [site.label for site in chosen if site.rod in result.sites.bodies]
+    if bodies and len(bodies) < len(chosen):
+        raise InputError(
+            f"{bodies[0]!r} is a place on a body and has no strains; ask for places on bodies and on rods apart"
+        )
+    instants = None if times is None else instants_of(cast("Run", result), times)
+    along = result.dimension
+    level = np.asarray(result.data[along].values, dtype=float) if instants is None else instants.time
+    values = fields_at(result, chosen, instants)
+    dims: dict[str, tuple[str, ...]] = {
+        "angular_velocity": ("director",),
+        "rotation": ("quaternion",),
+        "frame": ("axis", "director"),
+        "strain": ("component",),
+        "section_force": ("component",),
+        "dissipation": (),
+    }
+    labels = {
+        "axis": list(AXES),
+        "quaternion": list("wxyz"),
+        "director": list(DIRECTORS),
+        "component": result.data["component"].values.tolist() if "component" in result.data.coords else [],
+    }
+    variables = {
+        name: ((along, "place", *dims.get(name, ("axis",))), field, _about(name))
+        for name, field in values.items()
+    }
+    used = {dimension for spec in variables.values() for dimension in spec[0]}
+    return xr.Dataset(
+        variables,
+        {
+            along: (along, level, dict(result.data[along].attrs)),
+            "place": [site.label for site in chosen],
+            "rod": ("place", [site.rod for site in chosen]),
+            "s": ("place", [site.s for site in chosen], _about("station_s")),
+            **{name: words for name, words in labels.items() if name in used},
+        },
+        {"title": result.title},
+    )
+
+
+def instants_of(run: Run, times: Any) -> Instants:
+    """Return times [s] located among the states of a run.
+
+    Raises:
+        InputError: a time lies outside the run.
+    """
+    return Instants.of(run.time, times, run.step_ends)
+
+
+def fields_at(result: Result, sites: Sequence[Site], instants: Instants | None = None) -> dict[str, Floats]:
+    """Return all fields of sites, either all on rods or all on bodies, ``(states or times, sites, ...)`` each."""
+    on_body = sites[0].rod in result.sites.bodies
+    return (_OfBodies if on_body else _OfRods)(result, sites, instants).fields()
+
+
+def poses_at(run: Result, stations: Integers, instants: Instants) -> Poses:
+    """Return the poses of stations at times of a run, reading no other states."""
+    moving = _Read(run, instants).moving(stations)
+    assert moving is not None
+    return moving[0]
+
+
+def _about(name: str) -> dict[str, str]:
+    known = VARIABLES | {
+        "displacement": ("m", "displacement from the reference shape, global axes"),
+        "frame": ("1", "directors d1, d2, d3 as columns, global axes"),
+        "station_s": ("m", "arc length in the reference shape, 0 on bodies"),
+    }
+    unit, text = known[name]
+    return {"units": unit, "long_name": text}
+
+
+def _sites(result: Result, places: Places, s: Sequence[float] | Floats | None) -> list[Site]:
+    if s is not None:
+        if not isinstance(places, str) or places not in result.sites.rods:
+            raise InputError(
+                f"s: arc lengths go with one rod, found {places!r}; give one of {', '.join(result.sites.rods)}"
+            )
+        arc = np.atleast_1d(np.asarray(s, dtype=float))
+        if arc.ndim != 1 or arc.size == 0:
+            raise InputError("s: give one arc length in m, or a list of them")
+        return [result.sites.along(places, float(value)) for value in arc]
+    single = isinstance(places, (str, int, np.integer))
+    several = [places] if single else list(places)  # type: ignore[arg-type]
+    if not several:
+        raise InputError("places: give at least one place, such as 'beam.end'")
+    return [result.sites.at(place) for place in several]  # type: ignore[arg-type]
+
+
+class _Read:
+    """Reads what is needed of the data set, and no more of it."""
+
+    def __init__(self, result: Result, instants: Instants | None) -> None:
+        self.data, self.along, self.instants = result.data, result.dimension, instants
+        first, last = (0, None) if instants is None else (instants.first, instants.last)
+        self._states = slice(first, last)
+
+    def has(self, name: str) -> bool:
+        return name in self.data
+
+    def at(self, name: str, dimension: str, numbers: Integers) -> Floats:
+        variable = self.data[name]
+        if self.along in variable.dims:
+            variable = variable.isel({self.along: self._states})
+        return np.asarray(variable.isel({dimension: numbers}).values, dtype=float)
+
+    def moving(self, stations: Integers) -> tuple[Poses, Floats, Floats] | None:
+        """Poses, velocities and spins at the times; None where the result has no velocities."""
+        if not self.has("velocity"):
+            return None
+        names = ("position", "rotation", "velocity", "angular_velocity")
+        r, q, v, w = (self.at(name, "station", stations) for name in names)
+        if self.instants is not None:
+            r, q = self.instants.positions(r, v), self.instants.rotations(q, w)
+            v, w = self.instants.fields(v), self.instants.fields(w)
+        return Poses(r, q), v, w
+
+    def poses(self, stations: Integers) -> Poses:
+        """Poses of the stored states that are needed."""
+        return Poses(self.at("position", "station", stations), self.at("rotation", "station", stations))
+
+
+class _OfBodies:
+    """Fields at the mass centres and named points of bodies."""
+
+    def __init__(self, result: Result, chosen: Sequence[Site], instants: Instants | None) -> None:
+        self._read = _Read(result, instants)
+        self._stations = np.array([site.stations[0] for site in chosen])
+
+    def fields(self) -> dict[str, Floats]:
+        moving = self._read.moving(self._stations)
+        poses = self._read.poses(self._stations) if moving is None else moving[0]
+        values = _placed(poses, self._read.at("reference_position", "station", self._stations))
+        if moving is not None:
+            values |= {"velocity": moving[1], "angular_velocity": moving[2]}
+        return values
+
+
+class _OfRods:
+    """Fields at places of rods."""
+
+    def __init__(self, result: Result, chosen: Sequence[Site], instants: Instants | None) -> None:
+        self._read = _Read(result, instants)
+        self._count = len(chosen)
+        self._stencil = Stencil.of(result.data, result.sites, chosen)
+
+    def fields(self) -> dict[str, Floats]:
+        read, stencil = self._read, self._stencil
+        stations, points = stencil.stations, stencil.points
+        moving = read.moving(stations)
+        poses = read.poses(stations) if moving is None else moving[0]
+        reference = Poses(
+            read.at("reference_position", "station", stations),
+            read.at("reference_rotation", "station", stations),
+        )
+        at_points = {
+            name: read.at(name, "point", points) for name in FIELDS if read.has(name) and points.size
+        }
+        parts: list[dict[str, Floats]] = []
+        for group in stencil.groups:
+            values = _placed(group.poses(poses), group.poses(reference).position)
+            if moving is not None:
+                values["velocity"], values["angular_velocity"] = group.rates(*moving)
+            for name, field in at_points.items():
+                inside = field[:, group.gauss] if field.ndim == 3 else field[:, group.gauss, None]
+                found = group.through_gauss_points(inside)
+                if read.instants is not None:
+                    found = read.instants.fields(found)
+                # between Gauss points or states a polynomial through small powers may fall below zero
+                values[name] = np.maximum(found[..., 0], 0.0) if name == "dissipation" else found
+            parts.append(values)
+        together = {}
+        for name in parts[0]:
+            first = parts[0][name]
+            together[name] = np.empty((len(first), self._count, *first.shape[2:]))
+            for group, values in zip(stencil.groups, parts, strict=True):
+                together[name][:, group.places] = values[name]
+        return together
+
+
+def _placed(poses: Poses, reference: Floats) -> dict[str, Floats]:
+    """Positions, displacements, rotations and frames of places."""
+    q = poses.rotation.copy()
+    if len(q) > 1:  # both signs mean one rotation: each nearest to the one before it in time
+        flips = np.sum(q[1:] * q[:-1], axis=-1) < 0.0
+        q[1:][np.cumsum(flips, axis=0) % 2 == 1] *= -1.0
+    frame = matrices(q.reshape(-1, 4)).reshape(*q.shape[:-1], 3, 3)
+    return {
+        "position": poses.position,
+        "displacement": poses.position - reference,
+        "rotation": q,
+        "frame": frame,
+    }

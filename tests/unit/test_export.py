@@ -1,0 +1,216 @@
+"""Tables and files for ParaView, read back and compared with motions in closed form."""
+
+import builtins
+import csv
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import viscorod as vr
+from synthetic import LENGTH as ARC
+from synthetic import rolled_up, swing
+from turning import LENGTH, along, director, rigid, tumbling, with_body
+from viscorod.cli import app
+from viscorod.mechanics.quaternion import matrices
+from viscorod.results import csv_text
+from viscorod.results.paraview import write_paraview
+from viscorod.results.run import Equilibrium, Run
+
+
+@pytest.fixture
+def files(tmp_path):
+    """A tumbling rod and an arc on disk."""
+    Run(rigid(0.02)).save(tmp_path / "run.nc")
+    Equilibrium(rolled_up()).save(tmp_path / "arc.nc")
+    return tmp_path
+
+
+def invoke(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def table(text):
+    rows = list(csv.reader(text.splitlines()))
+    return {
+        head: np.array([float(row[k]) for row in rows[1:]])
+        for k, head in enumerate(rows[0])
+        if head != "place"
+    }
+
+
+def test_probe_prints_a_table(files):
+    result = invoke("probe", files / "run.nc", "rod.end", "rod@0.3", "--times", "0:2:0.25")
+    assert result.exit_code == 0, result.output
+    columns = table(result.stdout)
+    assert columns["time [s]"] == pytest.approx(np.repeat(np.arange(9) / 4, 2))
+    assert columns["s [m]"] == pytest.approx(np.tile([LENGTH, 0.3], 9))
+    d3, rate = director(columns["time [s]"])
+    _, body, _ = tumbling(columns["time [s]"])
+    for k, axis in enumerate("xyz"):
+        assert columns[f"position {axis} [m]"] == pytest.approx(d3[:, k] * columns["s [m]"], abs=1e-6)
+        assert columns[f"velocity {axis} [m/s]"] == pytest.approx(rate[:, k] * columns["s [m]"], abs=1e-5)
+        assert columns[f"d3 {axis} [1]"] == pytest.approx(d3[:, k], abs=1e-6)
+        assert columns[f"angular velocity d{k + 1} [rad/s]"] == pytest.approx(body[:, k], abs=1e-5)
+    expected = np.cos(3.0 * columns["time [s]"]) * along(columns["s [m]"])[0]
+    assert columns["section force 3 [N]"] == pytest.approx(expected, abs=1e-4)
+    assert list(columns)[-1] == "dissipation [W/m]"
+
+
+def test_probe_along_a_rod_goes_to_a_file(files):
+    result = invoke(
+        "probe", files / "run.nc", "rod", "--s", "0,0.25,0.8", "--times", "1.5", "-o", files / "new" / "a.csv"
+    )
+    assert result.exit_code == 0, result.output
+    columns = table((files / "new" / "a.csv").read_text())
+    d3, _ = director(np.array([1.5]))
+    assert columns["position z [m]"] == pytest.approx([0.0, 0.25 * d3[0, 2], 0.8 * d3[0, 2]], abs=1e-6)
+
+
+def test_probe_of_an_equilibrium(files):
+    columns = table(invoke("probe", files / "arc.nc", "beam.end").stdout)
+    assert columns["load_factor [1]"] == pytest.approx([0.25, 0.5, 0.75, 1.0])
+    assert columns["position x [m]"][-1] == pytest.approx(ARC / (0.5 * np.pi))
+
+
+def test_histories_have_units_and_all_digits(tmp_path):
+    run = Run(swing())
+    path = csv_text.write(
+        csv_text.history_columns(run, ["beam.end", "beam@0.1"], ["velocity", "displacement"])
+        | csv_text.energy_columns(run),
+        tmp_path / "a" / "tip.csv",
+    )
+    columns = table(path.read_text())
+    assert list(columns)[:4] == [
+        "time [s]",
+        "beam.end velocity x [m/s]",
+        "beam.end velocity y [m/s]",
+        "beam.end velocity z [m/s]",
+    ]
+    assert np.array_equal(columns["time [s]"], run.time)
+    exact = run.history("beam.end", "velocity").sel(axis="y").values
+    assert np.array_equal(columns["beam.end velocity y [m/s]"], exact)
+    assert np.array_equal(columns["viscous [J]"], run.data["viscous"].values)
+
+
+def test_joints_in_a_table(files):
+    data = rigid(0.1)
+    count = data.sizes["time"]
+    values = np.arange(2.0 * count).reshape(count, 2)
+    data = data.assign(
+        {
+            f"joint_{k}": (("time", "joint_coordinate"), f * values)
+            for k, f in (("value", 1), ("rate", 2), ("force", 3))
+        }
+    ).assign_coords(
+        joint=("joint_coordinate", ["hub", "hub"]),
+        joint_motion=("joint_coordinate", ["rz", "ux"]),
+        joint_held=("joint_coordinate", [False, True]),
+    )
+    Run(data).save(files / "joined.nc")
+    done = invoke("export", files / "joined.nc", "--csv", files / "j.csv", "--joint", "hub")
+    assert done.exit_code == 0, done.output
+    columns = table((files / "j.csv").read_text())
+    assert columns["hub rz value [rad]"] == pytest.approx(values[:, 0])
+    assert columns["hub ux force [N]"] == pytest.approx(3.0 * values[:, 1])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["export", "run.nc"], "nothing to write"),
+        (["export", "run.nc", "--csv", "a.csv"], "add --history PLACE, --energy or --joint NAME"),
+        (["export", "run.nc", "--csv", "a.csv", "--quantity", "strain"], "of which place"),
+        (["export", "run.nc", "--vtk", "v", "--energy"], "go with --csv"),
+        (["export", "run.nc", "--csv", "a.csv", "--energy", "--times", "1"], "goes with --vtk only"),
+        (
+            ["export", "run.nc", "--csv", "a.csv", "--history", "rod.end", "--quantity", "speed"],
+            "quantity = 'speed'",
+        ),
+        (["export", "run.nc", "--csv", "a.csv", "--joint", "hub"], "this result has no joints"),
+        (["probe", "run.nc", "rod.end", "--times", "0:1"], "--times: 0:1: no numbers in s"),
+        (["probe", "run.nc", "rod.end", "--times", "0:1:0"], "no numbers in s"),
+        (["probe", "run.nc", "rod.end", "--times", "nan"], "no numbers in s"),
+        (["probe", "run.nc", "rod.end", "rod.start", "--s", "0.1"], "arc lengths go with one rod"),
+        (["probe", "arc.nc", "beam.end", "--times", "0.5"], "holds no motion over time"),
+        (["export", "arc.nc", "--vtk", "v", "--times", "0.5"], "holds no motion over time"),
+        (["probe", "none.nc", "rod.end"], "is no file"),
+    ],
+)
+def test_wrong_commands(files, monkeypatch, arguments, message):
+    monkeypatch.chdir(files)
+    result = invoke(*arguments)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert "Traceback" not in result.output
+
+
+def test_missing_pyvista_is_one_message(monkeypatch, tmp_path):
+    real = builtins.__import__
+
+    def refuse(name, *rest, **more):
+        if name == "pyvista":
+            raise ModuleNotFoundError(name)
+        return real(name, *rest, **more)
+
+    monkeypatch.setattr(builtins, "__import__", refuse)
+    with pytest.raises(vr.InputError, match=r"type: pip install 'viscorod\[vtk\]'"):
+        write_paraview(Run(rigid(0.5)), tmp_path)
+
+
+@pytest.fixture
+def pyvista():
+    return pytest.importorskip("pyvista", reason="files for ParaView need the extra viscorod[vtk]")
+
+
+def test_round_trip_of_a_motion(pyvista, files):
+    result = invoke("export", files / "run.nc", "--vtk", files / "v", "--times", "0:2:0.4")
+    assert result.exit_code == 0, result.output
+    reader = pyvista.get_reader(files / "v" / "run.pvd")
+    assert reader.time_values == pytest.approx([0.0, 0.4, 0.8, 1.2, 1.6, 2.0])
+    for time in reader.time_values:
+        reader.set_active_time_value(time)
+        mesh = reader.read()[0]
+        q, _, spin = tumbling(np.array([time]))
+        s = mesh["radius"] / 0.005 - 2.0  # the rod is 0.01 + 0.005 s thick
+        frame = matrices(q)[0]
+        assert s[[0, -1]] == pytest.approx([0.0, LENGTH], abs=1e-12)
+        assert np.all(np.diff(s) > 0.0)
+        assert mesh.points == pytest.approx(s[:, None] * frame[:, 2], abs=1e-6)
+        assert mesh["velocity"] == pytest.approx(np.cross(spin, mesh.points), abs=1e-5)
+        for k in range(3):
+            assert mesh[f"d{k + 1}"] == pytest.approx(np.tile(frame[:, k], (s.size, 1)), abs=1e-6)
+        force = np.cos(3.0 * time) * along(s)[0]
+        assert mesh["section_force"] == pytest.approx(force[:, None] * np.array([0, 0, 1.0]), abs=1e-4)
+        assert mesh["section_force_global"] == pytest.approx(force[:, None] * frame[:, 2], abs=1e-4)
+        assert mesh.n_cells == 1
+        assert mesh.lines.tolist() == [s.size, *range(s.size)]
+        assert list(mesh.field_data["rod_names"]) == ["rod"]
+        assert mesh.field_data["TimeValue"] == pytest.approx([time])
+
+
+def test_all_stored_times_by_default_and_relative_names(pyvista, tmp_path):
+    run = Run(rigid(0.25))
+    path = run.save_paraview(tmp_path / "v")
+    entries = ElementTree.parse(path).getroot().findall("Collection/DataSet")
+    assert [float(entry.get("timestep")) for entry in entries] == run.time.tolist()
+    for entry in entries:
+        assert (tmp_path / "v" / entry.get("file")).is_file()
+
+
+def test_rods_and_bodies_are_parts_of_one_collection(pyvista, tmp_path):
+    run = Run(with_body().isel(time=slice(0, 3)))
+    reader = pyvista.get_reader(run.save_paraview(tmp_path))
+    reader.set_active_time_value(reader.time_values[1])
+    rods, bodies = reader.read()
+    assert list(bodies.field_data["body_names"]) == ["plate"]
+    assert bodies.points[0] == pytest.approx(2.0 * rods.points[-1], abs=1e-6)
+    assert rods.cell_data["rod"].tolist() == [0]
+
+
+def test_load_factors_of_an_equilibrium_become_times(pyvista, tmp_path):
+    reader = pyvista.get_reader(Equilibrium(rolled_up()).save_paraview(tmp_path))
+    assert reader.time_values == [0.25, 0.5, 0.75, 1.0]
+    turning_back = rolled_up().isel(load_factor=[0, 1, 0])
+    assert pyvista.get_reader(Equilibrium(turning_back).save_paraview(tmp_path)).time_values == [0, 1, 2]
