@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk
 
 import viscorod as vr
-from viscorod import analysis
+from viscorod import motion
 
 from .cases import slope, stiff
 
@@ -387,12 +387,12 @@ def integrators(monkeypatch):
     """The integrators that simulations use, in their order."""
     used = []
 
-    class Watched(analysis.Transient):
+    class Watched(motion.Transient):
         def __init__(self, problem, integrator, *rest):
             used.append(integrator)
             super().__init__(problem, integrator, *rest)
 
-    monkeypatch.setattr(analysis, "Transient", Watched)
+    monkeypatch.setattr(motion, "Transient", Watched)
     return used
 
 

@@ -62,7 +62,8 @@ def test_shipped_case_runs(name, results, tmp_path):
 def test_python_in_documents_runs(page, results, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_tables(page, tmp_path)
-    results("cantilever_swing").save("out/cantilever_swing/run.nc")  # what the pages on results start from
+    for name in ("cantilever_swing", "soft_arm"):  # what the pages on results start from
+        results(name).save(f"out/{name}/run.nc")
     (tmp_path / "cantilever_swing.toml").write_bytes(shipped_cases()["cantilever_swing"].read_bytes())
     for code in blocks(page, "python"):
         exec(compile(code, str(page), "exec"), {"__name__": "__main__"})

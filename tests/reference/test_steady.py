@@ -275,6 +275,7 @@ def test_whirling_rod_is_all_but_stable():
 def test_whirling_rod_keeps_whirling(formulation):
     """Solvers against each other: a transient that starts from the steady rotation keeps its strains for 3 turns."""
     from viscorod.analysis import Workplace
+    from viscorod.motion import stepping
     from viscorod.model.settings import SimulateSettings, SteadySettings
     from viscorod.solve.steady.search import Search
     from viscorod.solve.transient import Transient
@@ -284,7 +285,7 @@ def test_whirling_rod_keeps_whirling(formulation):
     found = Search(work.static, SteadySettings(energy=0.5, formulation=formulation), None).run()
     duration = 3.0 * 2.0 * np.pi / float(np.linalg.norm(found.spin))
     settings = SimulateSettings(duration, tolerance=1e-8, formulation=formulation, initial="reference")
-    integrator, control, _ = work._stepping(settings, found.state)
+    integrator, control, _ = stepping(work, settings, found.state)
     run = Transient(work.problem, integrator, control, work.system.worst_place).run(
         found.state.copy(), duration, output_interval=None, progress=None
     )
