@@ -1,0 +1,286 @@
+"""Run every shipped case and draw the pictures of docs/gallery.md: the shapes, and what the case is checked against.
+
+python docs/figures/gallery.py [NAME ...]
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from PIL import Image
+
+import viscorod as vr
+from viscorod.cases.case import load_case
+from viscorod.cases.shipped import shipped_case, shipped_cases
+from viscorod.front import run_case
+from viscorod.results.assemblies import Assembly
+from viscorod.results.plot_shape import draw_shapes
+from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
+from viscorod.results.style import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    RED,
+    clean,
+    figure,
+    heading,
+    legend_above,
+)
+
+TARGET = Path(__file__).parents[1] / "images" / "gallery"
+DPI = 90
+LARGEST = 60_000  # bytes of a picture
+SNAPSHOTS = 11
+WINDOWS = {  # of the snapshots, s, where the first half period or the whole motion tells less
+    "cantilever_swing": (0.0, 0.88),
+    "damped_strip": (0.0, 0.129),
+    "rubber_strip": (0.0, 0.21),
+    "soft_arm": (0.0, 0.25),
+    "comb_resonator": (0.0, 3.0e-5),
+    "spinning_up_arm": (4.0, 7.5),
+    "prestressed_bridge": (0.4, 1.2),
+}
+Draw = Callable[[Axes, vr.Run], None]
+
+
+def snapshots(picture: Figure, axes: Axes, run: vr.Run, start: float, end: float) -> None:
+    """Draw rods and bodies at equal intervals of time, dark to light."""
+    curves, assembly = Curves(run), Assembly(run)
+    reference = np.asarray(run.data["reference_position"].values, dtype=float)
+    coiled = curves.coiled(reference)
+    times = np.linspace(start, end, 5 if coiled else SNAPSHOTS)
+    positions = np.array([run.positions_at(float(time)) for time in times])
+    rotations = np.array([run.rotations_at(float(time)) for time in times])
+    ends = [assembly.ends(*state).reshape(-1, 3) for state in zip(positions, rotations, strict=True)]
+    view = View.of(np.concatenate([*positions, *ends]))
+    shifts = view.strip(positions) if coiled else np.zeros((times.size, 3))
+    view.prepare(axes, f"{start:.3g} s (dark) to {end:.3g} s (light)")
+    if not coiled:
+        draw_reference(axes, view, curves, run)
+    colours = colormaps["viridis"](np.linspace(0.0, 0.88, times.size))
+    for position, rotation, shift, colour in zip(positions, rotations, shifts, colours, strict=True):
+        curves.draw(axes, view, position + shift, color=colour, linewidth=1.6)
+        if not assembly.empty:
+            assembly.draw(axes, view.shifted(shift), position, rotation, tuple(colour))
+        mark_supports(axes, view, run, position + shift)
+    view.finish(axes, headroom=0.1)
+
+
+def history(
+    place: str, axis: str, known: list[tuple[float, float]] | None = None, scale: float = 1.0
+) -> Draw:
+    """A coordinate over time, with known values marked; see `displacement`."""
+    return _line("position", place, axis, known, scale)
+
+
+def displacement(
+    place: str, axis: str, known: list[tuple[float, float]] | None = None, scale: float = 1.0
+) -> Draw:
+    """A displacement over time, with known values (time, value); `scale` 1e6 draws it in um."""
+    return _line("displacement", place, axis, known, scale)
+
+
+def _line(field: str, place: str, axis: str, known: list[tuple[float, float]] | None, scale: float) -> Draw:
+    unit = {1.0: "m", 1e3: "mm", 1e6: "µm"}[scale]
+
+    def draw(axes: Axes, run: vr.Run) -> None:
+        value = run.history(place, field).sel(axis=axis).values
+        clean(axes, "time [s]", f"{axis} of {place} [{unit}]")
+        axes.plot(run.time, scale * value, color=BLUE, linewidth=1.4, label="this case")
+        if known:
+            axes.plot(*np.array(known).T, "o", color=RED, label="independent")
+
+    return draw
+
+
+def decay(place: str, axis: str, frequency: float, ratio: float, name: str, scale: float = 1.0) -> Draw:
+    """A free vibration with the envelope that theory gives the small one, through the last maximum."""
+
+    def draw(axes: Axes, run: vr.Run) -> None:
+        displacement(place, axis, scale=scale)(axes, run)
+        found = run.decrement(place, axis=axis, rest=None)
+        rate = 2 * np.pi * frequency * ratio
+        size = abs(found.value[-1] - found.rest) * np.exp(-rate * (run.time - found.time[-1]))
+        bottom, top = axes.get_ylim()
+        for sign, label in ((1.0, name), (-1.0, "_")):
+            axes.plot(
+                run.time, scale * (found.rest + sign * size), "--", color=RED, linewidth=1.3, label=label
+            )
+        room = 0.12 * (top - bottom)
+        axes.set_ylim(bottom - room, top + 2 * room)
+
+    return draw
+
+
+def energy(limit: float, name: str) -> Draw:
+    """Kinetic and elastic energy over time, with the value that they should reach."""
+
+    def draw(axes: Axes, run: vr.Run) -> None:
+        account = run.energy
+        clean(axes, "time [s]", "energy [J]")
+        axes.plot(account.time, account.total, color=BLUE, linewidth=1.6, label="kinetic + elastic")
+        axes.plot(account.time, account.elastic, color=GREEN, linewidth=1.0, label="elastic")
+        axes.axhline(limit, color=RED, linestyle="--", linewidth=1.3, label=name)
+
+    return draw
+
+
+def lag(axes: Axes, run: vr.Run) -> None:
+    """The tip of the arm in the frame that turns with its root, with the table of an independent computation."""
+    turned = np.array([vr.SpinUp(6.0, 15.0).value(t) for t in run.time])
+    x, y, _ = run.history("arm.end").values.T
+    clean(axes, "time [s]", "tip across the turning root [m]")
+    axes.plot(
+        run.time, -np.sin(turned) * x + np.cos(turned) * y, color=BLUE, linewidth=1.6, label="this case"
+    )
+    known = [(2, -0.102381), (4, -0.342279), (6, -0.543596), (6.76, -0.573835), (8, -0.542841)]
+    known += [(10, -0.362814), (12, -0.150900), (15, 0.001303)]
+    axes.plot(*np.array(known, dtype=float).T, "o", color=RED, label="independent")
+
+
+def bend(axes: Axes, result: vr.Equilibrium) -> None:
+    """The tip of the 45-degree bend while the load grows, with the converged position at 600."""
+    model = load_case(shipped_case("bend_45")).model(vr.Model)
+    factors = np.linspace(0.05, 1.0, 20)
+    tip = np.array([model.equilibrium(load_factor=factor).position("bend.end") for factor in factors])
+    clean(axes, "load", "tip position [m]")
+    for values, colour, name in zip(tip.T, (BLUE, GREEN, ORANGE), "xyz", strict=True):
+        axes.plot(600 * factors, values, color=colour, linewidth=1.6, label=name)
+    final = (15.68480, 47.15044, 53.47486)
+    axes.plot([600.0] * 3, final, "o", color=RED, label="independent")
+
+
+def princeton(axes: Axes, result: vr.Equilibrium) -> None:
+    """Tip displacements of the Princeton beam over the angle of its load, beside solid elements of Ansys."""
+    case = load_case(shipped_case("princeton_beam"))
+    angles = np.linspace(0.0, 90.0, 13)
+    moved = []
+    for angle in np.radians(angles):
+        model = case.model(vr.Model)
+        model.loads[:] = []
+        model.force("beam.end", (0, 13.345 * np.cos(angle), 13.345 * np.sin(angle)))
+        moved.append(1000 * model.equilibrium().displacement("beam.end"))
+    clean(axes, "angle of the load to the edge [deg]", "tip displacement [mm]")
+    axes.plot(angles, np.array(moved)[:, 2], color=BLUE, linewidth=1.6, label="flapwise")
+    axes.plot(angles, 5 * np.array(moved)[:, 1], color=GREEN, linewidth=1.6, label="edgewise, times 5")
+    solid = np.array([(30, 113.752, 16.404), (45, 153.554, 14.851), (60, 179.979, 11.272), (90, 197.669, 0)])
+    axes.plot(solid[:, 0], solid[:, 1], "o", color=RED, label="solids")
+    axes.plot(solid[:, 0], 5 * solid[:, 2], "o", color=RED)
+
+
+def sag(axes: Axes, run: vr.Run) -> None:
+    """The end of the helical spring, with the sag of the textbook's spring under its own weight, W/2k."""
+    displacement("spring.end", "z")(axes, run)
+    axes.axhline(-0.05593, color=RED, linestyle="--", linewidth=1.3, label="sag by G d^4/(8 D^3 n)")
+
+
+def resonator(axes: Axes, run: vr.Run) -> None:
+    """The shuttle, with its maxima where Tang's formula has them."""
+    displacement("shuttle", "x", scale=1e6)(axes, run)
+    top = 1e6 * float(run.history("shuttle", "displacement").sel(axis="x")[0])
+    axes.plot(np.arange(7) / 16479.24, [top] * 7, "o", color=RED, label="periods of the formula")
+    axes.xaxis.set_major_formatter(lambda value, _: f"{1e6 * value:g}")
+    axes.set_xlabel("time [µs]")
+
+
+def blade(axes: Axes, result: vr.Steady) -> None:
+    """Flapping frequencies of the swept blade over its speed, with the measured ones."""
+    model = load_case(shipped_case("swept_blade")).model(vr.Model)
+    speeds = np.linspace(0.0, 750.0, 16)
+    found = [model.modes(5, about="reference").frequencies]
+    found += [model.steady(spin=(0, 0, rpm * np.pi / 30), modes=5).frequencies for rpm in speeds[1:]]
+    clean(axes, "speed [1/min]", "frequency [Hz]")
+    for k, values in enumerate(np.array(found).T[:4]):
+        axes.plot(speeds, values, color=BLUE, linewidth=1.4, label="computed, all" if k == 0 else "_")
+    measured = {0: (1.6, 10.4, 24.8), 500: (10.2, 21.6, 35.1), 750: (14.7, 26.1, 44.8)}
+    for rpm, values in measured.items():
+        axes.plot([rpm] * 3, values, "o", color=RED, label="flapping, measured" if rpm == 0 else "_")
+
+
+def path(place: str, axis: str, known: list[tuple[float, float]], name: str) -> Callable[..., None]:
+    """Load factor over a displacement, with known points."""
+
+    def along(axes: Axes, result: vr.Equilibrium) -> None:
+        moved = result.history(place, "displacement").sel(axis=axis).values
+        clean(axes, f"displacement {axis} of {place.partition('@')[0]} [m]", "load factor")
+        axes.plot(moved, result.load_factor, color=BLUE, linewidth=1.6, label="equilibria")
+        if len(known[0]) == 2 and np.isnan(known[0][0]):
+            for _, level in known:
+                axes.axhline(level, color=RED, linestyle="--", linewidth=1.3, label=name)
+        else:
+            axes.plot(*np.array(known).T, "o", color=RED, label=name)
+
+    return along
+
+
+NAN = float("nan")
+RIGHT: dict[str, Callable[..., None]] = {
+    "bend_45": bend,
+    "cantilever_swing": decay("beam.end", "y", 0.56795, 0.035684, "ratio of the small vibration"),
+    "comb_resonator": resonator,
+    "damped_strip": decay("strip.end", "z", 3.8814, 0.02758, "Oberst's ratio", 1e3),
+    "deep_arch": path("arch@187.6228945893904", "y", [(NAN, 0.897)], "published limit load"),
+    "elastica_column": path(
+        "column.end", "x", [(0.42222, 1.06366), (0.71950, 1.29389), (0.80317, 1.88480)], "elliptic integrals"
+    ),
+    "flying_rod": energy(724.41, "independent"),
+    "four_bar": history("crank.end", "x", [(2.4, 0.109024)]),
+    "helix_spring": sag,
+    "hinged_beam": energy(0.4441, "independent"),
+    "prestressed_bridge": displacement("beam@15.0", "z", [(1.25, -3.0472), (1.5, 1.7979)]),
+    "princeton_beam": princeton,
+    "right_angle_frame": energy(114.88, "independent"),
+    "rubber_strip": decay("strip.end", "z", 2.40078, 0.0504, "ratio of the small vibration"),
+    "soft_arm": decay("end_plate.rim", "y", 2.05687, 0.12589, "ratio of the small vibration"),
+    "spinning_up_arm": lag,
+    "swept_blade": blade,
+}
+
+
+def draw(name: str) -> Path:
+    """Compute one case and write its picture."""
+    result = run_case(load_case(shipped_case(name)))
+    picture = figure(9.6, 4.0)
+    picture.suptitle(result.title, x=0.01, ha="left")
+    picture.subplots_adjust(wspace=0.26)
+    left, right = picture.subplots(1, 2)
+    if isinstance(result, vr.Run):
+        window = WINDOWS.get(name) or (float(result.time[0]), float(result.time[-1]))
+        if name == "helix_spring":
+            window = (0.0, 0.4)
+        snapshots(picture, left, result, *window)
+    else:
+        draw_shapes(left, result)
+        left.get_legend().remove()
+        thin = "path (thin), last point (bold)" if RIGHT[name].__name__ == "along" else "loaded (bold)"
+        heading(left, f"Reference shape (dashed), {'turning (bold)' if name == 'swept_blade' else thin}")
+    RIGHT[name](right, result)
+    for axes in (left, right):
+        axes.locator_params(axis="x", nbins=6)
+    legend_above(right, 4)
+    shot = BytesIO()
+    picture.savefig(shot, format="png", dpi=DPI)
+    target = TARGET / f"{name}.png"
+    target.parent.mkdir(parents=True, exist_ok=True)
+    Image.open(shot).convert("RGB").quantize(128, dither=Image.Dither.NONE).save(target, optimize=True)
+    size = target.stat().st_size
+    if size > LARGEST:
+        raise SystemExit(f"{target} has {size} bytes, more than {LARGEST}")
+    print(f"{target.name}: {size / 1000:.0f} kB", flush=True)
+    return target
+
+
+def main() -> None:
+    for name in sys.argv[1:] or shipped_cases():
+        draw(name)
+
+
+if __name__ == "__main__":
+    main()
