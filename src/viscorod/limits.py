@@ -14,6 +14,8 @@ LARGEST_TABLE = 50_000_000
 """Bytes of a table of measured moduli, which has some hundred rows."""
 MOST_NODES = 500_000
 """Nodes of all rods together: 11 GB of memory for an equilibrium and 40 GB for a motion."""
+MOST_CHOSEN = 10_000
+"""Elements that the program chooses for one rod: a coil of 3000 turns. More are meant only if they are given."""
 MOST_RECORDED = 100e9
 """Bytes of stored states, on disk or in memory."""
 LONGEST = 30 * 86_400.0

@@ -14,7 +14,7 @@ from viscorod.cases.schema import ANALYSES, CaseReader
 from viscorod.cases.sizes import size_problems, too_deep
 from viscorod.cases.units import Conversion
 from viscorod.errors import InputError, Problem
-from viscorod.limits import LARGEST_CASE
+from viscorod.limits import DEEPEST_NESTING, LARGEST_CASE
 from viscorod.model.described import nearest
 from viscorod.model.description import ModelDescription
 from viscorod.model.settings import AnySettings
@@ -84,15 +84,18 @@ def parse_case(text: str, source: Path | None = None) -> Case:
         raise InputError(_syntax(error, text), heading=heading) from None
     except (ValueError, RecursionError) as error:
         found = "tables or lists nested too deeply" if isinstance(error, RecursionError) else str(error)
-        raise InputError(_nested(found), heading=heading) from None
+        raise InputError(
+            Problem("file", found, "this cannot be read as TOML", "simplify it"), heading=heading
+        ) from None
     return case_from_dict(data, source, text)
 
 
 def case_from_dict(data: Mapping[str, Any], source: Path | None = None, text: str = "") -> Case:
     """Read the content of a case file given as nested dicts and lists; see `load_case`."""
     heading = str(source) if source is not None else "case"
-    if too_deep(data):
-        raise InputError(_nested("tables or lists nested too deeply"), heading=heading)
+    if deep := too_deep(data):
+        why = f"tables or lists are nested more than {DEEPEST_NESTING} deep"
+        raise InputError(Problem(deep, "", why, "give what the key needs"), heading=heading)
     plain, conversions, refused = converted(data)
     reader = CaseReader(plain if source is None else _found_from(source.parent, plain))
     reader.read()
@@ -104,10 +107,6 @@ def case_from_dict(data: Mapping[str, Any], source: Path | None = None, text: st
         raise InputError(problems, heading=heading)
     title = reader.title or (source.stem if source is not None else "untitled")
     return Case(title, reader.model, reader.settings, source, data, text, tuple(conversions))
-
-
-def _nested(found: str) -> Problem:
-    return Problem("file", found, "this cannot be read as TOML", "simplify it")
 
 
 def _found_from(folder: Path, value: Any) -> Any:

@@ -10,6 +10,7 @@ from viscorod.errors import Problem
 from viscorod.limits import (
     DEEPEST_NESTING,
     LONGEST,
+    MOST_CHOSEN,
     MOST_NODES,
     MOST_RECORDED,
     MOTION_BYTES,
@@ -17,27 +18,29 @@ from viscorod.limits import (
     NODE_SECONDS,
     STATE_BYTES,
 )
-from viscorod.model.centreline import Helix
-from viscorod.model.described import show
+from viscorod.model.centreline import Arc, Helix
+from viscorod.model.described import path_text, show
 from viscorod.model.description import ModelDescription
 from viscorod.model.rod import Rod
 from viscorod.model.settings import AnySettings, PathSettings, SimulateSettings
+from viscorod.model.values import LARGEST
 
 __all__ = ["size_problems", "too_deep"]
 
 LEAST_NODES = 10
-"""Nodes of a rod whose mesh the program chooses; a helix gets three elements per turn."""
+"""Nodes of a rod whose mesh the program chooses; bent ones get three elements per turn."""
 ORDER = 5
-MOST_CHOSEN = 50_000
-"""Elements of a helix that the program chooses, at most."""
+TURN = 2.0 * math.pi
 
 
-def too_deep(value: Any, depth: int = DEEPEST_NESTING) -> bool:
-    """Whether tables and lists are nested deeper than any case needs."""
+def too_deep(value: Any, path: tuple[str | int, ...] = ()) -> str | None:
+    """Where tables and lists are nested deeper than any case needs: the path down to there, shortened."""
     if not isinstance(value, Mapping | list | tuple):
-        return False
-    items = value.values() if isinstance(value, Mapping) else value
-    return depth == 0 or any(too_deep(item, depth - 1) for item in items)
+        return None
+    if len(path) >= DEEPEST_NESTING:
+        return path_text(path[:6])
+    items = value.items() if isinstance(value, Mapping) else enumerate(value)
+    return next((found for key, item in items if (found := too_deep(item, (*path, key)))), None)
 
 
 def size_problems(model: ModelDescription, settings: AnySettings) -> list[Problem]:
@@ -46,6 +49,15 @@ def size_problems(model: ModelDescription, settings: AnySettings) -> list[Proble
 
 
 def _problems(model: ModelDescription, settings: AnySettings) -> Iterator[Problem]:
+    for name, rod in model.rods.items():
+        if rod.elements is None and _chosen(rod) > MOST_CHOSEN:
+            yield Problem(
+                f"rods.{name}",
+                "",
+                f"its centre line turns so often that {_chosen(rod):.3g} elements would be needed",
+                f"check angle or turns; give elements if more than {MOST_CHOSEN} are meant",
+            )
+            return
     nodes = {name: _nodes(rod) for name, rod in model.rods.items()}
     total = sum(nodes.values())
     moves = isinstance(settings, SimulateSettings)
@@ -80,9 +92,14 @@ def _nodes(rod: Rod) -> int:
     order = rod.order or ORDER
     if rod.elements is not None:
         return rod.elements * order + 1
+    return max(LEAST_NODES, _chosen(rod) * order + 1)
+
+
+def _chosen(rod: Rod) -> int:
+    """Elements that the program takes for the turning of the centre line."""
     line = rod.centreline
-    turns = line.turns if isinstance(line, Helix) else 0.0
-    return max(LEAST_NODES, min(MOST_CHOSEN, math.ceil(min(3.0 * turns, 1e9))) * order + 1)
+    turning = line.angle if isinstance(line, Arc) else TURN * line.turns if isinstance(line, Helix) else 0.0
+    return math.ceil(min(3.0 * turning / TURN, LARGEST))
 
 
 def _too_long(key: str, value: float, count: float, nodes: int, noun: str) -> Iterator[Problem]:
