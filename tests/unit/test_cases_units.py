@@ -28,8 +28,8 @@ twist = 0.5235987755982989
 [[supports]]
 kind = "clamp"
 at = "beam.start"
-motion = { rz = { kind = "sine", frequency = 2.0, amplitude = 0.1 }, ux = { kind = "spin_up", 
-  speed = 0.02, duration = 1.0 } }
+motion.rz = { kind = "sine", frequency = 2.0, amplitude = 0.1 }
+motion.ux = { kind = "spin_up", speed = 0.02, duration = 1.0 }
 
 [[loads]]
 kind = "moment"
@@ -67,7 +67,8 @@ twist = "30 deg"
 [[supports]]
 kind = "clamp"
 at = "beam.start"
-motion = { rz = { kind = "sine", frequency = "120 rpm", amplitude = "100 mrad" }, ux = { kind = "spin_up", speed = "20 mm/s", duration = "1000 ms" } }
+motion.rz = { kind = "sine", frequency = "120 rpm", amplitude = "100 mrad" }
+motion.ux = { kind = "spin_up", speed = "20 mm/s", duration = "1000 ms" }
 
 [[loads]]
 kind = "moment"
