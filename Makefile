@@ -8,12 +8,13 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-com
 WORKERS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test search check docs figures bench peers clean
+.PHONY: help demo test search fuzz check docs figures bench peers clean
 
 help:
 	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
 	@echo "make test   all checks and all tests"
 	@echo "make search property tests with new random examples"
+	@echo "make fuzz   10 000 damaged versions of every shipped case, checked and computed for some steps (a night)"
 	@echo "make check  ruff, mypy, import contracts, documentation with warnings as errors"
 	@echo "make docs   documentation in docs/_build/html"
 	@echo "make figures  draw the pictures of the documentation again and print its tables"
@@ -49,6 +50,9 @@ test: check
 
 search: $(VENV)/.stamp-test
 	$(BIN)/python -m pytest -n $(WORKERS) tests/property --hypothesis-profile=search
+
+fuzz: $(VENV)/.stamp-test
+	$(BIN)/python -m pytest -n $(WORKERS) tests/property/test_fuzz_runs.py --hypothesis-profile=fuzz
 
 docs: $(VENV)/.stamp-test
 	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html

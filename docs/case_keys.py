@@ -5,12 +5,12 @@ the docstring of its class, a check without words here, and a part that no page 
 """
 
 import inspect
-import re
 
 from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
 from viscorod.cases import schema
+from viscorod.cases.meanings import meanings
 from viscorod.model.attachment import Attachment
 from viscorod.model.body import BODIES, Body
 from viscorod.model.body_velocity import BodyVelocity
@@ -151,24 +151,6 @@ TEXTS = {
 }
 """Checks of values by name (with the module where two share one) and what they let through, in words."""
 
-FILE_WORDS = {
-    "; by name only": "",
-    ", three numbers or a function of s": "",
-    ", or a function of the arc length (in Python only)": "",
-    ", six numbers": "",
-    ", or functions of the coordinate (in Python only)": "",
-    ", or functions of the rate (in Python only)": "",
-    ", or the force as a function of the elongation (in Python only)": "",
-    ", or the force as a function of the rate of the length (in Python only)": "",
-    ": that of a rigid motion, or any (of a rod, in Python only)": "",
-    " (see `Centreline.frames`)": "",
-    "None lets the program choose": "left out, the program chooses",
-    "None stores every step": "left out, every step",
-    "None for ": "left out, ",
-    "; its path, from the case file on": "; its path from the case file on",
-}
-"""Turns of the docstrings that concern Python only, and what they become here."""
-
 
 def allowed(check):
     """What a check lets through, in words."""
@@ -192,15 +174,6 @@ def allowed(check):
         return f"table from motion words to {allowed(inside['check']).replace('number', 'numbers')}"
     module = check.__module__.rpartition(".")[2]
     return TEXTS.get(f"{module}.{name}") or TEXTS[name]
-
-
-def meanings(kind):
-    """The arguments in the docstring of a class: name -> text."""
-    _, _, text = inspect.getdoc(kind).partition("Args:\n")
-    lines = re.sub(r"\n {8,}", " ", text.split("\n\n")[0])
-    for python, file in FILE_WORDS.items():
-        lines = lines.replace(python, file)
-    return dict(re.findall(r"^ {4}(\w+): (.+)$", lines, flags=re.MULTILINE))
 
 
 def default(kind, name, field):

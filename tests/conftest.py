@@ -9,4 +9,5 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 settings.register_profile("same", derandomize=True)
 settings.register_profile("search", print_blob=True)
+settings.register_profile("fuzz", print_blob=True, max_examples=10_000)
 settings.load_profile("same")

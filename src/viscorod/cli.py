@@ -9,6 +9,7 @@ import gc
 import os
 import sys
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,6 +23,7 @@ from viscorod.terminal import existing, readable_errors, rows_text
 from viscorod.view_command import view
 
 if TYPE_CHECKING:
+    from viscorod.cases.units import Conversion
     from viscorod.check import CheckReport
 
 app = typer.Typer(
@@ -83,7 +85,8 @@ def check(
         # before anything is solved: the picture shows why something may fail
         picture = as_model(loaded.description).draw(folder / "assembly.png", loaded.title)
         try:
-            typer.echo(_check_text(check_model(loaded.description, loaded.settings)))
+            report = check_model(loaded.description, loaded.settings)
+            typer.echo(_check_text(report, loaded.conversions))
         finally:
             typer.echo(f"\nWritten: {picture}")
 
@@ -134,6 +137,35 @@ def sweep(
         typer.echo(f"\nWritten: {result.save(folder / 'sweep.nc')}")
         if result.failed:
             raise typer.Exit(1)
+
+
+@app.command()
+def schema(
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="File to write [default: print it]", show_default=False
+        ),
+    ] = None,
+) -> None:
+    """Write the JSON Schema of case files, for completion and checks in an editor."""
+    with readable_errors():
+        import json
+
+        from viscorod.cases.case_schema import case_schema
+
+        text = json.dumps(case_schema(), indent=2, ensure_ascii=False) + "\n"
+        if output is None:
+            typer.echo(text, nl=False)
+            return
+        try:
+            output.parent.mkdir(parents=True, exist_ok=True)
+            output.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise InputError(
+                f"{output} cannot be written ({error.strerror or error}); name another file"
+            ) from None
+        typer.echo(f"{output}: name it in a case file: #:schema {output}")
 
 
 @app.command()
@@ -220,7 +252,7 @@ def _copied(case: Path, folder: Path) -> Path:
     return target
 
 
-def _check_text(report: CheckReport) -> str:
+def _check_text(report: CheckReport, conversions: Sequence[Conversion]) -> str:
     modes = [
         {
             "mode": str(number),
@@ -232,7 +264,12 @@ def _check_text(report: CheckReport) -> str:
         )
     ]
     conditions = f", {report.conditions} conditions of joints and held strains" if report.conditions else ""
+    units = [
+        {"key": item.where, "as given": item.given, "in SI": f"{item.value!r} {item.unit}"}
+        for item in conversions
+    ]
     blocks = [
+        rows_text("Units converted", units),
         rows_text("Rods", report.rods),
         rows_text("Sections", report.sections),
         rows_text("Materials", report.materials),

@@ -20,6 +20,7 @@ from viscorod.cases.schema import TABLES
 from viscorod.errors import InputError, Problem, SolveError
 from viscorod.front import run_case
 from viscorod.model.described import nearest, show
+from viscorod.model.settings import SimulateSettings
 from viscorod.results.sweep import Member, Sweep
 
 __all__ = ["sweep"]
@@ -128,8 +129,9 @@ def _contents(case: Case, rows: Sequence[Mapping[str, Any]]) -> tuple[list[dict[
             for problem in error.problems:  # the same mistake in many members is told once
                 problems.setdefault((problem.where, problem.why), problem)
             continue
-        if member.kind == "simulate" and "output_interval" not in content["simulate"]:
-            interval = content["simulate"]["duration"] / OUTPUTS
+        settings = member.settings
+        if isinstance(settings, SimulateSettings) and "output_interval" not in content["simulate"]:
+            interval = settings.duration / OUTPUTS
             content["simulate"]["output_interval"] = interval
             notes.append(
                 f"output_interval = {interval:g} s, a {OUTPUTS}th of the duration: the case gives none"

@@ -9,19 +9,22 @@ from pathlib import Path
 
 import typer
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, SolveError
 
 __all__ = ["cell", "existing", "readable_errors", "rows_text"]
 
 
 @contextmanager
 def readable_errors() -> Iterator[None]:
-    """Turn wrong input into one message and exit code 2."""
+    """Turn wrong input into one message and exit code 2, what cannot be computed into one and exit code 1."""
     try:
         yield
     except InputError as error:
         typer.echo(f"error: {error}", err=True)
         raise typer.Exit(2) from None
+    except SolveError as error:
+        typer.echo(f"error: {error}", err=True)
+        raise typer.Exit(1) from None
 
 
 def existing(case: Path) -> Path:

@@ -275,8 +275,8 @@ def test_whirling_rod_is_all_but_stable():
 def test_whirling_rod_keeps_whirling(formulation):
     """Solvers against each other: a transient that starts from the steady rotation keeps its strains for 3 turns."""
     from viscorod.analysis import Workplace
-    from viscorod.motion import stepping
     from viscorod.model.settings import SimulateSettings, SteadySettings
+    from viscorod.motion import stepping
     from viscorod.solve.steady.search import Search
     from viscorod.solve.transient import Transient
 

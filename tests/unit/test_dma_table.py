@@ -148,6 +148,6 @@ def test_files_that_are_none(tmp_path, monkeypatch):
         read_dma_table("\0")
     with pytest.raises(InputError, match=r"no such file|cannot be read"):
         read_dma_table("y" * 5000)
-    monkeypatch.setattr("viscorod.model.dma_table.LARGEST_FILE", 10)
+    monkeypatch.setattr("viscorod.model.dma_table.LARGEST_TABLE", 10)
     with pytest.raises(InputError, match="larger than any table"):
         read_dma_table(written(tmp_path, PLAIN))

@@ -13,7 +13,8 @@ import viscorod.damping
 
 PAGES = Path(__file__).parents[2] / "docs" / "reference"
 DIRECTIVE = re.compile(
-    r"^\.\. (?:auto|py:)(class|function|exception|data|module):: ([\w.]+)\n(?:   :members:(.*)\n)?", re.MULTILINE
+    r"^\.\. (?:auto|py:)(class|function|exception|data|module):: ([\w.]+)\n(?:   :members:(.*)\n)?",
+    re.MULTILINE,
 )
 
 

@@ -9,8 +9,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
+from viscorod.cases.conversion import converted
 from viscorod.cases.schema import ANALYSES, CaseReader
+from viscorod.cases.sizes import size_problems, too_deep
+from viscorod.cases.units import Conversion
 from viscorod.errors import InputError, Problem
+from viscorod.limits import DEEPEST_NESTING, LARGEST_CASE
 from viscorod.model.described import nearest
 from viscorod.model.description import ModelDescription
 from viscorod.model.settings import AnySettings
@@ -29,8 +33,9 @@ class Case:
         description: the model.
         settings: of the analysis that is asked for.
         source: the file, if there is one.
-        content: the keys and values it was read from.
+        content: the keys and values it was read from, quantities as they were given.
         text: of the file.
+        conversions: quantities such as "10 mm" and what they are in SI.
     """
 
     title: str
@@ -39,6 +44,7 @@ class Case:
     source: Path | None = None
     content: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
     text: str = field(default="", compare=False, repr=False)
+    conversions: tuple[Conversion, ...] = field(default=(), compare=False, repr=False)
 
     @property
     def kind(self) -> str:
@@ -86,12 +92,21 @@ def parse_case(text: str, source: Path | None = None) -> Case:
 
 def case_from_dict(data: Mapping[str, Any], source: Path | None = None, text: str = "") -> Case:
     """Read the content of a case file given as nested dicts and lists; see `load_case`."""
-    reader = CaseReader(data if source is None else _found_from(source.parent, data))
+    heading = str(source) if source is not None else "case"
+    if deep := too_deep(data):
+        why = f"tables or lists are nested more than {DEEPEST_NESTING} deep"
+        raise InputError(Problem(deep, "", why, "give what the key needs"), heading=heading)
+    plain, conversions, refused = converted(data)
+    reader = CaseReader(plain if source is None else _found_from(source.parent, plain))
     reader.read()
-    if reader.problems or reader.settings is None:
-        raise InputError(reader.problems, heading=str(source) if source is not None else "case")
+    told = {problem.where for problem in refused}
+    problems = [*refused, *(problem for problem in reader.problems if problem.where not in told)]
+    if not problems and reader.settings is not None:
+        problems = size_problems(reader.model, reader.settings)
+    if problems or reader.settings is None:
+        raise InputError(problems, heading=heading)
     title = reader.title or (source.stem if source is not None else "untitled")
-    return Case(title, reader.model, reader.settings, source, data, text)
+    return Case(title, reader.model, reader.settings, source, data, text, tuple(conversions))
 
 
 def _found_from(folder: Path, value: Any) -> Any:
@@ -108,7 +123,11 @@ def _found_from(folder: Path, value: Any) -> Any:
 
 def _content(path: Path) -> str:
     try:
-        return path.read_text(encoding="utf-8-sig")
+        size = path.stat().st_size
+        if size <= LARGEST_CASE:
+            return path.read_text(encoding="utf-8-sig")
+        why = f"larger than any case file ({size / 1e6:.3g} MB)"
+        problem = Problem("file", str(path), why, f"give one of less than {LARGEST_CASE // 1_000_000} MB")
     except FileNotFoundError:
         instead = "give the path of a case file"
         if path.parent.is_dir():

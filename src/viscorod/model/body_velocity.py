@@ -58,7 +58,7 @@ class BodyVelocity(AnySupport):
     Args:
         at: place.
         fixed: velocity words v1, v2, v3 (m/s), w1, w2, w3 (rad/s) that stay zero.
-        velocity: velocity words with functions of time; by name only. They are continuous.
+        velocity: velocity words with functions of time (m/s, rad/s); by name only. They are continuous.
         motion: none; positions are free.
     """
 

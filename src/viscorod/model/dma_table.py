@@ -15,14 +15,13 @@ from pathlib import Path
 
 import numpy as np
 
+from viscorod.limits import LARGEST_TABLE
 from viscorod.model.described import RefusedError, show
 from viscorod.model.values import LARGEST
 from viscorod.typing import Floats
 
 __all__ = ["FREQUENCY_UNITS", "MODULUS_UNITS", "DmaTable", "read_dma_table"]
 
-LARGEST_FILE = 50_000_000
-"""Bytes; a table of a measurement is far smaller."""
 FREQUENCY_UNITS = {"Hz": 2.0 * math.pi, "kHz": 2e3 * math.pi, "rad/s": 1.0}
 """Angular frequency [rad/s] of the unit."""
 MODULUS_UNITS = {
@@ -99,10 +98,10 @@ def _text(path: Path) -> str:
         if not path.is_file():
             raise RefusedError("there is no such file", "give the path of a table of a frequency sweep")
         size = path.stat().st_size
-        if size > LARGEST_FILE:
+        if size > LARGEST_TABLE:
             raise RefusedError(
                 "the file is larger than any table of a measurement",
-                f"give one of less than {LARGEST_FILE // 1_000_000} MB",
+                f"give one of less than {LARGEST_TABLE // 1_000_000} MB",
                 found=f"{size / 1e6:.0f} MB",
             )
         content = path.read_bytes()

@@ -97,7 +97,7 @@ class Section(MaterialSection):
         area: m^2.
         second_moment_1: I1 = <xi2^2>, m^4, resists bend_1 (about d1).
         second_moment_2: I2 = <xi1^2>, m^4, resists bend_2 (about d2).
-        torsion_constant: J, m^4.
+        torsion_constant: resistance to twisting over the shear modulus, m^4.
         shear_factor_1: k1 of the shear stiffness k1 G A along d1.
         shear_factor_2: k2 of the shear stiffness k2 G A along d2.
     """

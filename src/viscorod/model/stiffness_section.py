@@ -224,7 +224,7 @@ class StiffnessSection(AnySection):
     Args:
         stiffness: C, positive definite; N, N m, N m^2.
         inertia: M, positive definite; kg/m, kg, kg m.
-        damping: D of S = C eps + D eps_t, positive semi-definite; the units of the stiffness times s.
+        damping: D of S = C eps + D eps_t, positive semi-definite; N s, N m s, N m^2 s.
         branches: Maxwell branches, each with its relaxation `time` and its `stiffness`.
         times: retardation times of the six strains instead of `damping`; s.
     """

@@ -203,7 +203,7 @@ class SpinUp(TimeFunction):
     before t = 0.
 
     Args:
-        speed: reached after the start, rad/s (m/s for a displacement).
+        speed: reached after the start, rad/s or m/s, of a rotation or a displacement.
         duration: of the start, s.
     """
 

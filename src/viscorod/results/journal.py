@@ -124,7 +124,13 @@ class Journal:
 
 def fields_of(folder: Path) -> np.dtype[Any]:
     """Return what a record of a journal holds."""
-    return np.dtype([(n, t, tuple(shape)) for n, t, shape in _description(folder)["fields"]])
+    try:
+        fields = np.dtype([(n, t, tuple(shape)) for n, t, shape in _description(folder)["fields"]])
+    except (KeyError, TypeError, ValueError):
+        fields = np.dtype([])
+    if fields.hasobject or not fields.itemsize:  # no pointers are read from a file
+        raise InputError(f"{folder / _FIELDS} does not describe plain numbers; run the case again")
+    return fields
 
 
 def _description(folder: Path) -> dict[str, Any]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from viscorod.errors import InputError
+from viscorod.limits import LARGEST_RESULT, MOST_DECLARED
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,6 +69,7 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"{path} is no file; name a run.nc that viscorod wrote")
     try:
+        _require_honest(path)
         if path.stat().st_size > LARGE:
             return xr.open_dataset(path, engine="h5netcdf", group=group, cache=False)
         return xr.load_dataset(path, engine="h5netcdf", group=group)
@@ -74,6 +77,26 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
         raise InputError(
             f"{path} cannot be read as netCDF4 ({error}); name a run.nc that viscorod wrote"
         ) from None
+
+
+def _require_honest(path: Path) -> None:
+    """Refuse a file whose arrays claim to be much larger than the file, before anything is made for them."""
+    import h5py
+
+    size = path.stat().st_size
+
+    def judge(name: str, item: Any) -> None:
+        if not isinstance(item, h5py.Dataset):
+            return
+        claimed = math.prod(item.shape or ()) * item.dtype.itemsize
+        if claimed > min(LARGEST_RESULT, MOST_DECLARED * size):
+            raise InputError(
+                f"{path} cannot be trusted: {name} claims {claimed / 1e9:.3g} GB in a file of {size / 1e6:.3g} MB; "
+                "name a run.nc that viscorod wrote"
+            )
+
+    with h5py.File(path, "r") as file:
+        file.visititems(judge)
 
 
 def load(path: str | Path) -> Run | Equilibrium | Steady | Sweep:

@@ -8,11 +8,13 @@ stiff the fast ones are.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg
 from scipy import sparse
 
+from viscorod.errors import SolveError
 from viscorod.solve.history import StationReader
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.relaxing_modes import Pencil, follow
@@ -101,12 +103,25 @@ def natural_frequencies(linear: Linearisation, count: int) -> Floats:
         except np.linalg.LinAlgError:
             return np.zeros(count)
     else:
-        solve = spla.splu(shifted).solve
+        solve = _factored(shifted).solve
         operator = spla.LinearOperator((size, size), matvec=lambda x: solve(linear.mass @ x))
         inverse = np.sort(np.real(spla.eigs(operator, count, return_eigenvectors=False)))[::-1]
     values = 1.0 / inverse[:count] - shift
     values[values < 1e-4 * shift] = 0.0
     return np.asarray(np.sqrt(np.maximum(values, 0.0)))
+
+
+def _factored(matrix: sparse.csc_array) -> Any:
+    """The factors of a matrix that is regular unless stiffnesses differ by more than numbers have digits."""
+    import scipy.sparse.linalg as spla
+
+    try:
+        return spla.splu(matrix)
+    except RuntimeError:
+        raise SolveError(
+            "Small vibrations cannot be told: stiffnesses differ by more than double precision holds; check that "
+            "lengths, sections and moduli are in SI units"
+        ) from None
 
 
 def negative_eigenvalues(tangent: sparse.csc_array) -> int:
@@ -133,13 +148,16 @@ def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, cou
     K, D, M = linear.stiffness, linear.damping, linear.mass
     shift = 0.0
     diagonal = np.abs(K.diagonal())
-    factor = spla.splu(sparse.csc_array(K + sparse.eye_array(size) * 1e-300))
-    pivots = np.abs(factor.U.diagonal())
-    if pivots.min() < 1e-13 * pivots.max() * (diagonal.min() / diagonal.max()):
+    try:
+        factor = spla.splu(sparse.csc_array(K + sparse.eye_array(size) * 1e-300))
+        pivots = np.abs(factor.U.diagonal())
+    except RuntimeError:  # exactly singular
+        pivots = np.array([0.0, 1.0])
+    if pivots.min() < 1e-13 * pivots.max() * (diagonal.min() / diagonal.max()) or not pivots.min():
         shift = 1e-3 * float(np.sqrt(diagonal.sum() / M.diagonal().sum()))
     Ks = sparse.csc_array(K + shift * D + shift**2 * M)
     Ds = sparse.csr_array(D + 2.0 * shift * M)
-    factor = spla.splu(Ks)
+    factor = _factored(Ks)
     if size <= DENSE:
         lower = np.hstack([-factor.solve(M.toarray()), -factor.solve(Ds.toarray())])
         companion = np.vstack([np.hstack([np.zeros((size, size)), np.eye(size)]), lower])

@@ -1,0 +1,134 @@
+"""How much a case asks for, estimated before anything is allocated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from viscorod.errors import Problem
+from viscorod.limits import (
+    DEEPEST_NESTING,
+    LONGEST,
+    MOST_CHOSEN,
+    MOST_NODES,
+    MOST_RECORDED,
+    MOTION_BYTES,
+    NODE_BYTES,
+    NODE_SECONDS,
+    STATE_BYTES,
+)
+from viscorod.model.centreline import Arc, Helix
+from viscorod.model.described import path_text, show
+from viscorod.model.description import ModelDescription
+from viscorod.model.rod import Rod
+from viscorod.model.settings import AnySettings, PathSettings, SimulateSettings
+from viscorod.model.values import LARGEST
+
+__all__ = ["size_problems", "too_deep"]
+
+LEAST_NODES = 10
+"""Nodes of a rod whose mesh the program chooses; bent ones get three elements per turn."""
+ORDER = 5
+TURN = 2.0 * math.pi
+
+
+def too_deep(value: Any, path: tuple[str | int, ...] = ()) -> str | None:
+    """Where tables and lists are nested deeper than any case needs: the path down to there, shortened."""
+    if not isinstance(value, Mapping | list | tuple):
+        return None
+    if len(path) >= DEEPEST_NESTING:
+        return path_text(path[:6])
+    items = value.items() if isinstance(value, Mapping) else enumerate(value)
+    return next((found for key, item in items if (found := too_deep(item, (*path, key)))), None)
+
+
+def size_problems(model: ModelDescription, settings: AnySettings) -> list[Problem]:
+    """What is too large in a case: nodes, stored states, steps, with estimates of memory and time."""
+    return list(_problems(model, settings))
+
+
+def _problems(model: ModelDescription, settings: AnySettings) -> Iterator[Problem]:
+    for name, rod in model.rods.items():
+        if rod.elements is None and _chosen(rod) > MOST_CHOSEN:
+            yield Problem(
+                f"rods.{name}",
+                "",
+                f"its centre line turns so often that {_chosen(rod):.3g} elements would be needed",
+                f"check angle or turns; give elements if more than {MOST_CHOSEN} are meant",
+            )
+            return
+    nodes = {name: _nodes(rod) for name, rod in model.rods.items()}
+    total = sum(nodes.values())
+    moves = isinstance(settings, SimulateSettings)
+    if total > MOST_NODES:
+        name = max(nodes, key=lambda word: nodes[word])
+        rod = model.rods[name]
+        alone = nodes[name] > MOST_NODES
+        where = f"rods.{name}.elements" if alone and rod.elements else f"rods.{name}" if alone else "rods"
+        found = f"{rod.elements}" if alone and rod.elements else f"{len(nodes)} rods" if not alone else ""
+        memory = total * (MOTION_BYTES if moves else NODE_BYTES)
+        yield Problem(
+            where,
+            found,
+            f"{total} nodes would need about {_bytes(memory)} and {_time(total * NODE_SECONDS)} for every step",
+            f"give elements and order that make at most {MOST_NODES} nodes together (elements x order)",
+        )
+        return
+    if isinstance(settings, PathSettings):
+        yield from _too_long("path.points", settings.points, settings.points, total, "points")
+        yield from _too_much("path.points", settings.points, settings.points, total, "points")
+    if isinstance(settings, SimulateSettings):
+        for key in ("time_step", "output_interval"):
+            interval = getattr(settings, key)
+            if interval is not None:
+                count = settings.duration / interval
+                check = _too_long if key == "time_step" else _too_much
+                noun = "steps" if key == "time_step" else "stored states"
+                yield from check(f"simulate.{key}", interval, count, total, noun)
+
+
+def _nodes(rod: Rod) -> int:
+    order = rod.order or ORDER
+    if rod.elements is not None:
+        return rod.elements * order + 1
+    return max(LEAST_NODES, _chosen(rod) * order + 1)
+
+
+def _chosen(rod: Rod) -> int:
+    """Elements that the program takes for the turning of the centre line."""
+    line = rod.centreline
+    turning = line.angle if isinstance(line, Arc) else TURN * line.turns if isinstance(line, Helix) else 0.0
+    return math.ceil(min(3.0 * turning / TURN, LARGEST))
+
+
+def _too_long(key: str, value: float, count: float, nodes: int, noun: str) -> Iterator[Problem]:
+    seconds = count * nodes * NODE_SECONDS
+    if seconds > LONGEST:
+        yield Problem(
+            key,
+            show(value),
+            f"{count:.3g} {noun} of {nodes} nodes would take at least {_time(seconds)}",
+            f"make {noun} fewer by a factor of {math.ceil(seconds / LONGEST):.3g}, or take fewer elements",
+        )
+
+
+def _too_much(key: str, value: float, count: float, nodes: int, noun: str) -> Iterator[Problem]:
+    size = count * nodes * STATE_BYTES
+    if size > MOST_RECORDED:
+        yield Problem(
+            key,
+            show(value),
+            f"{count:.3g} {noun} of {nodes} nodes would need about {_bytes(size)}",
+            f"make {noun} fewer by a factor of {math.ceil(size / MOST_RECORDED):.3g}, or take fewer elements",
+        )
+
+
+def _bytes(size: float) -> str:
+    return f"{size / 1e9:.3g} GB of memory or disk"
+
+
+def _time(seconds: float) -> str:
+    if seconds < 86_400.0:
+        return f"{seconds:.3g} s"
+    return f"{seconds / 86_400.0:.3g} days"

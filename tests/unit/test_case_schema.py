@@ -1,0 +1,106 @@
+"""The JSON Schema of the case file: shipped cases fit, wrong keys and values do not, every documented key is there."""
+
+import copy
+import json
+import sys
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import pytest
+from typer.testing import CliRunner
+
+from damage import CASES, FILES, spots
+from viscorod.cases.case_schema import case_schema
+from viscorod.cli import app
+
+DOCS = Path(__file__).parents[2] / "docs"
+SCHEMA = case_schema()
+VALIDATOR = jsonschema.Draft7Validator(SCHEMA)
+
+
+def test_it_is_a_schema():
+    VALIDATOR.check_schema(SCHEMA)
+    json.dumps(SCHEMA, allow_nan=False)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_shipped_cases_fit(name):
+    VALIDATOR.validate(tomllib.loads(FILES[name].read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_wrong_keys_do_not_fit(name):
+    """A key that nothing knows, in every table whose keys are not names of the user."""
+    for path in [(), *spots(CASES[name])]:
+        content = copy.deepcopy(CASES[name])
+        table = content
+        for key in path:
+            table = table[key]
+        names = path in {("materials",), ("sections",), ("rods",), ("bodies",)} or path[-1:] == ("points",)
+        if isinstance(table, dict) and not names:
+            table["nothing_reads_this"] = 1.0
+            assert not VALIDATOR.is_valid(content), path
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        (("rods", "beam", "shape"), "strait"),
+        (("simulate", "duration"), -1.0),
+        (("simulate", "duration"), "x"),
+        (("simulate", "integrator"), "euler"),
+        (("rods", "beam", "start"), [0.0, 0.0]),
+        (("rods", "beam", "elements"), 0.5),
+        (("supports", 0, "kind"), "glue"),
+    ],
+)
+def test_wrong_values_do_not_fit(path, value):
+    content = copy.deepcopy(CASES["cantilever_swing"])
+    VALIDATOR.validate(content)
+    rod = next(iter(content["rods"]))
+    parent = content
+    for key in path[:-1]:
+        parent = parent[rod if key == "beam" else key]
+    parent[path[-1]] = value
+    assert not VALIDATOR.is_valid(content)
+
+
+def test_quantities_fit_where_there_is_a_unit():
+    content = copy.deepcopy(CASES["cantilever_swing"])
+    content["simulate"]["duration"] = "500 ms"
+    VALIDATOR.validate(content)
+    content["simulate"]["tolerance"] = "1 mm"
+    assert not VALIDATOR.is_valid(content)
+
+
+def test_every_documented_key_is_there_with_meaning_and_default(monkeypatch):
+    monkeypatch.setattr(sys, "path", [str(DOCS), *sys.path])
+    import case_keys
+
+    names = {"materials": "material"}
+    for part in case_keys.PARTS:
+        properties = SCHEMA["definitions"][names.get(part, part)]["properties"]
+        rows = case_keys.part_rows(part)
+        documented = {key for key, *_ in rows}
+        own = set(properties) - (set(case_keys.schema.ROD_KEYS) if part.startswith("rods.") else set())
+        assert own == documented, part
+        for key, _, default, meaning in rows:
+            form = properties[key]
+            assert form["description"].rstrip(".") == meaning, (part, key)
+            if default not in ("required", "\N{EN DASH}") and "const" not in form:
+                assert "default" in form, (part, key)
+
+
+def test_the_command_writes_it(tmp_path):
+    path = tmp_path / "case.schema.json"
+    result = CliRunner().invoke(app, ["schema", "-o", str(path)])
+    assert result.exit_code == 0, result.output
+    assert json.loads(path.read_text(encoding="utf-8")) == SCHEMA
+    printed = CliRunner().invoke(app, ["schema"])
+    assert json.loads(printed.output) == SCHEMA
+
+
+def test_the_documentation_has_the_present_one():
+    shipped = DOCS / "reference" / "case.schema.json"
+    assert json.loads(shipped.read_text(encoding="utf-8")) == SCHEMA, "viscorod schema -o " + shipped.name
