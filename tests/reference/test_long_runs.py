@@ -7,17 +7,21 @@ import json
 import multiprocessing
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
 import tracemalloc
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import viscorod as vr
-from viscorod import streaming
+from viscorod import run_commands, streaming
 from viscorod.cases.shipped import shipped_case
+from viscorod.cli import app
 from viscorod.front import as_model
 from viscorod.results import journal, storage
 from viscorod.results.journal import FOLDER, Journal, checkpoint, contents
@@ -310,3 +314,67 @@ def test_events_of_a_case_file_and_their_errors(tmp_path):
     case = vr.load_case(path)
     with pytest.raises(vr.InputError, match="did you mean 'beam'"):
         vr.Model.of(**case.description.parts()).simulate(0.1, events=case.settings.events)
+
+
+# --- the commands
+
+
+def test_commands_stop_and_go_on(tmp_path, monkeypatch):
+    """Ctrl-C after some steps, a changed case, the case as it was: messages, and the file of one run."""
+
+    @contextmanager
+    def stopping():
+        yield after(20)
+
+    monkeypatch.chdir(tmp_path)
+    case = tmp_path / "case.toml"
+    text = shipped_case("cantilever_swing").read_text().replace("duration = 10.0", "duration = 2.0")
+    case.write_text(text)
+    invoke = CliRunner().invoke
+    assert invoke(app, ["run", "case.toml", "-o", "whole"]).exit_code == 0
+    with monkeypatch.context() as patched:
+        patched.setattr(run_commands, "_polite_stop", stopping)
+        stopped = invoke(app, ["run", "case.toml", "-o", "part"])
+    assert stopped.exit_code == 1
+    assert "Stopped at t = " in stopped.stderr
+    assert "go on with: viscorod resume part" in stopped.stderr
+    assert {path.name for path in (tmp_path / "part").iterdir()} >= {"run.nc", "motion.png", FOLDER}
+    case.write_text(text.replace("duration = 2.0", "duration = 3.0"))
+    changed = invoke(app, ["resume", "part"])
+    assert changed.exit_code == 2
+    assert "-duration = 2.0" in changed.stderr
+    assert "+duration = 3.0" in changed.stderr
+    case.write_text(text)
+    done = invoke(app, ["resume", "part"])
+    assert done.exit_code == 0, done.output
+    assert not (tmp_path / "part" / FOLDER).exists()
+    found, expected = (vr.load(tmp_path / folder / "run.nc") for folder in ("part", "whole"))
+    assert difference(found, expected) == 0.0
+    for name in ("version", "platform", "case_text", "case_hash"):
+        assert found.data.attrs[name] == expected.data.attrs[name]
+    assert found.data.attrs["case_text"] == text
+    again = invoke(app, ["resume", "part"])
+    assert (again.exit_code, "is complete" in again.stderr) == (2, True)
+    assert "name the folder" in invoke(app, ["resume", "nowhere"]).stderr
+
+
+def test_interrupt_ends_a_run_after_its_step(tmp_path):
+    """A real signal: once ends the run in order, with what to do next."""
+    case = tmp_path / "case.toml"
+    case.write_text(
+        shipped_case("cantilever_swing")
+        .read_text()
+        .replace("duration = 10.0", "duration = 1e5\ntime_step = 0.01")
+    )
+    command = [sys.executable, "-m", "viscorod", "run", str(case), "-o", str(tmp_path / "out")]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    for _ in range(1200):
+        if (tmp_path / "out" / FOLDER / "checkpoint.npz").is_file():
+            break
+        time.sleep(0.1)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 1
+    assert "finishing the step" in errors
+    assert f"go on with: viscorod resume {tmp_path / 'out'}" in errors
+    assert vr.load(tmp_path / "out" / "run.nc").outcome == "interrupted"
