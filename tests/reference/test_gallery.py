@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import viscorod as vr
 from viscorod.cases.case import load_case
 from viscorod.cases.shipped import shipped_case, shipped_cases
-from viscorod.front import run_case
+from viscorod.cli import app
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "gallery.md").read_text(encoding="utf-8")
@@ -90,9 +91,14 @@ CHECKS = {
 
 
 @pytest.mark.parametrize("name", shipped_cases())
-def test_case_has_the_number_of_its_source(name):
+def test_case_has_the_number_of_its_source(name, tmp_path, monkeypatch):
+    """The command of the gallery, in an empty folder; the number is taken from the file that it writes."""
+    monkeypatch.chdir(tmp_path)
+    for command in (["example", name], ["run", f"{name}.toml"]):
+        result = CliRunner().invoke(app, command)
+        assert result.exit_code == 0, result.output
     take, expected, tolerance = CHECKS[name]
-    found = np.asarray(take(run_case(load_case(shipped_case(name)))), dtype=float)
+    found = np.asarray(take(vr.load(f"out/{name}/run.nc")), dtype=float)
     assert found == pytest.approx(np.broadcast_to(expected, found.shape), rel=tolerance)
 
 

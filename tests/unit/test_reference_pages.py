@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import importlib
 import re
+import shlex
 from pathlib import Path
 
 import pytest
+import typer
 
 import viscorod
 import viscorod.damping
+from viscorod.cli import app
 
 PAGES = Path(__file__).parents[2] / "docs" / "reference"
 DIRECTIVE = re.compile(
@@ -51,3 +54,28 @@ def test_every_public_name_is_in_the_reference(package, documented):
 
 def test_public_names_have_docstrings():
     assert [name for name, value in shown().items() if not (value.__doc__ or "").strip()] == []
+
+
+def commands():
+    """The commands of all pages, without their comments; the README's too."""
+    docs = PAGES.parent
+    for page in [docs.parent / "README.md", *sorted(docs.rglob("*.md"))]:
+        text = page.read_text(encoding="utf-8")
+        for block in re.findall(r"^```console\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
+            for line in block.splitlines():
+                for part in line.removeprefix("$ ").partition("  #")[0].split("&&"):
+                    if part.strip().startswith("viscorod "):
+                        yield page.stem, part.strip()
+
+
+@pytest.mark.parametrize(("page", "text"), sorted(set(commands())))
+def test_commands_of_the_pages_exist(page, text):
+    """Each command and each of its options is known."""
+    command = typer.main.get_command(app)
+    for word in shlex.split(text.replace("[", "").replace("]", ""))[1:]:
+        if word.startswith("-"):
+            known = {option for parameter in command.params for option in parameter.opts} | {"--help"}
+            assert word.partition("=")[0] in known, f"{page}: {text}"
+        elif hasattr(command, "commands"):
+            assert word in command.commands, f"{page}: {text}"
+            command = command.commands[word]

@@ -97,13 +97,29 @@ class Decrement:
         line (fewer than three cycles, an amplitude that changes by less than a tenth, ratios that scatter
         about the line by more than 2 %) it is the ratio of those cycles taken as one.
         """
+        limit = self._extrapolated
+        return _ratio(self.log_decrement[-_FITTED:]) if limit is None else limit
+
+    @property
+    def _extrapolated(self) -> float | None:
         square = self.mean_amplitude[-_FITTED:] ** 2
         ratio = self.damping_ratio[-_FITTED:]
         if ratio.size == _FITTED and np.ptp(square) > 0.2 * np.max(square):
             line = np.polyfit(square, ratio, 1)
             if np.max(np.abs(ratio - np.polyval(line, square))) < 0.02 * np.max(np.abs(ratio)):
                 return float(line[1])
-        return _ratio(self.log_decrement[-_FITTED:])
+        return None
+
+    @property
+    def limit(self) -> tuple[str, float]:
+        """The ratio that stands for the decay, and what it is of, in words."""
+        if self.scattered:
+            return "all cycles taken as one", self.mean_damping_ratio
+        found = self._extrapolated
+        if found is not None:
+            return "small amplitude", found
+        count = min(_FITTED, len(self.period))
+        return f"last {count} cycles taken as one", self.small_amplitude_ratio
 
     @property
     def mean_damping_ratio(self) -> float:
@@ -124,11 +140,10 @@ class Decrement:
                 f"  {number:5d}{time:15.5f}{amplitude:15.6g}{period:12.5f}{delta:15.6f}{ratio:15.6f}"
             )
         lines.append(f"  {'end':>5s}{self.time[-1]:15.5f}{self.amplitude[-1]:15.6g}")
+        name, limit = self.limit
+        lines.append(f"  {name}: damping ratio {limit:.6f}")
         if self.scattered:
-            lines.append(f"  all cycles taken as one: damping ratio {self.mean_damping_ratio:.6f}")
             lines.append("  (the ratios jump from cycle to cycle: several modes take part)")
-        else:
-            lines.append(f"  small amplitude: damping ratio {self.small_amplitude_ratio:.6f}")
         return "\n".join(lines)
 
 

@@ -157,8 +157,8 @@ def _damping(axes: Axes, decay: Decrement) -> None:
     amplitude, ratio = decay.mean_amplitude, decay.damping_ratio
     scale, unit = scaled("m", amplitude)
     clean(axes, f"mean amplitude of the cycle [{unit}]", "damping ratio")
-    limit = decay.mean_damping_ratio if decay.scattered else decay.small_amplitude_ratio
-    name = f"{'all cycles taken as one' if decay.scattered else 'small amplitude'}: {limit:.4f}"
+    words, limit = decay.limit
+    name = f"{words}: {limit:.4f}"
     heading(axes, "Damping ratio of every cycle (numbered)")
     axes.axhline(limit, color=ORANGE, linestyle="--", linewidth=1.4, label=name)
     style = "o" if decay.scattered else "o-"

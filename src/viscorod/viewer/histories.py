@@ -138,7 +138,7 @@ def decay_of(result: Result) -> dict[str, Any] | None:
     found = result.free_decay(site.label, axis)
     if found is None:
         return None
-    limit = found.mean_damping_ratio if found.scattered else found.small_amplitude_ratio
+    name, limit = found.limit
     factor, unit = scaled("m", found.amplitude)
     return {
         "place": site.label,
@@ -149,5 +149,5 @@ def decay_of(result: Result) -> dict[str, Any] | None:
         "amplitude": (factor * found.amplitude).tolist(),
         "unit": unit,
         "limit": limit,
-        "scattered": found.scattered,
+        "limit_name": name,
     }

@@ -95,7 +95,7 @@ viscorod.decayChart = function (place, decay, common) {
   const most = Math.max(decay.limit, ...decay.ratio);
   const least = Math.min(0, ...decay.ratio);
   const value = (_, v) => (v === null || v === undefined ? "" : viscorod.text(v));
-  const name = decay.scattered ? "all cycles as one" : "small amplitude";
+  const name = decay.limit_name;
   const series = [
     { label: "damping ratio of the cycle", stroke: "#009e73", width: decay.scattered ? 0 : 1.2, points: { show: true, size: 8, fill: "#009e73" }, value },
     { label: name, stroke: "#b06f00", width: 1.6, dash: [6, 4], points: { show: false }, value },

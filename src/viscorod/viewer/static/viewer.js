@@ -160,7 +160,7 @@ viscorod.start = async function () {
     meta.decay.time = Array.from(told(meta.decay.time));
     meta.decay.period = Array.from(told(meta.decay.period));
     $("decay").hidden = false;
-    $("decay-title").textContent = `Damping ratio of every cycle of ${meta.decay.place} along ${meta.decay.axis}; ${meta.decay.scattered ? "all cycles as one" : "small amplitude"}: ${viscorod.text(meta.decay.limit)}`;
+    $("decay-title").textContent = `Damping ratio of every cycle of ${meta.decay.place} along ${meta.decay.axis}; ${meta.decay.limit_name}: ${viscorod.text(meta.decay.limit)}`;
     replace(2, () => viscorod.decayChart($("decay-chart"), meta.decay, common));
     viscorod.decayTable($("cycles"), meta.decay, second);
   }
