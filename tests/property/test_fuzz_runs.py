@@ -21,7 +21,7 @@ from viscorod.errors import InputError, SolveError
 from viscorod.front import run_case
 from viscorod.model.settings import SimulateSettings
 
-EXAMPLES = settings.default.max_examples if settings.default.max_examples > 1000 else 8
+EXAMPLES = settings.default.max_examples if settings.default.max_examples > 1000 else 4
 LIMIT = 300
 """Seconds for one example, which takes a twentieth of a second unless kernels are compiled for it."""
 ANALYSES = {"equilibrium": {}, "path": {"points": 6}, "steady": {"spin": [0.0, 0.0, 4.0]}}
@@ -151,7 +151,7 @@ def test_changed_numbers_are_computed_or_told(name, data):
 
 @pytest.mark.parametrize("name", CASES)
 @given(data=st.data())
-@settings(max_examples=10 * EXAMPLES, deadline=None, suppress_health_check=RELAXED)
+@settings(max_examples=5 * EXAMPLES, deadline=None, suppress_health_check=RELAXED)
 def test_no_key_is_ignored(name, data):
     """A key that nothing reads is refused wherever it stands, except where keys are names of the user."""
     content = copy.deepcopy(CASES[name])

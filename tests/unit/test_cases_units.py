@@ -8,7 +8,9 @@ from viscorod.cases.case import case_from_dict, load_case, parse_case
 from viscorod.cases.case_schema import case_schema
 from viscorod.cases.conversion import converted
 from viscorod.cases.units import si_value
+from viscorod.cli import _column
 from viscorod.errors import InputError
+from viscorod.sweeps import _contents
 
 PLAIN = """
 [materials.rubber]
@@ -231,3 +233,15 @@ def test_units_in_a_file_and_in_a_sweep(tmp_path):
     case = load_case(path)
     content = {**case.content, "simulate": {"duration": "500 ms"}}
     assert case_from_dict(content, path).settings.duration == 0.5
+
+
+def test_members_of_a_sweep_may_be_quantities():
+    case = parse_case(WITH_UNITS)
+    key, column = _column('rods.beam.section.radius="5 mm",0.006')
+    assert column == ["5 mm", 0.006]
+    contents, notes = _contents(case, [{key: value} for value in column])
+    radii = [case_from_dict(content).description.rods["beam"].section_at(0.0).radius for content in contents]
+    assert radii == [0.005, 0.006]
+    assert notes == ["output_interval = 0.01 s, a 200th of the duration: the case gives none"]
+    with pytest.raises(InputError, match=r"rods\.beam\.section\.radius: '5 kg': this is a mass"):
+        _contents(case, [{key: "5 kg"}])

@@ -13,6 +13,7 @@ import viscorod.check
 import viscorod.front
 from synthetic import rolled_up, swing
 from viscorod.cases.shipped import shipped_case
+from viscorod.cases.units import Conversion
 from viscorod.cli import app
 from viscorod.model.settings import EquilibriumSettings, SimulateSettings
 from viscorod.progress import reporting
@@ -65,7 +66,8 @@ def solving(monkeypatch):
                 raise outcome
             return outcome
 
-        case = SimpleNamespace(description=None, settings=settings, title="A case")
+        given = [Conversion("rods.beam.twist", "30 deg", 0.5235987755982989, "rad")]
+        case = SimpleNamespace(description=None, settings=settings, title="A case", conversions=given)
         monkeypatch.setattr(viscorod.cases.case, "load_case", lambda path: case)
         monkeypatch.setattr(viscorod.check, "check", lambda model, settings: REPORT)
         monkeypatch.setattr(viscorod.check, "doubts", lambda model, settled: ["the rod is thick"])
@@ -154,6 +156,7 @@ def test_check_prints_tables(invoke, solving, monkeypatch):
     assert "plate 2" in lines
     assert "elbow revolute 0.001" in lines
     assert "Springs" not in lines
+    assert lines[lines.index("key as given in SI") + 1] == "rods.beam.twist 30 deg 0.5235987755982989 rad"
     assert lines[-1] == "Written: out/case/assembly.png"
     assert "- the rod is thick" in lines
     assert "material of rod shear time [s]" in lines

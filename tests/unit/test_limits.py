@@ -12,7 +12,8 @@ import pytest
 
 from damage import CASES
 from viscorod.cases.case import case_from_dict, load_case
-from viscorod.errors import InputError
+from viscorod.check import check
+from viscorod.errors import InputError, SolveError
 from viscorod.limits import DEEPEST_NESTING
 from viscorod.model.dma_table import read_dma_table
 from viscorod.results.journal import checkpoint, fields_of
@@ -154,3 +155,20 @@ def test_results_with_objects_or_of_nothing_are_refused(tmp_path):
         file.create_dataset("x", data=np.void(pickle.dumps(Bomb())))
     with pytest.raises(InputError):
         load(path)
+
+
+@pytest.mark.parametrize("length", [3e7, 1e50])
+def test_vibrations_beyond_double_precision_are_one_message(length):
+    """Damaged cases that ended in errors of the linear algebra: rods of absurd length next to usual ones."""
+    name = "prestressed_bridge" if length < 1e10 else "four_bar"
+    content = copy.deepcopy(CASES[name])
+    rod = content["rods"]["beam" if length < 1e10 else "crank"]
+    rod["end"][0 if length < 1e10 else 2] = length
+    case = case_from_dict(content)
+    try:
+        report = check(case.description, case.settings)
+    except (InputError, SolveError) as error:
+        told = str(error)
+    else:
+        told = "finite" if np.isfinite(report.frequencies).all() else ""
+    assert told

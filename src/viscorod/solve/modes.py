@@ -118,10 +118,14 @@ def _factored(matrix: sparse.csc_array) -> Any:
     try:
         return spla.splu(matrix)
     except RuntimeError:
-        raise SolveError(
-            "Small vibrations cannot be told: stiffnesses differ by more than double precision holds; check that "
-            "lengths, sections and moduli are in SI units"
-        ) from None
+        raise _beyond_precision() from None
+
+
+def _beyond_precision() -> SolveError:
+    return SolveError(
+        "Small vibrations cannot be told: stiffnesses differ by more than double precision holds; check that "
+        "lengths, sections and moduli are in SI units"
+    )
 
 
 def negative_eigenvalues(tangent: sparse.csc_array) -> int:
@@ -161,6 +165,8 @@ def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, cou
     if size <= DENSE:
         lower = np.hstack([-factor.solve(M.toarray()), -factor.solve(Ds.toarray())])
         companion = np.vstack([np.hstack([np.zeros((size, size)), np.eye(size)]), lower])
+        if not np.isfinite(companion).all():
+            raise _beyond_precision()
         values, vectors = np.linalg.eig(companion)
     else:
 
