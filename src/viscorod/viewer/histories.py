@@ -150,4 +150,5 @@ def decay_of(result: Result) -> dict[str, Any] | None:
         "unit": unit,
         "limit": limit,
         "limit_name": name,
+        "scattered": found.scattered,
     }
