@@ -19,7 +19,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import viscorod as vr
 from viscorod.analysis import Workplace
-from viscorod.front import as_model
+from viscorod.case_run import as_model
 from viscorod.solve.discretise import discretise
 from viscorod.solve.modes import negative_eigenvalues
 

@@ -17,9 +17,9 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import viscorod as vr
+from viscorod.case_run import run_case
 from viscorod.cases.case import load_case
 from viscorod.cases.shipped import shipped_case, shipped_cases
-from viscorod.front import run_case
 from viscorod.results.assemblies import Assembly
 from viscorod.results.plot_shape import draw_shapes
 from viscorod.results.shapes import Curves, View, draw_reference, mark_supports

@@ -75,9 +75,9 @@ def check(
 ) -> None:
     """Validate a case, draw its model and print it in tables."""
     with readable_errors():
+        from viscorod.case_run import as_model
         from viscorod.cases.case import load_case
         from viscorod.check import check as check_model
-        from viscorod.front import as_model
 
         loaded = load_case(existing(case))
         folder = output or Path("out") / case.stem

@@ -1,4 +1,4 @@
-"""A model that can be computed, and what a case file asks for.
+"""A model that can be computed.
 
 The solvers are imported when something is first computed, so that a model is built at once.
 """
@@ -10,15 +10,15 @@ import json
 import platform
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.model.description import ModelDescription
 from viscorod.model.fit import require_fit
+from viscorod.model.given import given
 from viscorod.model.settings import (
-    AnySettings,
     EquilibriumSettings,
     PathSettings,
     SimulateSettings,
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from viscorod.solve.modes import Modes
     from viscorod.stepping import System
 
-__all__ = ["Case", "Model", "as_model", "run_case"]
+__all__ = ["Model", "Progress"]
 
 Progress = Callable[[float, float], None]
 
@@ -67,7 +67,7 @@ class Model(ModelDescription):
             InputError: the model is inconsistent, or free to move as a rigid body.
             SolveError: no equilibrium was found; ``run`` holds the load steps that were.
         """
-        settings = EquilibriumSettings(**({} if load_steps is None else {"load_steps": load_steps}))
+        settings = EquilibriumSettings(**given(load_steps=load_steps))
         work = self._discretised()
         try:
             factor = number(load_factor)
@@ -113,16 +113,17 @@ class Model(ModelDescription):
             InputError: the model is inconsistent, or free to move as a rigid body.
             SolveError: the path could not be followed further; ``run`` holds it up to there.
         """
-        given: dict[str, Any] = {"points": points, "arc_length": arc_length}
-        optional = {
-            "load_factor": load_factor,
-            "place": place,
-            "axis": axis,
-            "displacement": displacement,
-            "turns": turns,
-        }
-        given |= {name: value for name, value in optional.items() if value is not None}
-        settings = PathSettings(**given)
+        settings = PathSettings(
+            **given(
+                points=points,
+                arc_length=arc_length,
+                load_factor=load_factor,
+                place=place,
+                axis=axis,
+                displacement=displacement,
+                turns=turns,
+            )
+        )
         return self._discretised().path(settings, progress, self._attrs(title))
 
     def simulate(
@@ -173,23 +174,21 @@ class Model(ModelDescription):
             InputError: the model or a setting is wrong.
             SolveError: a step failed however small, or the run was stopped; ``run`` holds the motion up to there.
         """
-        given: dict[str, Any] = {
-            "duration": duration,
-            "initial": initial,
-            "integrator": integrator,
-            "formulation": formulation,
-            "damping": damping,
-            "dynamics": dynamics,
-            "events": events,
-        }
-        optional = {
-            "tolerance": tolerance,
-            "time_step": time_step,
-            "spectral_radius": spectral_radius,
-            "output_interval": output_interval,
-        }
-        given |= {name: value for name, value in optional.items() if value is not None}
-        settings = SimulateSettings(**given)
+        settings = SimulateSettings(
+            **given(
+                duration=duration,
+                tolerance=tolerance,
+                time_step=time_step,
+                initial=initial,
+                integrator=integrator,
+                spectral_radius=spectral_radius,
+                output_interval=output_interval,
+                formulation=formulation,
+                damping=damping,
+                dynamics=dynamics,
+                events=events,
+            )
+        )
         require_fit(self, settings)
         from viscorod.motion import simulate
 
@@ -232,20 +231,17 @@ class Model(ModelDescription):
         """
         from viscorod.stepping import System
 
-        given: dict[str, Any] = {
-            "initial": initial,
-            "integrator": integrator,
-            "formulation": formulation,
-            "damping": damping,
-        }
-        optional = {
-            "tolerance": tolerance,
-            "time_step": time_step,
-            "spectral_radius": spectral_radius,
-            "output_interval": output_interval,
-        }
-        given |= {name: value for name, value in optional.items() if value is not None}
-        return System(self, ports, attrs=self._attrs(title), **given)
+        settings = given(
+            tolerance=tolerance,
+            time_step=time_step,
+            initial=initial,
+            integrator=integrator,
+            spectral_radius=spectral_radius,
+            output_interval=output_interval,
+            formulation=formulation,
+            damping=damping,
+        )
+        return System(self, ports, attrs=self._attrs(title), **settings)
 
     def draw(self, path: str | Path, title: str = "") -> Path:
         """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.
@@ -320,10 +316,18 @@ class Model(ModelDescription):
         """
         from viscorod.steady import steady_rotation
 
-        given: dict[str, Any] = {"formulation": formulation, "damping": damping, "modes": modes}
-        optional = {"spin": spin, "energy": energy, "momentum": momentum, "axis": axis, "about": about}
-        given |= {name: value for name, value in optional.items() if value is not None}
-        settings = SteadySettings(**given)
+        settings = SteadySettings(
+            **given(
+                spin=spin,
+                energy=energy,
+                momentum=momentum,
+                axis=axis,
+                about=about,
+                formulation=formulation,
+                damping=damping,
+                modes=modes,
+            )
+        )
         return steady_rotation(self._discretised(), self, settings, start, self._attrs(title))
 
     def with_known_times(self) -> Model:
@@ -354,63 +358,3 @@ class Model(ModelDescription):
             "platform": f"Python {platform.python_version()}, NumPy {np.__version__}, {platform.platform()}",
             **self.about,
         }
-
-
-class Case(Protocol):
-    """What a case file holds: a described model, the settings of one analysis, a title."""
-
-    @property
-    def description(self) -> ModelDescription:
-        """The described model."""
-
-    @property
-    def settings(self) -> AnySettings:
-        """The settings of the analysis that the file asks for."""
-
-    @property
-    def title(self) -> str:
-        """The title, or empty."""
-
-    @property
-    def source(self) -> Path | None:
-        """The file."""
-
-    @property
-    def text(self) -> str:
-        """Of the file."""
-
-
-def run_case(
-    case: Case,
-    *,
-    progress: Progress | None = None,
-    folder: str | Path | None = None,
-    doubts: Sequence[str] = (),
-    resume: bool = False,
-    stop: Callable[[], str] | None = None,
-) -> Run | Equilibrium | Steady:
-    """Do what a case file asks for.
-
-    Args:
-        case: of the file; progress: see ``Model.simulate``.
-        folder, resume, stop: of a motion, see there; doubts: go to its warnings.
-    """
-    model = as_model(case.description)
-    model.about = {"case_text": case.text, "doubts": json.dumps(list(doubts))}
-    if case.source is not None:
-        model.about["case_file"] = str(case.source)
-    given = {name: getattr(case.settings, name) for name in case.settings.model_fields_set}
-    if isinstance(case.settings, EquilibriumSettings):
-        return model.equilibrium(**given, progress=progress, title=case.title)
-    if isinstance(case.settings, PathSettings):
-        return model.path(**given, progress=progress, title=case.title)
-    if isinstance(case.settings, SteadySettings):
-        return model.steady(**given, title=case.title)
-    return model.simulate(
-        **given, progress=progress, title=case.title, folder=folder, resume=resume, stop=stop
-    )
-
-
-def as_model(description: ModelDescription) -> Model:
-    """Give a description its analyses."""
-    return Model.of(**description.parts())

@@ -104,7 +104,7 @@ def _require_same(text: str, path: Path) -> None:
 
 
 def _compute(case: Case, folder: Path, doubts: Sequence[str], *, resume: bool) -> None:
-    from viscorod.front import run_case
+    from viscorod.case_run import run_case
     from viscorod.model.settings import SimulateSettings
     from viscorod.progress import reporting
     from viscorod.results.run import Run

@@ -18,7 +18,7 @@ from viscorod.model.time_table import Function
 from viscorod.motion import TOLERANCE, described, initial_state, stepping
 from viscorod.results.places import Site
 from viscorod.results.run import Run
-from viscorod.solve.history import History, StationReader
+from viscorod.solve.history import StationReader
 from viscorod.solve.newton import Outcome
 from viscorod.solve.saved_state import Tree
 from viscorod.solve.step_control import ErrorControl
@@ -77,8 +77,6 @@ class System:
         self._reader = StationReader(work.problem)
         self._sites: dict[str, Site] = {}
         self._changed = False
-        self._steps = 0
-        self._transient.result.history = History()
         self._transient.begin(state)
         self._state: tuple[Floats, ...] | None = None
 
@@ -129,26 +127,20 @@ class System:
         if not (isinstance(duration, int | float | np.number) and 0.0 < duration < math.inf):
             raise InputError(f"duration = {duration!r}: give a time > 0, s")
         transient, control = self._transient, self._transient.control
-        start = self.time
-        end = start + float(duration)
         if isinstance(control, ErrorControl):
             control.duration = float(duration)  # of which the smallest step is a part
-        jumps = self._work.problem.jumps
-        corners = [t for t in self._work.problem.breakpoints if start < t < end]
-        jumped = self._changed or start in jumps
-        for corner in [*corners, end]:
-            if jumped and self.time > 0.0:
+        corners, jumps = transient.corners(self.time, self.time + float(duration))
+        for corner in corners:
+            if self._changed or self.time in jumps:
                 transient.restart(self.time)
-            elif jumped:
-                transient.integrator.start(0.0, transient.integrator.state)
-            first = transient.integrator.first_step(float(duration)) if self._steps == 0 else None
-            control.begin(self.time, corner, first=first)
-            self._steps += 1
+                self._changed = False
+            begun = transient.effort.steps > 0
+            control.begin(
+                self.time, corner, first=None if begun else transient.integrator.first_step(float(duration))
+            )
             self._state = None
             if not transient.reach(corner):
                 self._fail()
-            jumped = corner in jumps
-        self._changed = False
 
     def _fail(self) -> None:
         result = self._transient.result
@@ -198,15 +190,15 @@ class System:
         """Return the present state, to come back to it: a step of an implicit coupling is taken again and again."""
         values = {port: wrench.copy() for port, wrench in self._values.items()}
         history = self._transient.result.history
-        return self._transient.saved(), values, self._changed, self._steps, history.count
+        return self._transient.saved(), values, self._changed, history.count
 
     def restore(self, state: Tree) -> None:
         """Come back to a state that :meth:`saved` returned; what was recorded since then is forgotten."""
-        tree, values, self._changed, self._steps, length = state
+        tree, values, self._changed, count = state
         self._transient.resume(tree)
         for port, wrench in values.items():
             self._values[port][:] = wrench
-        self._transient.result.history.forget(length)
+        self._transient.result.history.forget(count)
         self._state = None
 
     # --- the end

@@ -109,15 +109,9 @@ class Stream(History):
         data = self._continued(build(self))
         with self._writing():
             self.journal.append(data)
-        for values in (
-            self.instant,
-            self.snapshots,
-            self.energy,
-            self.step_size,
-            self.iterations,
-            self.branches,
-        ):
-            values.clear()
+        count = self.count
+        self.forget(0)
+        self.count = count
         self._flushed = time.monotonic()
 
     def _continued(self, data: xr.Dataset) -> xr.Dataset:

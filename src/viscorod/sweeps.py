@@ -15,10 +15,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from viscorod.case_run import run_case
 from viscorod.cases.case import Case, case_from_dict, load_case
 from viscorod.cases.schema import TABLES
 from viscorod.errors import InputError, Problem, SolveError
-from viscorod.front import run_case
 from viscorod.model.described import nearest, show
 from viscorod.model.settings import SimulateSettings
 from viscorod.results.sweep import Member, Sweep

@@ -20,9 +20,9 @@ from typer.testing import CliRunner
 
 import viscorod as vr
 from viscorod import run_commands, streaming
+from viscorod.case_run import as_model
 from viscorod.cases.shipped import shipped_case
 from viscorod.cli import app
-from viscorod.front import as_model
 from viscorod.results import journal, storage
 from viscorod.results.journal import FOLDER, Journal, checkpoint, contents
 

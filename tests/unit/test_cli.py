@@ -8,9 +8,9 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
+import viscorod.case_run
 import viscorod.cases.case
 import viscorod.check
-import viscorod.front
 from synthetic import rolled_up, swing
 from viscorod.cases.shipped import shipped_case
 from viscorod.cases.units import Conversion
@@ -71,8 +71,8 @@ def solving(monkeypatch):
         monkeypatch.setattr(viscorod.cases.case, "load_case", lambda path: case)
         monkeypatch.setattr(viscorod.check, "check", lambda model, settings: REPORT)
         monkeypatch.setattr(viscorod.check, "doubts", lambda model, settled: ["the rod is thick"])
-        monkeypatch.setattr(viscorod.front, "run_case", run_case)
-        monkeypatch.setattr(viscorod.front, "as_model", lambda description: SimpleNamespace(draw=draw))
+        monkeypatch.setattr(viscorod.case_run, "run_case", run_case)
+        monkeypatch.setattr(viscorod.case_run, "as_model", lambda description: SimpleNamespace(draw=draw))
 
     return prepare
 

@@ -7,8 +7,8 @@ import pytest
 
 import viscorod as vr
 from frames import Moved, frame
+from viscorod.case_run import run_case
 from viscorod.cases.case import case_from_dict, parse_case
-from viscorod.front import run_case
 from viscorod.mechanics.intrinsic import StrainMotion, forces_at
 from viscorod.model.settings import SteadySettings
 from viscorod.solve.discretise import discretise

@@ -11,9 +11,9 @@ from typer.testing import CliRunner
 
 import viscorod as vr
 import viscorod.sweeps
+from viscorod.case_run import run_case
 from viscorod.cases.case import case_from_dict
 from viscorod.cli import app
-from viscorod.front import run_case
 from viscorod.results.run import Equilibrium, Run
 
 SWING = """

@@ -132,8 +132,8 @@ def plot(
 
 def _modes(result: Result, count: int, about: str) -> Figure:
     """The modes of the model that the result was computed from."""
+    from viscorod.case_run import as_model
     from viscorod.cases.case import case_from_dict
-    from viscorod.front import as_model
     from viscorod.results.plot_modes import draw_modes
 
     content = json.loads(result.data.attrs.get("case", "{}"))

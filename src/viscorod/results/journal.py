@@ -108,13 +108,13 @@ class Journal:
         Raises:
             OSError: the disk is full, or gone.
         """
-        arrays: dict[str, np.ndarray] = {}
+        arrays: dict[str, Any] = {}
         tree = _flattened(state, arrays)
         text = json.dumps({"tree": tree, "count": self.count, "about": dict(about)}, default=_plain)
         os.fsync(self._file.fileno())
         new = self.folder / f"new-{_CHECKPOINT}"
         with new.open("wb") as file:
-            np.savez(file, text=np.frombuffer(text.encode(), dtype=np.uint8), **arrays)  # type: ignore[arg-type]
+            np.savez(file, text=np.frombuffer(text.encode(), dtype=np.uint8), **arrays)
         new.replace(self.folder / _CHECKPOINT)
 
     def close(self) -> None:

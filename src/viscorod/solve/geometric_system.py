@@ -12,7 +12,6 @@ from viscorod.mechanics.held_strains import HeldStrains
 from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.lanes import LANES
 from viscorod.mechanics.linearised import Operators, collect
-from viscorod.mechanics.relaxation import add_section_stiffness
 from viscorod.solve.constraint_rows import gradients_of_gaps
 from viscorod.solve.constraints import Constraints
 from viscorod.solve.element_arrays import all_branches, all_elements, gauss_places, gauss_positions
@@ -366,23 +365,6 @@ class GeometricSystem:
         strain = self._strains()
         self.relaxation.begin(strain)
         return self.relaxation.settle(strain)
-
-    def branch_stiffness(self, state: State) -> list[sparse.csr_array]:
-        """See :class:`~viscorod.solve.system.System`."""
-        if self.relaxation is None:
-            return []
-        n, elements = self.problem.size, self.elements()
-        operators, matrix = Operators.of(elements), Matrix(self.problem.pattern)
-        unused = np.zeros_like(matrix.blocks)
-        stress = np.zeros(elements.reference.shape)
-        self.linearise(state, np.zeros((n, 6, 6)), stress, operators, matrix.blocks, unused)
-        found = []
-        for j in range(len(self.relaxation.times)):
-            matrix.clear()
-            modulus = np.ascontiguousarray(self.relaxation.branches[:, j])
-            add_section_stiffness(elements, modulus, operators.strain, matrix.blocks)
-            found.append(sparse.csr_array(matrix.sparse()[: 6 * n, : 6 * n]))
-        return found
 
     def branch_power(self) -> Floats | None:
         """See :class:`~viscorod.solve.system.System`."""

@@ -17,7 +17,7 @@ from scipy import sparse
 from viscorod.errors import SolveError
 from viscorod.solve.history import StationReader
 from viscorod.solve.linear.matrix import Matrix
-from viscorod.solve.relaxing_modes import Pencil, follow
+from viscorod.solve.relaxing_modes import Pencil, branch_stiffness, follow
 from viscorod.solve.static import StaticSolver
 from viscorod.solve.system import State
 from viscorod.typing import Floats
@@ -195,7 +195,8 @@ def _with_branches(
     system = solver.system
     assert system.relaxation is not None
     branches = tuple(
-        sparse.csr_array(linear.basis.T @ branch @ linear.basis) for branch in system.branch_stiffness(state)
+        sparse.csr_array(linear.basis.T @ branch @ linear.basis)
+        for branch in branch_stiffness(system, system.relaxation, state)
     )
     pencil = Pencil(linear.stiffness, linear.damping, linear.mass, branches, system.relaxation.times)
     highest = float(np.abs(s).max(initial=0.0))

@@ -37,7 +37,7 @@ class Relaxation:
         self.stiffness: Floats
         self.prestress: Floats
         self.relax()
-        self._section = elements.section
+        self._at_points = np.moveaxis(branches[elements.section], 2, 0)  # (n, e, points, 6, 6)
         inside = np.arange(points[1]) < elements.order[:, None]
         weights = elements.weights[elements.order] * elements.half_lengths[:, None]
         self._weight: Floats = np.where(inside, weights, 0.0)
@@ -63,11 +63,11 @@ class Relaxation:
         self._duration, self._decay = duration, np.exp(-ratio)[:, None, None, None]
         self.stiffness = np.einsum("j,sjab->sab", instant, self.branches)
         past = self._decay * (self.strain - self.dashpot) - instant[:, None, None, None] * self.strain
-        self.prestress = np.einsum("egjab,jegb->ega", self.branches[self._section], past)
+        self.prestress = self._forces(past).sum(axis=0)
 
     def force(self, strain: Floats) -> Floats:
         """Return the section forces of the branches at ``strain (e, points, 6)``, at the last settled instant."""
-        return np.asarray(np.einsum("egjab,jegb->ega", self.branches[self._section], strain - self.dashpot))
+        return np.asarray(self._forces(strain - self.dashpot).sum(axis=0))
 
     def settle(self, strain: Floats) -> Floats:
         """Take over ``strain (e, points, 6)``, reached in the time that has elapsed; return what was lost ``(n,)`` [J].
@@ -100,11 +100,12 @@ class Relaxation:
 
     def power_of(self, spring: Floats) -> Floats:
         """Return the power lost per length ``(e, points)`` [W/m] with strains ``(n, e, points, 6)`` of the springs."""
-        branches = self.branches[self._section]
-        return np.asarray(np.einsum("jega,egjab,jegb,j->eg", spring, branches, spring, 1.0 / self.times))
+        return np.asarray(np.einsum("jega,jega,j->eg", spring, self._forces(spring), 1.0 / self.times))
 
     def _product(self, a: Floats, b: Floats) -> Floats:
         """Return ``int a_j.C_j b_j`` of every branch ``(n,)``."""
-        return np.asarray(
-            np.einsum("eg,jega,egjab,jegb->j", self._weight, a, self.branches[self._section], b)
-        )
+        return np.asarray(np.einsum("eg,jega,jega->j", self._weight, a, self._forces(b)))
+
+    def _forces(self, spring: Floats) -> Floats:
+        """Return the forces of springs with the strains ``(n, e, points, 6)``, likewise."""
+        return np.asarray((self._at_points @ spring[..., None])[..., 0])

@@ -12,6 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from viscorod.mechanics.linearised import Operators
+from viscorod.mechanics.relaxation import add_section_stiffness
+from viscorod.solve.linear.matrix import Matrix
+from viscorod.solve.relaxation import Relaxation
+from viscorod.solve.system import State, System
 from viscorod.typing import Floats
 
 ITERATIONS = 12
@@ -43,6 +48,22 @@ class Pencil:
         for branch, tau in zip(self.branches, self.times, strict=True):
             total = total + (part * tau / (1.0 + s * tau) ** 2) * branch
         return sparse.csr_array(total)
+
+
+def branch_stiffness(system: System, memory: Relaxation, state: State) -> list[sparse.csr_array]:
+    """Return the stiffness matrices of all branches in body increments of the nodes ``(6 n, 6 n)`` at ``state``."""
+    n, elements = system.problem.size, system.elements()
+    operators, matrix = Operators.of(elements), Matrix(system.problem.pattern)
+    unused = np.zeros_like(matrix.blocks)
+    unstressed = np.zeros(elements.reference.shape)
+    system.linearise(state, np.zeros((n, 6, 6)), unstressed, operators, matrix.blocks, unused)
+    found = []
+    for j in range(len(memory.times)):
+        matrix.clear()
+        modulus = np.ascontiguousarray(memory.branches[:, j])
+        add_section_stiffness(elements, modulus, operators.strain, matrix.blocks)
+        found.append(sparse.csr_array(matrix.sparse()[: 6 * n, : 6 * n]))
+    return found
 
 
 def follow(pencil: Pencil, s: complex, vector: np.ndarray) -> tuple[complex, np.ndarray]:

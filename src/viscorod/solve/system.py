@@ -142,9 +142,6 @@ class System(Protocol):
     def settle(self) -> Floats:
         """Let the branches remember the last assembly; return what each lost since the last call ``(n,)`` [J]."""
 
-    def branch_stiffness(self, state: State) -> list[sparse.csr_array]:
-        """Return the stiffness matrices of all branches in body increments of the nodes ``(6 n, 6 n)`` at ``state``."""
-
     def branch_power(self) -> Floats | None:
         """Return what the branches lose per length ``(m,)`` [W/m] in the order of results; None if there are none."""
 

@@ -139,7 +139,7 @@ class Transient:
         self.begin(state, record=checkpoint is None)
         if checkpoint is not None:
             self.resume(checkpoint)
-        corners, jumps = self._corners(self.duration)
+        corners, jumps = self.corners(0.0, self.duration)
         t, restart, resumed = integrator.t, True, checkpoint is not None
         for corner in corners:
             if resumed and corner < t:
@@ -256,23 +256,25 @@ class Transient:
             return f"{limit}{' of' if limit == 'the error' else ' for'} {report.motion} at {self.place(report.node)}"
         return limit
 
-    def _corners(self, duration: float) -> tuple[list[float], set[float]]:
-        """Instants that steps must hit, and those among them after which the integrator starts anew.
+    def corners(self, start: float, end: float) -> tuple[list[float], set[float]]:
+        """Instants from ``start`` to ``end`` [s] that steps must hit, and those after which the integrator starts anew.
 
-        Instants that only rounding keeps apart are one; the later stands for both.
+        ``end`` is the last of the former, ``start`` may be one of the latter. Instants that only rounding keeps apart
+        are one; the later stands for both, but ``start`` for what is next to it.
         """
-        corners: list[float] = []
+        near = 1e-12 * end
+        corners = [start]
         jumps: set[float] = set()
-        instants = {t for t in self.problem.breakpoints if 0.0 < t < duration}
-        for t in [*sorted(t for t in instants if t < duration), duration]:
-            jumped = t in self.problem.jumps and t < duration
-            if corners and t - corners[-1] < 1e-12 * duration:
+        for t in [*sorted(t for t in self.problem.breakpoints if start - near < t < end), end]:
+            jumped = t in self.problem.jumps and t < end
+            if t - corners[-1] < near and len(corners) > 1:
                 jumped = jumped or corners[-1] in jumps
                 corners.pop()
-            corners.append(t)
+            if t - start >= near:
+                corners.append(t)
             if jumped:
-                jumps.add(t)
-        return corners, jumps
+                jumps.add(corners[-1])
+        return corners[1:], jumps
 
     def restart(self, t: float) -> None:
         """Start the integrator anew at ``t`` [s], after a jump of loads or prescribed motions.

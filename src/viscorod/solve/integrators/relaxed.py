@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.internal_force import Elements
 from viscorod.mechanics.relaxation import Relaxing, add_section_stiffness, remember
 from viscorod.solve.integrators.jacobian import project_blocks
 from viscorod.solve.integrators.stage_data import Body, Matrices
@@ -25,8 +24,7 @@ class Relaxed:
 
     def __init__(self, memory: Relaxation, body: Body, tableau: Tableau) -> None:
         self.memory, self.body, self.tableau = memory, body, tableau
-        elements: Elements = body.elements
-        self.step = Relaxing.of(elements, memory.times, memory.branches, len(tableau.nodes))
+        self.step = Relaxing.of(body.elements, memory.times, memory.branches, len(tableau.nodes))
         self._length = 0.0
         self._start_power: Floats
 
