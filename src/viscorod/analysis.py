@@ -63,8 +63,14 @@ class Workplace:
     began: float = field(default_factory=time.perf_counter)
 
     @classmethod
-    def of(cls, model: ModelDescription, formulation: str = "geometric", damping: str = "full") -> Workplace:
-        """Discretise a model.
+    def of(
+        cls,
+        model: ModelDescription,
+        formulation: str = "geometric",
+        damping: str = "full",
+        stop: Callable[[], str] | None = None,
+    ) -> Workplace:
+        """Discretise a model; ``stop`` is asked in every iteration of its statics, see ``Model.equilibrium``.
 
         Raises:
             InputError: it is inconsistent.
@@ -79,7 +85,8 @@ class Workplace:
         system = FORMULATIONS[formulation, damping](problem)
         supports = SupportState(problem)
         require_independent(system, supports)
-        return cls(problem, system, supports, StaticSolver(system, supports), material_record(model))
+        static = StaticSolver(system, supports, stop=stop)
+        return cls(problem, system, supports, static, material_record(model))
 
     def equilibrium(
         self, factor: float, load_steps: int, progress: Progress | None, attrs: dict[str, Any]
@@ -198,6 +205,8 @@ class Workplace:
 
     def _path_failure(self, path: Path) -> str:
         reached = self.history.instant[-1] if self.history.instant else 0.0
+        if path.outcome is Outcome.INTERRUPTED:
+            return f"Stopped at {reached:.6g} of the loads, {path.count} points: {path.reason}"
         text = (
             f"The path was followed to {reached:.6g} of the loads, {path.count} points: {path.outcome.value}."
         )
@@ -280,8 +289,10 @@ class Workplace:
         )
 
     def _static_failure(self, path: StaticPath) -> str:
-        assert path.report is not None
         reached = path.factors[-1] if path.factors else 0.0
+        if path.outcome is Outcome.INTERRUPTED:
+            return f"Stopped at {reached:.6g} of the loads (trying {path.load_level:.6g}): {path.reason}"
+        assert path.report is not None
         text = (
             f"No equilibrium beyond {reached:.6g} of the loads (tried {path.load_level:.6g}): {path.outcome.value}."
             f"{self.where(path.report)} What to try: {path.outcome.advice(static=True)}."

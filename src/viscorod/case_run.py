@@ -55,7 +55,9 @@ def run_case(
 
     Args:
         case: of the file; progress: see ``Model.simulate``.
-        folder, resume, stop: of a motion, see there; doubts: go to its warnings.
+        folder, resume: of a motion, see there; doubts: go to its warnings.
+        stop: called after every step of a motion, in every iteration of other analyses; a reason that it returns ends
+            it.
     """
     model = as_model(case.description)
     model.about = {"case_text": case.text, "doubts": json.dumps(list(doubts))}
@@ -63,11 +65,11 @@ def run_case(
         model.about["case_file"] = str(case.source)
     given = {name: getattr(case.settings, name) for name in case.settings.model_fields_set}
     if isinstance(case.settings, EquilibriumSettings):
-        return model.equilibrium(**given, progress=progress, title=case.title)
+        return model.equilibrium(**given, progress=progress, title=case.title, stop=stop)
     if isinstance(case.settings, PathSettings):
-        return model.path(**given, progress=progress, title=case.title)
+        return model.path(**given, progress=progress, title=case.title, stop=stop)
     if isinstance(case.settings, SteadySettings):
-        return model.steady(**given, title=case.title)
+        return model.steady(**given, title=case.title, stop=stop)
     return model.simulate(
         **given, progress=progress, title=case.title, folder=folder, resume=resume, stop=stop
     )

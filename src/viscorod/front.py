@@ -54,6 +54,7 @@ class Model(ModelDescription):
         load_steps: int | None = None,
         progress: Progress | None = None,
         title: str = "",
+        stop: Callable[[], str] | None = None,
     ) -> Equilibrium:
         """Find the static equilibrium under the loads at t = 0- (just before t = 0).
 
@@ -62,13 +63,14 @@ class Model(ModelDescription):
             load_steps: number of equal load steps to start with; steps adapt anyway. None starts with one.
             progress: called with (load factor, step) after every load step.
             title: kept with the result.
+            stop: called in every iteration; a reason that it returns ends the search.
 
         Raises:
             InputError: the model is inconsistent, or free to move as a rigid body.
-            SolveError: no equilibrium was found; ``run`` holds the load steps that were.
+            SolveError: no equilibrium was found, or the search was stopped; ``run`` holds the load steps that were.
         """
         settings = EquilibriumSettings(**given(load_steps=load_steps))
-        work = self._discretised()
+        work = self._discretised(stop=stop)
         try:
             factor = number(load_factor)
         except InputError:
@@ -87,6 +89,7 @@ class Model(ModelDescription):
         arc_length: float = 0.1,
         progress: Progress | None = None,
         title: str = "",
+        stop: Callable[[], str] | None = None,
     ) -> Equilibrium:
         """Follow the static equilibria from the unloaded one on, through limit points and past bifurcations.
 
@@ -105,13 +108,14 @@ class Model(ModelDescription):
                 (load_factor, or 1), a displacement by the model's length and a rotation by 1 rad count alike.
             progress: called with (load factor, its change) after every point.
             title: kept with the result.
+            stop: called in every iteration; a reason that it returns ends the path.
 
         Returns:
             The points of the path from the unloaded shape on, in order; limit points and bifurcations are among them.
 
         Raises:
             InputError: the model is inconsistent, or free to move as a rigid body.
-            SolveError: the path could not be followed further; ``run`` holds it up to there.
+            SolveError: the path could not be followed further, or was stopped; ``run`` holds it up to there.
         """
         settings = PathSettings(
             **given(
@@ -124,7 +128,7 @@ class Model(ModelDescription):
                 turns=turns,
             )
         )
-        return self._discretised().path(settings, progress, self._attrs(title))
+        return self._discretised(stop=stop).path(settings, progress, self._attrs(title))
 
     def simulate(
         self,
@@ -290,6 +294,7 @@ class Model(ModelDescription):
         damping: str = "full",
         modes: int = 6,
         title: str = "",
+        stop: Callable[[], str] | None = None,
     ) -> Steady:
         """Find a steady rotation, in which every rod turns like a rigid body, and its small motions.
 
@@ -310,9 +315,11 @@ class Model(ModelDescription):
                 only.
             modes: number of small motions to report.
             title: kept with the result.
+            stop: called in every iteration; a reason that it returns ends the search.
 
         Raises:
-            InputError: supports, loads or damping allow no such rotation. SolveError: none was found.
+            InputError: supports, loads or damping allow no such rotation.
+            SolveError: none was found, or the search was stopped.
         """
         from viscorod.steady import steady_rotation
 
@@ -328,7 +335,7 @@ class Model(ModelDescription):
                 modes=modes,
             )
         )
-        return steady_rotation(self._discretised(), self, settings, start, self._attrs(title))
+        return steady_rotation(self._discretised(stop=stop), self, settings, start, self._attrs(title))
 
     def with_known_times(self) -> Model:
         """The model with the times of all materials known: those that follow from a mode (`ModalDamping`) are found.
@@ -340,10 +347,15 @@ class Model(ModelDescription):
 
         return with_known_times(self)
 
-    def _discretised(self, formulation: str = "geometric", damping: str = "full") -> Workplace:
+    def _discretised(
+        self,
+        formulation: str = "geometric",
+        damping: str = "full",
+        stop: Callable[[], str] | None = None,
+    ) -> Workplace:
         from viscorod.analysis import Workplace
 
-        return Workplace.of(self, formulation, damping)
+        return Workplace.of(self, formulation, damping, stop)
 
     def _attrs(self, title: str) -> dict[str, Any]:
         from viscorod import __version__

@@ -131,19 +131,29 @@ def _compute(case: Case, folder: Path, doubts: Sequence[str], *, resume: bool) -
 
 @contextmanager
 def _polite_stop() -> Iterator[Callable[[], str]]:
-    """Let Ctrl-C, or a request to terminate, end the run after the present step; the second one ends it at once."""
-    reason = ""
+    """Let Ctrl-C, or a request to terminate, end the run after the present step; the second one ends it at once.
+
+    So does the first one where nobody has asked yet: there is no step to finish in an initial equilibrium.
+    """
+    reason, listening = "", False
 
     def ask(number: int, _: FrameType | None) -> None:
         nonlocal reason
         if reason:
             raise KeyboardInterrupt
         reason = "stopped from the keyboard" if number == signal.SIGINT else "asked to end"
+        if not listening:
+            raise KeyboardInterrupt(reason)
         typer.echo("\nfinishing the step; once more ends the run at once", err=True)
+
+    def stop() -> str:
+        nonlocal listening
+        listening = True
+        return reason
 
     before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield lambda: reason
+        yield stop
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, SolveError
 from viscorod.model.description import ModelDescription
 from viscorod.model.settings import SteadySettings
 from viscorod.results.dataset import dataset
 from viscorod.results.result import Result
 from viscorod.results.steady import Steady
 from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.newton import interruption
 from viscorod.solve.problem import Problem
 from viscorod.solve.steady.conditions import require
 from viscorod.solve.steady.poses import nodal_state
@@ -40,7 +41,12 @@ def steady_rotation(
     problem = work.problem
     require(model, problem, settings)
     first = None if start is None else last_state(problem, start)
-    found = Search(work.static, settings, first).run()
+    search = Search(work.static, settings, first)
+    try:
+        found = search.run()
+    except KeyboardInterrupt as asked:
+        text = f"Stopped after {search.effort.iterations} iterations: {interruption(asked)}"
+        raise SolveError(text) from None
     return Steady(_dataset(work, settings, found, attrs))
 
 

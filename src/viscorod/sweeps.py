@@ -183,17 +183,22 @@ Found: TypeAlias = tuple[Any, str, str]
 UNTOUCHED: Found = (None, "the sweep was stopped before it", "not run")
 
 
-def _compute(job: Job, progress: Callable[[float, float], None]) -> Found:
+STOPPED = "the sweep was stopped"
+
+
+def _compute(job: Job, progress: Callable[[float, float], None], stopped: Callable[[], bool]) -> Found:
     """Do one member; whatever goes wrong is told, not raised."""
     content, title, source = job
     try:
+        case = case_from_dict({"title": title, **content}, source)
         return (
-            run_case(case_from_dict({"title": title, **content}, source), progress=progress),
+            run_case(case, progress=progress, stop=lambda: STOPPED if stopped() else ""),
             "",
             "completed",
         )
     except SolveError as error:
-        return error.run, str(error), error.run.outcome if error.run is not None else "failed"
+        without = "interrupted" if stopped() else "failed"
+        return error.run, str(error), without if error.run is None else error.run.outcome
     except InputError as error:
         return None, str(error), "refused"
     except KeyboardInterrupt:
@@ -215,10 +220,8 @@ def _alone(jobs: Sequence[Job], stop: threading.Event, progress: Progress | None
         def on_step(reached: float, _step: float, *, k: int = k, total: float = total) -> None:
             if progress is not None:
                 progress(k + min(reached / total, 1.0))
-            if stop.is_set():
-                raise KeyboardInterrupt
 
-        found.append(UNTOUCHED if stop.is_set() else _compute(job, on_step))
+        found.append(UNTOUCHED if stop.is_set() else _compute(job, on_step, stop.is_set))
     return found
 
 
@@ -264,15 +267,14 @@ def _prepare(cells: Any) -> None:
 def _work(k: int, job: Job) -> Found:
     total = _total(job)
     cells = _shared[0]
-    if cells[len(cells) - 1]:
-        return UNTOUCHED
+
+    def stopped() -> bool:
+        return bool(cells[len(cells) - 1])
 
     def on_step(reached: float, _step: float) -> None:
         cells[k] = min(reached / total, 1.0)
-        if cells[len(cells) - 1]:
-            raise KeyboardInterrupt
 
-    return _compute(job, on_step)
+    return UNTOUCHED if stopped() else _compute(job, on_step, stopped)
 
 
 def _outcome(future: Future[Found]) -> Found:

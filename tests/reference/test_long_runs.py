@@ -358,6 +358,22 @@ def test_commands_stop_and_go_on(tmp_path, monkeypatch):
     assert "name the folder" in invoke(app, ["resume", "nowhere"]).stderr
 
 
+def test_where_no_step_is_taken_the_first_interrupt_ends_the_run(capsys):
+    """An initial equilibrium has no step to finish: nobody asks there whether to stop."""
+    with (
+        run_commands._polite_stop() as stop,
+        pytest.raises(KeyboardInterrupt, match="stopped from the keyboard"),
+    ):
+        signal.raise_signal(signal.SIGINT)
+    with run_commands._polite_stop() as stop:
+        assert stop() == ""
+        signal.raise_signal(signal.SIGTERM)
+        assert stop() == "asked to end"
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+    assert "finishing the step" in capsys.readouterr().err
+
+
 def test_interrupt_ends_a_run_after_its_step(tmp_path):
     """A real signal: once ends the run in order, with what to do next."""
     case = tmp_path / "case.toml"

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from viscorod.solve.static import StaticSolver
 
 
 def rod(**given):
@@ -181,6 +182,74 @@ def test_interruption_keeps_the_run():
     with pytest.raises(vr.SolveError, match="interrupted from the keyboard") as error:
         model.simulate(1.0, time_step=0.01, progress=progress)
     assert error.value.run.time[-1] >= 0.49
+
+
+def after(count):
+    """Return what is asked whether to stop, and says so from the ``count``-th time on."""
+    asked = iter(range(count))
+    return lambda: "enough" if next(asked, None) is None else ""
+
+
+def loaded():
+    model = model_of(("ux", "uy", "uz", "rx", "ry", "rz"))
+    model.force("beam.end", (0, 5.0, 0))
+    return model
+
+
+def test_a_stopped_equilibrium_keeps_its_load_steps():
+    """The steps that were converged are those of the search that was not stopped."""
+    whole = loaded().equilibrium(load_steps=10)
+    with pytest.raises(vr.SolveError, match=r"Stopped at 0\.\d+ of the loads .*: enough") as error:
+        loaded().equilibrium(load_steps=10, stop=after(9))
+    kept = error.value.run
+    count = kept.load_factor.size
+    assert kept.outcome == "interrupted"
+    assert 1 <= count < whole.load_factor.size
+    np.testing.assert_array_equal(kept.data.position, whole.data.position[:count])
+    with pytest.raises(vr.SolveError, match="enough") as error:
+        loaded().equilibrium(stop=after(1))
+    assert error.value.run is None
+
+
+def test_an_interrupted_equilibrium_keeps_its_load_steps():
+    def interrupt(factor, _step):
+        if factor > 0.25:
+            raise KeyboardInterrupt
+
+    with pytest.raises(vr.SolveError, match="interrupted from the keyboard") as error:
+        loaded().equilibrium(load_steps=10, progress=interrupt)
+    assert 0.25 < error.value.run.load_factor[-1] < 1.0
+
+
+def test_a_stopped_path_keeps_its_points():
+    whole = loaded().path(load_factor=1.0)
+    with pytest.raises(vr.SolveError, match=r"Stopped at .* points: enough") as error:
+        loaded().path(load_factor=1.0, stop=after(12))
+    kept = error.value.run
+    count = kept.load_factor.size
+    assert kept.outcome == "interrupted"
+    assert 1 < count < whole.load_factor.size
+    np.testing.assert_array_equal(kept.data.position, whole.data.position[:count])
+
+
+def test_a_steady_rotation_can_be_stopped():
+    model = model_of(("ux", "uy", "uz", "rx", "ry", "rz"))
+    with pytest.raises(vr.SolveError, match=r"Stopped after 1 iterations: enough"):
+        model.steady(spin=(0, 0, 3.0), stop=after(1))
+
+
+def test_an_interrupted_initial_equilibrium_is_told(monkeypatch):
+    """Ctrl-C while the equilibrium is sought from which a motion starts."""
+    ask = after(2)
+
+    def interrupted(_solver):
+        if ask():
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(StaticSolver, "go_on", interrupted)
+    with pytest.raises(vr.SolveError, match=r"initial equilibrium was not found.*interrupted") as error:
+        loaded().simulate(1.0)
+    assert error.value.run is None
 
 
 def propped(scale):

@@ -10,7 +10,14 @@ import numpy as np
 
 from viscorod.mechanics.rotation import retract
 from viscorod.solve.modes import negative_eigenvalues
-from viscorod.solve.newton import Convergence, NewtonReport, Outcome, SingularMatrixError, worst_node
+from viscorod.solve.newton import (
+    Convergence,
+    NewtonReport,
+    Outcome,
+    SingularMatrixError,
+    interruption,
+    worst_node,
+)
 from viscorod.solve.static import StaticSolver
 from viscorod.solve.system import State
 from viscorod.typing import Floats
@@ -65,7 +72,7 @@ class Path:
         outcome: COMPLETED, POINTS (as many as allowed), or why it could not be followed further.
         count: points so far; limit_points, bifurcations: the numbers of those that are one.
         iterations: of Newton's method, those of rejected steps among them; rejected: steps that were taken anew.
-        report: of the last iteration that failed.
+        report: of the last iteration that failed; reason: why an INTERRUPTED path stopped.
     """
 
     outcome: Outcome = Outcome.COMPLETED
@@ -75,6 +82,7 @@ class Path:
     iterations: int = 0
     rejected: int = 0
     report: NewtonReport | None = None
+    reason: str = ""
 
 
 class PathFollower:
@@ -122,13 +130,30 @@ class PathFollower:
             on_point: called after every point, with the system in that state.
         """
         path = self.path = Path()
+        try:
+            self._follow(state, load_factor, endings, largest, points, turns, on_point)
+        except KeyboardInterrupt as asked:
+            path.outcome, path.reason = Outcome.INTERRUPTED, interruption(asked)
+        return path
+
+    def _follow(
+        self,
+        state: State,
+        load_factor: float | None,
+        endings: Sequence[Ending],
+        largest: float,
+        points: int,
+        turns: int | None,
+        on_point: Callable[[PathPoint], None],
+    ) -> None:
+        path = self.path
         if load_factor is not None:
             endings = [*endings, lambda point: point.factor - load_factor]
         begin = -1.0 if load_factor is not None and load_factor < 0.0 else 1.0
         start = self._point(state, 0.0, Direction(np.zeros_like(state.twist), begin), 0)
         if start is None:
             path.outcome = Outcome.SINGULAR
-            return path
+            return
         at = self._counted(start)
         self._record(at, on_point)
         step = 0.25 * largest
@@ -139,7 +164,7 @@ class PathFollower:
                 step *= 0.45  # no even part, lest the end stay where the matrix is singular
                 if step < SMALLEST * largest:
                     path.outcome = path.report.outcome if path.report is not None else Outcome.SINGULAR
-                    return path
+                    return
                 continue
             reached = self._counted(reached)
             ended = self._ended(at, reached, step, endings, load_factor)
@@ -149,22 +174,21 @@ class PathFollower:
                 step *= 0.45
                 if step < SMALLEST * largest:
                     path.outcome = Outcome.DIVERGED
-                    return path
+                    return
                 continue
             for special, kind in passed:
                 kind.append(path.count)
                 self._record(special, on_point)
                 if turns is not None and len(path.limit_points) >= turns:
-                    return path
+                    return
             at = ended or reached
             self._record(at, on_point)
             if ended:
-                return path
+                return
             step = min(
                 step * (1.5 if reached.iterations <= 5 else 0.7 if reached.iterations > 8 else 1.0), largest
             )
         path.outcome = Outcome.POINTS
-        return path
 
     def step(self, at: PathPoint, distance: float) -> PathPoint | None:
         """Return the equilibrium at a ``distance`` from a point, or None if none is found near the path there."""
@@ -177,6 +201,7 @@ class PathFollower:
         try:
             plain, per_factor = self._solve(trial, factor)
             while True:
+                static.go_on()
                 lacking = distance - self._inner(at.forward, Direction(total, factor - at.factor))
                 along = self._inner(at.forward, Direction(plain[: problem.size], 0.0))
                 rate = self._inner(at.forward, Direction(per_factor[: problem.size], 1.0))

@@ -113,4 +113,9 @@ def worst_node(residual: Floats, length: float) -> tuple[float, int]:
     return float(size[node]), node
 
 
-__all__ = ["Convergence", "NewtonReport", "Outcome", "SingularMatrixError", "worst_node"]
+def interruption(asked: KeyboardInterrupt) -> str:
+    """Return why a solution was interrupted."""
+    return str(asked) or "interrupted from the keyboard"
+
+
+__all__ = ["Convergence", "NewtonReport", "Outcome", "SingularMatrixError", "interruption", "worst_node"]

@@ -10,7 +10,14 @@ from scipy import sparse
 
 from viscorod.mechanics.rotation import retract
 from viscorod.solve.loads import ExternalLoads
-from viscorod.solve.newton import Convergence, NewtonReport, Outcome, SingularMatrixError, worst_node
+from viscorod.solve.newton import (
+    Convergence,
+    NewtonReport,
+    Outcome,
+    SingularMatrixError,
+    interruption,
+    worst_node,
+)
 from viscorod.solve.null_space import null_space
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
@@ -24,7 +31,8 @@ class StaticPath:
         outcome: COMPLETED, or why the last load step failed.
         factors: load factors of the converged steps; iterations: Newton iterations of each.
         rejected: load steps that failed and were halved; their iterations are in ``wasted``.
-        report: the last Newton report; negative_pivot_sign: sign of the tangent's determinant at the end.
+        report: the last Newton report; load_level: the factor that was tried last.
+        reason: why an INTERRUPTED solution stopped.
     """
 
     outcome: Outcome = Outcome.COMPLETED
@@ -34,6 +42,7 @@ class StaticPath:
     wasted: int = 0
     report: NewtonReport | None = None
     load_level: float = 0.0
+    reason: str = ""
 
 
 class StaticSolver:
@@ -43,16 +52,34 @@ class StaticSolver:
         system: the formulation; supports: its supports.
         tolerance: size of the last Newton increment (displacement over model length, rotation in rad).
         iterations: allowed Newton iterations per load step.
+        stop: called in every iteration; returns why the solution is to stop, or nothing.
     """
 
     def __init__(
-        self, system: System, supports: SupportState, *, tolerance: float = 1e-9, iterations: int = 25
+        self,
+        system: System,
+        supports: SupportState,
+        *,
+        tolerance: float = 1e-9,
+        iterations: int = 25,
+        stop: Callable[[], str] | None = None,
     ) -> None:
         self.system = system
         self.supports = supports
         self.loads = ExternalLoads(system.problem)
         self.tolerance = tolerance
         self.iterations = iterations
+        self._stop = stop
+
+    def go_on(self) -> None:
+        """Do nothing, unless the solution is to stop.
+
+        Raises:
+            KeyboardInterrupt: it is; as if asked from the keyboard, with the reason.
+        """
+        reason = "" if self._stop is None else self._stop()
+        if reason:
+            raise KeyboardInterrupt(reason)
 
     def solve(
         self,
@@ -75,13 +102,30 @@ class StaticSolver:
             on_step: called with (load factor, state, iterations) after every converged step.
         """
         path = StaticPath()
+        try:
+            self._advance(path, state, t, before, factor, first_step, smallest_step, on_step)
+        except KeyboardInterrupt as asked:
+            path.outcome, path.reason = Outcome.INTERRUPTED, interruption(asked)
+            self.restore(state, t, before=before, scale=path.factors[-1] if path.factors else 0.0)
+        return path
+
+    def _advance(
+        self,
+        path: StaticPath,
+        state: State,
+        t: float,
+        before: bool,
+        factor: float,
+        first_step: float,
+        smallest_step: float,
+        on_step: Callable[[float, State, int], None] | None,
+    ) -> None:
         done, step = 0.0, first_step
         while done < 1.0:
             step = min(step, 1.0 - done)
             trial = state.copy()
-            level = factor * (done + step)
-            report = self.newton(trial, t, before=before, scale=level)
-            path.report = report
+            path.load_level = factor * (done + step)
+            path.report = report = self.newton(trial, t, before=before, scale=path.load_level)
             if report.converged:
                 done = 1.0 if done + step > 1.0 - 1e-12 else done + step
                 state.set(trial)
@@ -98,9 +142,7 @@ class StaticSolver:
             step *= 0.5
             if step < smallest_step:
                 path.outcome = report.outcome
-                path.load_level = level
-                break
-        return path
+                return
 
     def newton(self, state: State, t: float, *, before: bool, scale: float) -> NewtonReport:
         """Solve at one load level from ``state``; on success the assembly at the solution is left in the system."""
@@ -117,6 +159,7 @@ class StaticSolver:
             return NewtonReport(outcome, count, size, imbalance, node)
 
         while True:
+            self.go_on()
             system.assemble(state, loads, None, tangent=True, moving=False)
             residual = system.residual()
             if not np.isfinite(residual).all():

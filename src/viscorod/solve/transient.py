@@ -12,7 +12,7 @@ from viscorod.errors import InputError
 from viscorod.solve.events import Watch
 from viscorod.solve.history import EnergyAccount, History
 from viscorod.solve.integrators.contract import Integrator, StepReport
-from viscorod.solve.newton import Outcome
+from viscorod.solve.newton import Outcome, interruption
 from viscorod.solve.problem import Problem
 from viscorod.solve.saved_state import Tree, restore, saved
 from viscorod.solve.step_control import StepControl
@@ -119,8 +119,8 @@ class Transient:
         self.result = result = TransientResult(history or History(), effort=self.effort, notes=self.notes)
         try:
             self._march(state, checkpoint)
-        except KeyboardInterrupt:
-            result.outcome, result.reason = Outcome.INTERRUPTED, "interrupted from the keyboard"
+        except KeyboardInterrupt as asked:
+            result.outcome, result.reason = Outcome.INTERRUPTED, interruption(asked)
         except InputError as error:
             if not result.history.count:
                 raise

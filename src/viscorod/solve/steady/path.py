@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,8 +28,14 @@ DOWN = 16
 
 @dataclass
 class Effort:
-    """What a search took."""
+    """What a search took.
 
+    Attributes:
+        go_on: called in every iteration; raises what ends the search.
+        iterations: so far; gap: imbalance of the last solution.
+    """
+
+    go_on: Callable[[], None]
     iterations: int = 0
     gap: float = np.inf
 
@@ -41,6 +48,7 @@ def newton(equations: SteadyEquations, kind: Measure, target: float, effort: Eff
     before, smallest = np.inf, np.inf
     with np.errstate(all="ignore"):
         for _ in range(ITERATIONS):
+            effort.go_on()
             balance = equations.balance()
             value, slope = equations.measure(kind)
             if not (np.isfinite(balance.matrix).all() and np.isfinite(slope).all()):

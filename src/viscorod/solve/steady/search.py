@@ -47,7 +47,7 @@ class Search:
         self.held = holding(self.problem)
         self.loads: LoadState = solver.loads.at(0.0)
         self.joint = int(self.problem.supports.nodes[0]) if self.held is not Holding.FREE else 0
-        self.effort = path.Effort()
+        self.effort = path.Effort(solver.go_on)
         solver.supports.update(0.0)
 
     def run(self) -> SteadyRotation:
