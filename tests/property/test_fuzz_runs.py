@@ -19,7 +19,6 @@ from viscorod.case_run import run_case
 from viscorod.cases.case import case_from_dict
 from viscorod.check import check
 from viscorod.errors import InputError, SolveError
-from viscorod.model.settings import SimulateSettings
 
 EXAMPLES = settings.default.max_examples if settings.default.max_examples > 1000 else 4
 LIMIT = 300
@@ -28,10 +27,6 @@ ANALYSES = {"equilibrium": {}, "path": {"points": 6}, "steady": {"spin": [0.0, 0
 STEPS = 6
 KINDS = st.sampled_from(["own", *ANALYSES])
 RELAXED = [HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much]
-
-
-class EnoughError(Exception):
-    """The steps that are looked at are done."""
 
 
 @contextmanager
@@ -86,14 +81,12 @@ def computed_or_told(content):
     """Load, check and compute a case; what it came to, for counting."""
     count, ends = 0, time.monotonic() + 0.1 * LIMIT
 
-    def enough():
+    def progress(*_reached):
         nonlocal count
         count += 1
-        return count >= STEPS or time.monotonic() > ends
 
-    def progress(*reached):
-        if not isinstance(case.settings, SimulateSettings) and enough():
-            raise EnoughError
+    def stop():
+        return "enough" if count >= STEPS or time.monotonic() > ends else ""
 
     with time_limit(LIMIT):
         try:
@@ -105,11 +98,6 @@ def computed_or_told(content):
             report = check(case.description, case.settings)
             assert np.isfinite(report.frequencies).all()
             assert np.isfinite(report.damping_ratios).all()
-            stop = (
-                (lambda: "enough" if enough() else "")
-                if isinstance(case.settings, SimulateSettings)
-                else None
-            )
             finite(run_case(case, progress=progress, stop=stop).data)
         except InputError as error:
             told(error)
@@ -117,8 +105,6 @@ def computed_or_told(content):
         except SolveError as error:
             if error.run is not None:
                 finite(error.run.data)
-            return "stopped"
-        except EnoughError:
             return "stopped"
     return "computed"
 
