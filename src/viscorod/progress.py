@@ -82,17 +82,22 @@ def _bar(total: float, *, static: bool) -> Iterator[Progress]:
 
 
 def _lines(total: float, *, static: bool) -> Progress:
-    begin = time.monotonic()
     unit, name = ("", "load") if static else (" s", "t")
     shown = 0
+    first: tuple[float, float] | None = None  # when and where the first step ended; before it was preparation
 
     def update(reached: float, step: float) -> None:
-        nonlocal shown
+        nonlocal shown, first
+        now = time.monotonic()
+        first = first or (now, reached)
         part = int(_LINES * reached / total * (1.0 + 1e-9))
         if part > shown:
             shown = part
-            left = (time.monotonic() - begin) * (total - reached) / reached
+            began, start = first
             state = f"{name} = {reached:.4g} of {total:g}{unit}, step {step:.3g}{unit}"
-            print(f"{state}, {max(left, 0.0):.1f} s left", file=sys.stderr, flush=True)
+            if reached > start:
+                left = (now - began) * (total - reached) / (reached - start)
+                state += f", {max(left, 0.0):.1f} s left"
+            print(state, file=sys.stderr, flush=True)
 
     return update

@@ -1,0 +1,30 @@
+"""What is printed of a solution's progress where there is no terminal."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from viscorod import progress
+
+
+def test_time_left_is_that_of_equal_steps(monkeypatch, capsys):
+    """A minute of preparation, then a second per step: the estimate counts the steps alone."""
+    clock = iter([60.0 + k for k in range(1, 11)])
+    monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: next(clock)))
+    with progress.reporting(10.0, static=False) as report:
+        for k in range(1, 11):
+            report(float(k), 1.0)
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 5
+    for line, reached in zip(lines, (2, 4, 6, 8, 10), strict=True):
+        assert line.startswith(f"t = {reached} of 10 s")
+        assert line.endswith(f"{10 - reached:.1f} s left")
+
+
+@pytest.mark.parametrize("total", [1.0, 3.0])
+def test_one_step_has_no_estimate(capsys, total):
+    with progress.reporting(total, static=True) as report:
+        report(total, total)
+    assert capsys.readouterr().err == f"load = {total:g} of {total:g}, step {total:.3g}\n"
