@@ -369,6 +369,54 @@ def test_newton_has_the_tangent_of_the_branches():
     assert report.iterations <= 2
 
 
+# --- together with joints
+
+
+@pytest.mark.parametrize("integrator", ["radau", "midpoint", "generalized_alpha"])
+def test_halves_joined_rigidly_are_one_rod(integrator):
+    """The same elements on a shared node, or on two nodes that a rigid joint holds together: the same rod."""
+    model = vr.Model()
+    half = 0.5 * LENGTH
+    for name, start, end in (("one", 0.0, half), ("two", half, LENGTH)):
+        model.add(
+            name,
+            vr.Rod.straight((start, 0, 0), (end, 0, 0), section=section(), elements=1, order=4),
+        )
+    model.clamp("one.start")
+    model.rigid("one.end", "two.start")
+    model.force("two.end", (0, 0.02, 0.01), until=0.0)
+    given = {"tolerance": 1e-7} if integrator == "radau" else {"time_step": 0.005}
+    joined = model.simulate(0.5, integrator=integrator, **given)
+    whole = swing(section()).simulate(0.5, integrator=integrator, **given)
+    tip = [
+        run.history(place, "position").values[-1] for run, place in ((joined, "two.end"), (whole, "beam.end"))
+    ]
+    assert tip[0] == pytest.approx(tip[1], abs=1e-7 * LENGTH)
+    assert joined.data.branch_loss.values[-1] == pytest.approx(whole.data.branch_loss.values[-1], rel=1e-5)
+
+
+def test_a_swinging_chain_loses_its_energy_in_the_branches():
+    """Conservation law, by two methods that share no time stepping: relaxing rods on a hinge and a ball, falling."""
+    model = vr.Model()
+    for name, start in (("one", 0.0), ("two", LENGTH)):
+        ends = (start, 0, 0), (start + LENGTH, 0, 0)
+        model.add(name, vr.Rod.straight(*ends, section=section(), elements=2, order=3))
+    model.revolute("one.start", "ground", (0, 1, 1))
+    model.ball("one.end", "two.start")
+    model.gravity()
+    midpoint = model.simulate(0.4, initial="reference", integrator="midpoint", time_step=5e-4)
+    radau = model.simulate(0.4, initial="reference", tolerance=1e-6)
+    for run in (midpoint, radau):
+        data = run.data
+        given, lost = float(data.external[-1]), float(data.branch_loss[-1].sum())
+        stored = float(data.kinetic[-1] + data.elastic[-1])
+        assert stored + lost == pytest.approx(given, rel=1e-4)
+        assert lost > 1e-3 * given
+        ends = [run.history(place, "position").values for place in ("one.end", "two.start")]
+        assert ends[0] == pytest.approx(ends[1], abs=1e-9 * LENGTH)
+    assert radau.data.branch_loss.values[-1] == pytest.approx(midpoint.data.branch_loss.values[-1], rel=2e-3)
+
+
 # --- what has no branches
 
 
