@@ -107,11 +107,16 @@ def decay(place: str, axis: str, frequency: float, ratio: float, name: str, scal
         displacement(place, axis, scale=scale)(axes, run)
         found = run.decrement(place, axis=axis, rest=None)
         rate = 2 * np.pi * frequency * ratio
-        size = abs(found.value[-1] - found.rest) * np.exp(-rate * (run.time - found.time[-1]))
+        size = found.amplitude[-1] * np.exp(-rate * (run.time - found.time[-1]))
         bottom, top = axes.get_ylim()
         for sign, label in ((1.0, name), (-1.0, "_")):
             axes.plot(
-                run.time, scale * (found.rest + sign * size), "--", color=RED, linewidth=1.3, label=label
+                run.time,
+                scale * (found.rest_at(run.time) + sign * size),
+                "--",
+                color=RED,
+                linewidth=1.3,
+                label=label,
             )
         room = 0.12 * (top - bottom)
         axes.set_ylim(bottom - room, top + 2 * room)

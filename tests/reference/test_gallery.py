@@ -102,6 +102,14 @@ def test_case_has_the_number_of_its_source(name, tmp_path, monkeypatch):
     assert found == pytest.approx(np.broadcast_to(expected, found.shape), rel=tolerance)
 
 
+def test_decay_of_the_rubber_strip_has_the_ratio_of_its_mode():
+    """Its position of rest moves by a sixth of what the amplitude loses per cycle; no late cycle is off by it."""
+    run = load_case(shipped_case("rubber_strip")).model(vr.Model).simulate(4.0)
+    found = run.free_decay("strip.end", "z")
+    assert found.damping_ratio[-4:] == pytest.approx(0.0504044, rel=2e-3)
+    assert found.limit == ("small amplitude", pytest.approx(0.0504044, rel=2e-3))
+
+
 @pytest.mark.parametrize("name", shipped_cases())
 def test_gallery_shows_the_case(name):
     """One section each, with a picture that is small, the command, the source and the number."""

@@ -263,12 +263,15 @@ def test_a_blade_as_a_case_file(blade_file, primary, curved):
             assert np.abs(difference).max() < (1e-4 if curved else 1e-12) * size
 
 
-def test_a_case_file_of_a_maxwell_rod_is_refused():
-    section = vr.StiffnessSection([1.0] * 6, [1.0] * 6, branches=[{"time": 0.1, "stiffness": [1.0] * 6}])
-    rod = vr.Rod.straight((0, 0, 0), (0, 0, 1), section=section)
-    for call in (vd.case_text, vd.blade_from_rod):
-        with pytest.raises(InputError, match="have Maxwell branches"):
-            call(rod)
+def test_a_maxwell_rod_is_refused():
+    """Also where only a part of it, away from its start, has branches."""
+    elastic = vr.StiffnessSection([1.0] * 6, [1.0] * 6)
+    branched = vr.StiffnessSection([1.0] * 6, [1.0] * 6, branches=[{"time": 0.1, "stiffness": [1.0] * 6}])
+    for section in (branched, vr.Piecewise([(0.5, elastic), (1.0, branched)])):
+        rod = vr.Rod.straight((0, 0, 0), (0, 0, 1), section=section)
+        for call in (vd.case_text, vd.blade_from_rod, lambda r: vd.gxbeam_from_rod(r, 4)):
+            with pytest.raises(InputError, match="Maxwell branches"):
+                call(rod)
 
 
 # ---- GXBeam-style descriptions

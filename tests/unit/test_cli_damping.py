@@ -98,6 +98,10 @@ def test_all_programs(invoke):
         for source in kind.sources:
             assert f"Read in: {source}" in result.output
     assert "Lost: the six mu hold for the whole blade" in result.output
+    two = invoke(
+        "programs", "swing.toml", "--program", "mujoco", "--program", "mbdyn", "--segment-length", 0.025
+    )
+    assert two.exit_code == 0, two.output  # an option goes to the programs that take it
     without = invoke("programs", "swing.toml")
     assert without.exit_code == 0
     assert "MuJoCo cable: needs --segment-length; give it to see its inputs" in without.output
@@ -198,6 +202,14 @@ def test_beams_of_the_other_program_and_of_cases(invoke, tmp_path):
             "--at: 1: outside the rod; give an arc length from 0 to 0.3 m",
         ),
         (("programs", "swing.toml", "--program", "mujoco"), "segment_length: this program needs it"),
+        (
+            ("programs", "swing.toml", "--program", "mbdyn", "--segment-length", 0.1),
+            "--segment-length: 0.1: no use for MBDyn; leave it out",
+        ),
+        (
+            ("from", "beamdyn", "--numbers", "1,1,1,1,1,1", "--case", "swing.toml", "--frequency", 2),
+            "frequency: 2: BeamDyn has no use for it; leave it out",
+        ),
         (("programs", "swing.toml", "--program", "abaqus"), "program: abaqus: no such program"),
         (
             ("from", "beamdyn", "--numbers", "1", "--case", "swing.toml"),

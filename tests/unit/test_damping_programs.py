@@ -522,8 +522,17 @@ def test_messages(call, message):
 
 def test_maxwell_branches_are_refused():
     section = vr.StiffnessSection(np.eye(6), np.eye(6), branches=[{"time": 0.1, "stiffness": [1.0] * 6}])
-    with pytest.raises(InputError, match="its section has Maxwell branches"):
+    with pytest.raises(InputError, match="its section at 0 m has Maxwell branches"):
         data_of(section)
+
+
+@pytest.mark.parametrize("kind", vd.PROGRAMS.values())
+def test_an_option_that_a_program_does_not_take_is_refused(kind):
+    """Every program, both ways; those without options used to drop what they were given."""
+    options = dict.fromkeys(kind.options, 1.0) | {"frequence": 2.0}
+    for call in (kind.from_section, lambda *args, **words: kind.from_numbers([1.0], *args, **words)):
+        with pytest.raises(InputError, match=f"frequence: 2: {re.escape(kind.title)} has no use for it"):
+            call(data_of(), **options)
 
 
 def test_the_table_of_the_reference_page():

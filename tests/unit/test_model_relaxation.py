@@ -134,8 +134,11 @@ def test_incompressible_extension_is_three_times_shear():
 
 def test_complex_modulus_is_the_transform_of_the_relaxation_modulus():
     relaxation = Relaxation(1.5, (2.0, 3.0), (0.1, 1.0))
+
+    def decaying(t):
+        return float(relaxation.relaxation_modulus(t)) - 1.5
+
     for omega in (0.3, 5.0):
-        decaying = lambda t: float(relaxation.relaxation_modulus(t)) - 1.5  # noqa: E731
         storage = 1.5 + omega * quad(decaying, 0.0, np.inf, weight="sin", wvar=omega)[0]
         loss = omega * quad(decaying, 0.0, np.inf, weight="cos", wvar=omega)[0]
         assert relaxation.complex_modulus(omega) == pytest.approx(storage + 1j * loss, rel=1e-7)

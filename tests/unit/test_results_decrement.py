@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from synthetic import oscillator
 from viscorod import InputError
-from viscorod.results.decrement import Decrement, decrement, resting_value
+from viscorod.results.decrement import Decrement, decrement
+from viscorod.results.extremes import creeping_rest, resting_value
 
 
 def record(zeta, omega=3.6, step=0.02, duration=10.0, **options):
@@ -72,6 +73,62 @@ def test_rest_is_estimated_from_the_last_extremes():
     assert decrement(time, value, rate, rest=None).damping_ratio == pytest.approx(0.05, abs=1e-5)
     time, value, rate = record(0.05, rest=1e-3)
     assert resting_value(time, value, rate) == 0.0  # within 2 % of the last amplitude
+
+
+@pytest.mark.parametrize(
+    ("zeta", "creep", "slow"),
+    [(0.05, 0.2, 5.0), (0.05, -0.2, 5.0), (0.02, 0.1, 10.0), (0.005, 0.05, 20.0), (0.03, 3.0, 10.0)],
+)
+def test_rest_that_creeps_is_followed(zeta, creep, slow):
+    """A damped cosine about ``creep exp(-t/slow)``, its rest small or large against the swing."""
+    time, value, rate = record(zeta, duration=14.0)
+    mean = creep * np.exp(-time / slow)
+    motion = time, value + mean, rate - mean / slow
+    for below in (False, True):
+        found = decrement(*motion, rest=None, below=below)
+        assert found.damping_ratio == pytest.approx(zeta, rel=5e-3)
+        # left are the second difference of the creep, and that its speed moves the extremes: c^2/(2 a omega^2)
+        exact = creep * np.exp(-found.time / slow)
+        left = 1.2 * np.abs(exact) * (np.pi / 3.6 / slow) ** 2 / 4
+        left += (exact / slow) ** 2 / (found.amplitude * 3.6**2)
+        assert np.all(np.abs(found.rest - exact) < left)
+        assert found.rest_at(found.time) == pytest.approx(found.rest)
+    assert "about a rest that creeps from" in str(found)
+
+
+def test_one_rest_for_a_creep_is_far_off():
+    """What follows the creep is needed: one value, the best at the end, errs by more than 10 % there."""
+    time, value, rate = record(0.05, duration=14.0)
+    mean = 0.2 * np.exp(-time / 5.0)
+    motion = time, value + mean, rate - mean / 5.0
+    found = decrement(*motion, rest=resting_value(*motion))
+    assert found.damping_ratio[-1] / 0.05 - 1.0 > 0.1
+
+
+def test_ratio_of_a_maxwell_oscillator_is_that_of_its_eigenvalue():
+    """Mass on the relaxing spring of the case rubber_strip, let go where it hung relaxed: decay by eigenvectors."""
+    shares, times, stiffness = np.array([0.20, 0.15, 0.10]), np.array([0.001, 0.03, 1.0]), 228.2
+    system = np.zeros((5, 5))  # displacement, velocity, elongations of the springs of the branches
+    system[0, 1] = 1.0
+    system[1] = -stiffness * np.concatenate([[1.0 - shares.sum(), 0.0], shares])
+    system[2:, 1], system[2:, 2:] = 1.0, -np.diag(1.0 / times)
+    roots, vectors = np.linalg.eig(system)
+    parts = np.linalg.solve(vectors, [-0.08, 0.0, 0.0, 0.0, 0.0])
+    time = np.linspace(0.0, 4.0, 801)
+    value, rate = ((vectors * parts)[:2] @ np.exp(np.outer(roots, time))).real
+    swinging = roots[np.argmax(roots.imag)]
+    found = decrement(time, value, rate, rest=None, below=True)
+    assert found.damping_ratio == pytest.approx(-swinging.real / abs(swinging), rel=1e-3)
+    assert found.small_amplitude_ratio == pytest.approx(-swinging.real / abs(swinging), rel=1e-3)
+
+
+def test_rest_that_stays_is_one_value():
+    """Neither a constant rest nor the wandering midline of two modes is a creep."""
+    time, value, rate = record(0.05, rest=-0.7)
+    assert creeping_rest(time, value, rate) is None
+    slow, slow_rate = oscillator(time, 0.05, 1.1, amplitude=0.1)
+    assert creeping_rest(time, value + slow, rate + slow_rate) is None
+    assert creeping_rest(time[:200], value[:200], rate[:200]) is None  # too short to tell
 
 
 def test_ripple_on_a_swing_makes_no_cycle():

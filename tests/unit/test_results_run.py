@@ -9,6 +9,7 @@ import xarray as xr
 
 import viscorod as vr
 from synthetic import LENGTH, oscillator, rolled_up, swing
+from viscorod.results.plot import draw_motion
 from viscorod.results.run import Equilibrium, Run
 
 
@@ -95,6 +96,22 @@ def test_decrement_of_places(run):
         run.decrement("beam.end", axis="z")
     with pytest.raises(vr.InputError, match="axis = 'w' is no global axis"):
         run.decrement("beam.end", axis="w")
+
+
+def test_free_decay_follows_a_rest_that_creeps():
+    """The swing about ``0.05 exp(-t/5)`` m at the tip, which one constant rest misses by a tenth."""
+    data = swing(duration=14.0)
+    shape = (data["station_s"] / LENGTH) ** 2
+    creep = 0.05 * np.exp(-data["time"] / 5.0)
+    data["position"].loc[{"axis": "y"}] += creep * shape
+    data["velocity"].loc[{"axis": "y"}] -= creep / 5.0 * shape
+    found = Run(data).free_decay("beam.end", "y")
+    assert found.limit == ("small amplitude", pytest.approx(0.05, rel=2e-3))
+    assert found.rest_at(found.time) == pytest.approx(0.05 * np.exp(-found.time / 5.0), rel=0.01)
+    bounds = draw_motion(Run(data)).axes[0].lines[-2:]
+    middle = sum(line.get_ydata() for line in bounds) / 2.0  # of the drawn envelope
+    inside = (data.time >= found.time[0]) & (data.time <= found.time[-1])
+    assert middle[inside] == pytest.approx(creep.values[inside], rel=0.05)
 
 
 def test_snapshot_between_stored_times(run):

@@ -185,7 +185,10 @@ def test_equal_times_in_all_materials_scale_the_stiffness():
 
 def two_layers(mesh_size, lower, upper, nu=0.0):
     """P and the areas of two layers, 0.04 x 0.01 below and 0.04 x 0.02 above, on one mesh."""
-    box = lambda y0, y1: ((-0.02, y0), (0.02, y0), (0.02, y1), (-0.02, y1))  # noqa: E731
+
+    def box(y0, y1):
+        return ((-0.02, y0), (0.02, y0), (0.02, y1), (-0.02, y1))
+
     mesh = triangulate(((box(0.0, 0.01), ()), (box(0.01, 0.03), ())), mesh_size)
     youngs, shear = np.array([lower[0], upper[0]]), np.array([lower[1], upper[1]])
     heights = np.array([0.005, 0.02])
@@ -222,8 +225,14 @@ def test_shear_of_layers_by_the_shear_flow():
     )
     g, w = np.polynomial.legendre.leggauss(6)
     lower, upper = 0.005 * (1 + g), 0.01 + 0.01 * (1 + g)
-    below = lambda y: E1 * ((y - y0) ** 2 - y0**2) / 2  # noqa: E731, the integral of E (y - y0) from 0
-    above = lambda y: below(0.01) + E2 * ((y - y0) ** 2 - (0.01 - y0) ** 2) / 2  # noqa: E731
+
+    def below(y):
+        """The integral of E (y - y0) from 0."""
+        return E1 * ((y - y0) ** 2 - y0**2) / 2
+
+    def above(y):
+        return below(0.01) + E2 * ((y - y0) ** 2 - (0.01 - y0) ** 2) / 2
+
     shares = [
         b * (0.005 * w * (below(lower) / rigidity / G1) ** 2).sum(),
         b * (0.01 * w * (above(upper) / rigidity / G2) ** 2).sum(),

@@ -15,6 +15,7 @@ import numpy as np
 
 from viscorod.damping.blade_text import Lines
 from viscorod.damping.creation import EnergyCheck, check_product
+from viscorod.damping.matrices import symmetric_part
 from viscorod.damping.times import six_times
 from viscorod.errors import InputError, Problem
 from viscorod.typing import Floats
@@ -113,7 +114,7 @@ def _matrix(lines: Lines, what: str) -> Floats:
             f"the matrix must be symmetric ({what.removeprefix('a row of ')})",
             "give the same number twice",
         )
-    return np.asarray((matrix + matrix.T) / 2.0)
+    return symmetric_part(matrix)
 
 
 def write_beamdyn_blade_file(blade: BeamDynBlade, path: str | Path, *, modal_section: bool = False) -> Path:

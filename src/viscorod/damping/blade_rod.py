@@ -14,7 +14,9 @@ from viscorod.damping.beamdyn_blade import (
     write_beamdyn_blade_file,
 )
 from viscorod.damping.beamdyn_line import BladeTwist, LineLike, beamdyn_axis, reference_line
+from viscorod.damping.branches import refuse_branches
 from viscorod.damping.creation import check_product
+from viscorod.damping.matrices import by_sizes
 from viscorod.damping.times import component_times, symmetric_damping
 from viscorod.errors import InputError, Problem
 from viscorod.model.rod import Rod
@@ -71,12 +73,11 @@ class BladeSections:
         largest = 0.0
         if self.blade.damp_type == 0:
             return largest
-        root = np.sqrt(np.where(self.blade.mu > 0.0, self.blade.mu, np.inf))
+        damped = np.where(self.blade.mu > 0.0, self.blade.mu, np.inf)
         for stiffness in self.blade.stiffness:
-            size = root * np.sqrt(np.diag(stiffness))
             product = self.blade.mu[:, None] * stiffness
-            scaled = np.abs(self.damping(stiffness) - product) / size[:, None] / size[None, :]
-            largest = max(largest, float(scaled.max()))
+            scaled = by_sizes(self.damping(stiffness) - product, damped * np.diag(stiffness))
+            largest = max(largest, float(np.abs(scaled).max()))
         return largest
 
     def __call__(self, s: float) -> StiffnessSection:
@@ -171,12 +172,8 @@ def blade_from_rod(
             Problem("stations", f"{len(np.atleast_1d(fractions))} numbers", "they must rise from 0 to 1",
                     "give fractions of the length, such as 0, 0.5, 1")
         )  # fmt: skip
+    refuse_branches(rod, fractions * rod.length)
     matrices = [rod.matrices_at(float(s)) for s in fractions * rod.length]
-    if any(rod.branches_at(float(s))[0].size for s in fractions * rod.length):
-        raise InputError(
-            Problem("rod", "", "its sections have Maxwell branches, which BeamDyn has not",
-                    "a Prony series with law = \"kelvin_voigt\" has the viscosity of slow motion instead")
-        )  # fmt: skip
     stiffness, damping, inertia = (np.array(parts) for parts in zip(*matrices, strict=True))
     times = np.array([component_times(c, d) for c, d in zip(stiffness, damping, strict=True)])
     mu = times.mean(axis=0)

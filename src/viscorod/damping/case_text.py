@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.damping.gxbeam_assembly import section_turn
+from viscorod.damping.matrices import symmetric_part
 from viscorod.errors import InputError, Problem
 from viscorod.model.centreline import Points, Straight
 from viscorod.model.rod import Rod
@@ -28,7 +29,7 @@ def case_text(rod: Rod, pieces: int = 40, *, title: str = "Blade") -> str:
     Raises:
         InputError: the rod has Maxwell branches.
     """
-    if rod.branches_at(0.0)[0].size:
+    if rod.relaxing:
         raise InputError(
             Problem(
                 "rod", "", "its sections have Maxwell branches", "write the case by hand, with its material"
@@ -54,7 +55,11 @@ def case_text(rod: Rod, pieces: int = 40, *, title: str = "Blade") -> str:
         lines.append(f"[sections.piece_{k + 1:03d}]")
         lines.append('shape = "stiffness"')
         for word, matrix in zip(("stiffness", "damping", "inertia"), rod.matrices_at(float(s)), strict=True):
-            lines += [f"{word} = [", *(f"  {_row(row)}," for row in _even(turn @ matrix @ turn.T)), "]"]
+            lines += [
+                f"{word} = [",
+                *(f"  {_row(row)}," for row in symmetric_part(turn @ matrix @ turn.T)),
+                "]",
+            ]
         lines.append("")
         until = curve.length if k == pieces - 1 else float(ends[k + 1] * stretch)
         listed.append(f'  {{ until = {until!r}, section = "piece_{k + 1:03d}" }},')
@@ -67,10 +72,6 @@ def case_text(rod: Rod, pieces: int = 40, *, title: str = "Blade") -> str:
     lines += ["[[supports]]", 'kind = "clamp"', 'at = "blade.start"', ""]
     lines += ["[[loads]]", 'kind = "gravity"', "", "[equilibrium]", ""]
     return "\n".join(lines)
-
-
-def _even(matrix: Floats) -> Floats:
-    return np.asarray((matrix + matrix.T) / 2.0)
 
 
 def _row(values: Floats) -> str:

@@ -14,6 +14,7 @@ from itertools import combinations
 
 import numpy as np
 
+from viscorod.damping.matrices import by_sizes, symmetric_part
 from viscorod.damping.times import six_times
 from viscorod.model.stiffness_section import STRAINS
 from viscorod.typing import Floats
@@ -62,27 +63,18 @@ class EnergyCheck:
 
     def text(self) -> str:
         """A sentence for the user: whether, where and from which coupling on energy is created."""
-        if not self.couplings or not np.isfinite(self.factor):
+        if not np.isfinite(self.factor):
             return "the product of the times with the stiffness never creates energy here"
         first = self.couplings[0]
-        pair = f"{first.strains[0]} and {first.strains[1]}"
-        size = (
-            f"the coupling of {pair} is {abs(first.correlation):.4g} of sqrt(S_ii S_jj), and from "
-            f"{first.limit:.4g} on "
-            "this pair alone does"
+        start = (
+            "the product of these times with this stiffness creates energy in some motions:"
+            if self.creates_energy
+            else "the product of these times with a stiffness can create energy; not here, but"
         )
-        if self.creates_energy:
-            return (
-                "the product of these times with this stiffness creates energy in some motions: "
-                + size
-                + "; all "
-                f"couplings together do so from {self.factor:.4g} times the given ones"
-            )
         return (
-            "the product of these times with a stiffness can create energy; not here, but "
-            + size
-            + ", and all "
-            f"couplings together from {self.factor:.4g} times the given ones"
+            f"{start} the coupling of {first.strains[0]} and {first.strains[1]} is {abs(first.correlation):.4g} of "
+            f"sqrt(S_ii S_jj), and from {first.limit:.4g} on this pair alone does; all couplings together do so from "
+            f"{self.factor:.4g} times the given ones"
         )
 
 
@@ -93,8 +85,7 @@ def check_product(stiffness: Floats, times: Sequence[float] | Floats) -> EnergyC
     positive semi-definite at f = -1/(lowest eigenvalue of A^(-1/2) B A^(-1/2)).
     """
     mu = six_times(times)
-    size = np.sqrt(np.diag(stiffness))
-    correlation = stiffness / size[:, None] / size[None, :]
+    correlation = by_sizes(stiffness, np.diag(stiffness))
     couplings = []
     for i, j in combinations(range(6), 2):
         if correlation[i, j] != 0.0:
@@ -103,9 +94,9 @@ def check_product(stiffness: Floats, times: Sequence[float] | Floats) -> EnergyC
             couplings.append(
                 CouplingLimit((STRAINS[i], STRAINS[j]), float(correlation[i, j]), min(float(limit), 1.0))
             )
-    couplings.sort(key=lambda c: c.limit / abs(c.correlation) if c.correlation else np.inf)
+    couplings.sort(key=lambda c: c.limit / abs(c.correlation))
     factor, direction = _smallest_factor(correlation, mu)
-    return EnergyCheck(tuple(couplings), factor, direction / size)
+    return EnergyCheck(tuple(couplings), factor, direction / np.sqrt(np.diag(stiffness)))
 
 
 def _smallest_factor(correlation: Floats, mu: Floats) -> tuple[float, Floats]:
@@ -123,15 +114,13 @@ def _smallest_factor(correlation: Floats, mu: Floats) -> tuple[float, Floats]:
         return 0.0, direction
     if not active.any():
         return np.inf, np.zeros(6)
-    root = np.sqrt(mu[active])
-    scaled = couplings[np.ix_(active, active)] / root[:, None] / root[None, :]
-    values, vectors = np.linalg.eigh(scaled)
+    values, vectors = np.linalg.eigh(by_sizes(couplings[np.ix_(active, active)], mu[active]))
     # equal times: the factor at which the stiffness itself stops being definite, no fault of the product
     own = np.linalg.eigvalsh(np.where(np.eye(6, dtype=bool), 0.0, correlation)[np.ix_(active, active)])[0]
     if values[0] >= own - ROUND_OFF:
         return np.inf, np.zeros(6)
     direction = np.zeros(6)
-    direction[active] = vectors[:, 0] / root
+    direction[active] = vectors[:, 0] / np.sqrt(mu[active])
     return float(-1.0 / values[0]), direction / np.abs(direction).max()
 
 
@@ -141,9 +130,7 @@ def least_power(law: Floats, stiffness: Floats) -> float:
     Strain rates are scaled by sqrt(C_ii); the result is in parts of the largest eigenvalue in size, so it lies
     between -1 and 1 and is negative where the law creates energy. 0 for a law without damping.
     """
-    size = np.sqrt(np.diag(stiffness))
-    scaled = (law + law.T) / 2.0 / size[:, None] / size[None, :]
-    values = np.linalg.eigvalsh(scaled)
+    values = np.linalg.eigvalsh(by_sizes(symmetric_part(law), np.diag(stiffness)))
     largest = float(np.abs(values).max())
     return float(values[0]) / largest if largest > 0.0 else 0.0
 

@@ -19,6 +19,8 @@ import numpy as np
 
 from viscorod.damping.axes import from_axial_first, to_axial_first
 from viscorod.damping.blade_rod import Law, product_damping
+from viscorod.damping.branches import refuse_branches
+from viscorod.damping.matrices import symmetric_part
 from viscorod.damping.times import component_times, six_times, symmetric_damping
 from viscorod.errors import InputError, Problem
 from viscorod.model.centreline import Points, Straight
@@ -98,7 +100,9 @@ def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "sym
         times = six_times(from_axial_first(mu[k]), f"damping[{k}]")
         damping = symmetric_damping(own, times) if law == "symmetric" else product_damping(own, times)
         try:
-            section = StiffnessSection(_even(elastic), _even(inertia), _even(turn @ damping @ turn.T))
+            section = StiffnessSection(
+                symmetric_part(elastic), symmetric_part(inertia), symmetric_part(turn @ damping @ turn.T)
+            )
         except InputError as error:
             raise InputError([problem.within(f"element {k + 1}") for problem in error.problems]) from None
         pieces.append((float(ends[k]) if k < count - 1 else curve.length, section))
@@ -110,11 +114,15 @@ def gxbeam_from_rod(rod: Rod, elements: int) -> dict[str, Any]:
     """A rod as a GXBeam-style beam of straight elements of equal length, as plain lists.
 
     The matrices are those at the middle of each element, in the rod's section axes; mu_i = D_ii/C_ii.
+
+    Raises:
+        InputError: the rod has Maxwell branches.
     """
     ends, middles = (
         np.linspace(0.0, rod.length, elements + 1),
         (np.arange(elements) + 0.5) * rod.length / elements,
     )
+    refuse_branches(rod, middles)
     points, _ = rod.frames(ends)
     _, axes = rod.frames(middles)
     matrices = [rod.matrices_at(float(s)) for s in middles]
@@ -152,10 +160,6 @@ def section_turn(frame: Floats, natural: Floats, element: int) -> Floats:
     c, s = math.cos(angle), math.sin(angle)
     rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     return np.kron(np.eye(2), rotation)
-
-
-def _even(matrix: Floats) -> Floats:
-    return np.asarray((matrix + matrix.T) / 2.0)
 
 
 def _inverse(compliance: Floats) -> Floats:

@@ -19,7 +19,7 @@ from viscorod.damping_commands.given import (
     rod_of,
     section_of,
 )
-from viscorod.errors import InputError
+from viscorod.errors import InputError, Problem
 from viscorod.terminal import readable_errors, rows_text
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ def programs(
         data = section_of(chosen, at)
         options = options_of(segment_length, frequency)
         kinds = list(PROGRAMS.values()) if program is None else [find(word) for word in program]
+        _refuse_unread(options, kinds)
         typer.echo(f"Rod {name}, section at {at:g} m")
         for kind in kinds:
             lacking = [word for word in kind.options if word not in options]
@@ -55,7 +56,9 @@ def programs(
                 typer.echo(f"\n{kind.title}: needs --{flag}; give it to see its inputs")
                 continue
             try:
-                inputs = kind.from_section(data, **options)
+                inputs = kind.from_section(
+                    data, **{word: value for word, value in options.items() if word in kind.options}
+                )
             except InputError as error:
                 if program is not None:
                     raise
@@ -108,6 +111,14 @@ def from_program(
                 f"{{ shear_time = {fit.shear_time:.10g}, bulk_time = {fit.bulk_time:.10g} }}"
             )
         notes(found.warnings)
+
+
+def _refuse_unread(options: dict[str, float], kinds: list[type[ProgramInputs]]) -> None:
+    for word, value in options.items():
+        if not any(word in kind.options for kind in kinds):
+            titles = ", ".join(kind.title for kind in kinds)
+            flag = f"--{word.replace('_', '-')}"
+            raise InputError(Problem(flag, f"{value:g}", f"no use for {titles}", "leave it out"))
 
 
 def _program_text(inputs: ProgramInputs, data: SectionData) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.mechanics.quaternion import conjugate, product
-from viscorod.results.decrement import hermite
+from viscorod.results.extremes import hermite
 from viscorod.typing import Floats, Integers
 
 _NEAREST = 4  # stored states of a polynomial across steps

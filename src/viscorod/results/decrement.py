@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.typing import Floats, Integers
+from viscorod.results.extremes import creeping_rest, maxima, resting_value
+from viscorod.typing import Floats
 
-_STANDSTILL = 1e-6  # initial speed below this part of the largest: released from rest, the start is a maximum
 _FLOOR = 1e-6  # maxima below this part of the largest amplitude are what the solver's tolerance left
-_SYMMETRIC = 0.02  # a mean position closer to zero than this part of the last amplitude is taken as zero
 _LAST = 2  # cycles that the drawn envelope follows
 _FITTED = 3  # cycles from which the limit of small amplitude is extrapolated
 _AGREEING = 1.3  # largest ratio of two periods in what is called a decay
@@ -27,14 +26,14 @@ class Decrement:
     Attributes:
         place: the place, "beam.end".
         axis: the global axis, "x", "y" or "z".
-        rest: displacement about which it swings [m].
+        rest: displacement about which it swings [m]; where it creeps, at each of the maxima, shape (n,).
         time: times of the maxima [s], shape (n,).
         value: displacements at the maxima [m], shape (n,).
     """
 
     place: str
     axis: str
-    rest: float
+    rest: float | Floats
     time: Floats
     value: Floats
 
@@ -42,6 +41,10 @@ class Decrement:
     def amplitude(self) -> Floats:
         """Distance of each maximum from rest [m], shape (n,); cycle k starts with maximum k."""
         return np.abs(self.value - self.rest)
+
+    def rest_at(self, time: Floats) -> Floats:
+        """Displacement about which it swings [m] at any times [s]; outside of the maxima that of the nearest."""
+        return np.asarray(np.interp(time, self.time, np.broadcast_to(self.rest, self.time.shape)))
 
     @property
     def mean_amplitude(self) -> Floats:
@@ -97,29 +100,24 @@ class Decrement:
         line (fewer than three cycles, an amplitude that changes by less than a tenth, ratios that scatter
         about the line by more than 2 %) it is the ratio of those cycles taken as one.
         """
-        limit = self._extrapolated
-        return _ratio(self.log_decrement[-_FITTED:]) if limit is None else limit
+        return self._of_last_cycles[1]
 
     @property
-    def _extrapolated(self) -> float | None:
+    def _of_last_cycles(self) -> tuple[str, float]:
         square = self.mean_amplitude[-_FITTED:] ** 2
         ratio = self.damping_ratio[-_FITTED:]
         if ratio.size == _FITTED and np.ptp(square) > 0.2 * np.max(square):
             line = np.polyfit(square, ratio, 1)
             if np.max(np.abs(ratio - np.polyval(line, square))) < 0.02 * np.max(np.abs(ratio)):
-                return float(line[1])
-        return None
+                return "small amplitude", float(line[1])
+        return f"last {ratio.size} cycles taken as one", _ratio(self.log_decrement[-_FITTED:])
 
     @property
     def limit(self) -> tuple[str, float]:
         """The ratio that stands for the decay, and what it is of, in words."""
         if self.scattered:
             return "all cycles taken as one", self.mean_damping_ratio
-        found = self._extrapolated
-        if found is not None:
-            return "small amplitude", found
-        count = min(_FITTED, len(self.period))
-        return f"last {count} cycles taken as one", self.small_amplitude_ratio
+        return self._of_last_cycles
 
     @property
     def mean_damping_ratio(self) -> float:
@@ -127,7 +125,10 @@ class Decrement:
         return _ratio(self.log_decrement)
 
     def __str__(self) -> str:
-        about = f" about {self.rest:.6g} m" if self.rest else ""
+        first, *_, last = self.rest_at(self.time)
+        about = f" about {last:.6g} m" if last else ""
+        if first != last:
+            about = f" about a rest that creeps from {first:.6g} to {last:.6g} m"
         lines = [
             f"Decay of {self.place} along {self.axis}{about}",
             "  cycle  starts at [s]  amplitude [m]  period [s]  log decrement  damping ratio",
@@ -167,7 +168,8 @@ def decrement(
         time: times [s], increasing, shape (m,).
         value: displacement [m], shape (m,).
         rate: its rate [m/s], shape (m,).
-        rest: displacement about which it swings [m], or None to take it from the last extremes.
+        rest: displacement about which it swings [m], or None to take it from the extremes: from the last three,
+            or from three at a time where they tell that it creeps (see ``creeping_rest``).
         below: whether the swings to the negative side count, minima instead of maxima.
         place: name for messages and tables.
         axis: name for messages and tables.
@@ -176,10 +178,15 @@ def decrement(
         InputError: fewer than two maxima.
     """
     if rest is None:
+        creeping = creeping_rest(time, value, rate)
+        if creeping is not None:
+            times, values, rests = creeping
+            counted = values < rests if below else values > rests
+            return Decrement(place, axis, rests[counted], times[counted], values[counted])
         rest = resting_value(time, value, rate)
     sign, extreme = (-1.0, "minimum") if below else (1.0, "maximum")
     value, rate, level = sign * value, sign * rate, sign * rest
-    times, values, intervals = _maxima(time, value, rate)
+    times, values, intervals = maxima(time, value, rate)
     above = value > level
     swing = np.cumsum(np.concatenate([[0], (above[1:] & ~above[:-1]).astype(np.int64)]))
     on_sample = np.where(above[intervals], intervals, np.minimum(intervals + 1, above.size - 1))
@@ -209,54 +216,3 @@ def _ratio(deltas: Floats) -> float:
     """Return the damping ratio of cycles with the given logarithmic decrements, taken as one."""
     delta = float(np.mean(deltas))
     return float(delta / np.hypot(2.0 * np.pi, delta))
-
-
-def resting_value(time: Floats, value: Floats, rate: Floats) -> float:
-    """Estimate the displacement about which a motion swings [m] from its last three extremes.
-
-    Extremes of a linear decay are ``rest + a (-q)^k``, which three of them determine. Values close to zero
-    against the last amplitude become zero; with fewer than three extremes the answer is zero.
-    """
-    highs = _maxima(time, value, rate)
-    lows = _maxima(time, -value, -rate)
-    times = np.concatenate([highs[0], lows[0]])
-    order = np.argsort(times)[-3:]
-    if order.size < 3:
-        return 0.0
-    a, b, c = np.concatenate([highs[1], -lows[1]])[order]
-    curvature = (c - b) - (b - a)
-    if curvature == 0.0:
-        return 0.0
-    rest = float(c - (c - b) ** 2 / curvature)
-    return 0.0 if abs(rest) < _SYMMETRIC * abs(c - rest) else rest
-
-
-def _maxima(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Floats, Integers]:
-    """Return times and values of all local maxima of the Hermite interpolant, and the interval of each."""
-    h = np.diff(time)
-    f0, f1, d0, d1 = value[:-1], value[1:], h * rate[:-1], h * rate[1:]
-    inside = np.flatnonzero((d0 > 0.0) & (d1 <= 0.0))
-    h, f0, f1, d0, d1 = h[inside], f0[inside], f1[inside], d0[inside], d1[inside]
-    # The slope over the interval is a u^2 + b u + d0, u in [0, 1]; it falls through zero once.
-    a = 6.0 * (f0 - f1) + 3.0 * (d0 + d1)
-    b = -6.0 * (f0 - f1) - 4.0 * d0 - 2.0 * d1
-    root = np.sqrt(np.maximum(b * b - 4.0 * a * d0, 0.0))
-    # two ways to write the same, neither with a difference of like numbers
-    u = np.where(b > 0.0, b + root, 2.0 * d0) / np.where(b > 0.0, -2.0 * a, root - b)
-    times = time[inside] + u * h
-    values = hermite(u, f0, f1, d0, d1)
-    slow = _STANDSTILL * float(np.max(np.abs(rate), initial=0.0))
-    if value.size > 1 and abs(rate[0]) <= slow and value[1] < value[0]:
-        start = (
-            inside != 0
-        )  # the start itself, not a maximum that round-off in the initial rate puts just after it
-        times = np.concatenate([time[:1], times[start]])
-        values = np.concatenate([value[:1], values[start]])
-        inside = np.concatenate([[0], inside[start]])
-    return times, values, inside.astype(np.int64)
-
-
-def hermite(u: Floats, f0: Floats, f1: Floats, d0: Floats, d1: Floats) -> Floats:
-    """Return the cubic with values ``f0, f1`` and slopes ``d0, d1`` at 0 and 1, evaluated at ``u``."""
-    rise = f1 - f0
-    return f0 + u * (d0 + u * (3.0 * rise - 2.0 * d0 - d1 + u * (d0 + d1 - 2.0 * rise)))

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.results.assemblies import Assembly
-from viscorod.results.decrement import Decrement, hermite
+from viscorod.results.decrement import Decrement
+from viscorod.results.extremes import hermite
 from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
 from viscorod.results.style import (
     BLUE,
@@ -89,7 +90,7 @@ def draw_history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement |
             markersize=5,
             clip_on=False,
             zorder=4,
-            label="maxima" if decay.value[0] > decay.rest else "minima",
+            label="maxima" if decay.value[0] > decay.rest_at(decay.time)[0] else "minima",
         )
         size, rate = decay.envelope
         envelope = size * np.exp(-rate * run.time)
@@ -97,7 +98,7 @@ def draw_history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement |
         label = f"envelope of {cycles}, exp({-rate:.3g} t/s)".replace("-", "\N{MINUS SIGN}")
         bottom, top = axes.get_ylim()
         for sign, text in ((1.0, label), (-1.0, None)):
-            bound = scale * (decay.rest + sign * envelope)
+            bound = scale * (decay.rest_at(run.time) + sign * envelope)
             axes.plot(run.time, bound, "--", color=ORANGE, linewidth=1.4, label=text)
         # Extrapolated to the start, the envelope may run far out of the large first swings.
         room = 0.05 * (top - bottom)

@@ -13,8 +13,9 @@ import numpy as np
 from viscorod.errors import InputError
 from viscorod.mechanics.quaternion import conjugate, product, rotation_vector
 from viscorod.results.between_records import step_ends
-from viscorod.results.decrement import Decrement, decrement, hermite, resting_value
+from viscorod.results.decrement import Decrement, decrement
 from viscorod.results.energy import Energy
+from viscorod.results.extremes import hermite, resting_value
 from viscorod.results.places import Site
 from viscorod.results.result import Result
 from viscorod.results.schema import AXES
@@ -59,7 +60,8 @@ class Run(Result):
         Args:
             place: "beam.end", "beam@0.15", "plate", "plate.corner" or the number of a station.
             axis: global axis "x", "y" or "z".
-            rest: displacement about which it swings [m]; None takes it from the last extremes of the motion.
+            rest: displacement about which it swings [m]; None takes it from the extremes of the motion, also where it
+                creeps.
             below: whether the minima bound the cycles instead of the maxima.
 
         Raises:
@@ -79,7 +81,7 @@ class Run(Result):
         rest = resting_value(self.time, value, rate)
         below = bool(value[0] - rest < -_STARTS_BELOW * np.max(np.abs(value - rest)))
         try:
-            found = self.decrement(place, axis, rest, below=below)
+            found = self.decrement(place, axis, None, below=below)
         except InputError:
             return None
         return found if found.regular else None

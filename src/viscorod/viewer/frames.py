@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.results.decrement import hermite
+from viscorod.results.extremes import hermite
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:

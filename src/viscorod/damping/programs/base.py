@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
 
+from viscorod.damping.branches import refuse_branches
 from viscorod.damping.creation import creates_energy, least_power
-from viscorod.damping.times import MaterialFit, fit_material, six_times, symmetric_damping
+from viscorod.damping.matrices import by_sizes, symmetric_part
+from viscorod.damping.times import MaterialFit, component_times, fit_material, symmetric_damping
 from viscorod.errors import InputError, Problem
 from viscorod.model.material import Material
 from viscorod.model.rod import Rod
@@ -19,7 +21,18 @@ from viscorod.model.section import MaterialSection
 from viscorod.model.stiffness_section import STRAINS
 from viscorod.typing import Floats
 
-__all__ = ["ProgramInputs", "Recovered", "SectionData", "listed", "number_text"]
+__all__ = [
+    "ProgramInputs",
+    "Recovered",
+    "SectionData",
+    "checked_options",
+    "listed",
+    "matrix_of",
+    "number_text",
+]
+
+UNITS = {"segment_length": "m", "frequency": "Hz"}
+"""Units of the options of programs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,15 +60,7 @@ class SectionData:
         Raises:
             InputError: the section has Maxwell branches, which no Kelvin-Voigt law of another program has.
         """
-        if rod.branches_at(s)[0].size:
-            raise InputError(
-                Problem(
-                    "rod",
-                    "",
-                    "its section has Maxwell branches, and the programs translated to know Kelvin-Voigt damping only",
-                    'a Prony series with law = "kelvin_voigt" has the viscosity of slow motion instead',
-                )
-            )
+        refuse_branches(rod, [s])
         section = rod.section_at(s)
         shaped = section if isinstance(section, MaterialSection) else None
         return cls(*rod.matrices_at(s), material=rod.material if shaped else None, section=shaped)
@@ -63,7 +68,7 @@ class SectionData:
     @property
     def times(self) -> Floats:
         """Six times D_ii/C_ii (6,), s."""
-        return np.asarray(np.diag(self.damping) / np.diag(self.stiffness))
+        return component_times(self.stiffness, self.damping)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +139,7 @@ class ProgramInputs(ABC):
         """What is lost when the section's damping becomes these inputs, in sentences with numbers."""
         law = self.law(data.stiffness)
         out: list[str] = []
-        given, taken = data.times, np.diag(law) / np.diag(data.stiffness)
+        given, taken = data.times, component_times(data.stiffness, law)
         if self.missing:
             out.append(f"{self.title} has no {', '.join(STRAINS[k] for k in self.missing)}: held rigid")
         for place, (word, before, after) in enumerate(zip(STRAINS, given, taken, strict=True)):
@@ -168,17 +173,16 @@ class ProgramInputs(ABC):
         D = T C T with the same six times is taken, and the difference is told.
         """
         law = self.law(data.stiffness)
-        times = np.diag(law) / np.diag(data.stiffness)
-        scale = np.sqrt(np.diag(data.stiffness))
-        scaled = law / scale[:, None] / scale[None, :]
+        times = component_times(data.stiffness, law)
+        scaled = by_sizes(law, np.diag(data.stiffness))
         largest = float(np.abs(scaled).max())
         skew = float(np.abs(scaled - scaled.T).max())
         warnings: list[str] = []
         if skew <= 1e-9 * largest and not creates_energy(law, data.stiffness):
-            damping, difference = (law + law.T) / 2.0, 0.0
+            damping, difference = symmetric_part(law), 0.0
         else:
-            damping = symmetric_damping(data.stiffness, six_times(times))
-            taken = damping / scale[:, None] / scale[None, :]
+            damping = symmetric_damping(data.stiffness, times)
+            taken = by_sizes(damping, np.diag(data.stiffness))
             difference = float(np.abs(taken - scaled).max()) / largest
             warnings.append(
                 f"the program's law is not symmetric; D = T C T with its six times is taken, which differs by "
@@ -194,31 +198,30 @@ class ProgramInputs(ABC):
                 f"shear {fit.shear_time:.6g} s and bulk {fit.bulk_time:.6g} s, deviate by up to "
                 f"{fit.largest_deviation:.3g}"
             )
-        return Recovered(damping, np.asarray(times), fit, difference, (*self.warnings(data), *warnings))
+        return Recovered(damping, times, fit, difference, (*self.warnings(data), *warnings))
 
 
 def _coupling_difference(law: Floats, data: SectionData) -> float:
     """Largest off-diagonal difference between a law and D, scaled by sqrt(D_ii D_jj)."""
     diagonal = np.diag(data.damping)
-    size = np.sqrt(np.where(diagonal > 0.0, diagonal, np.inf))
-    difference = (law - data.damping) / size[:, None] / size[None, :]
+    difference = by_sizes(law - data.damping, np.where(diagonal > 0.0, diagonal, np.inf))
     np.fill_diagonal(difference, 0.0)
     return float(np.abs(difference).max())
 
 
-def listed(program: type[ProgramInputs], numbers: Sequence[float], count: int) -> tuple[float, ...]:
-    """`count` finite, non-negative numbers of a program.
+def listed(program: type[ProgramInputs], numbers: Sequence[float]) -> tuple[float, ...]:
+    """Finite, non-negative numbers of a program, one for each of its words.
 
     Raises:
         InputError: there are more or fewer, or one is negative or not finite.
     """
     values = tuple(float(value) for value in numbers)
-    if len(values) != count:
+    if len(values) != len(program.words):
         raise InputError(
             Problem(
                 program.program,
                 f"{len(values)} numbers",
-                f"{program.title} has {count} here",
+                f"{program.title} has {len(program.words)} here",
                 f"give {', '.join(program.words)}",
             )
         )
@@ -257,20 +260,30 @@ def matrix_of(program: type[ProgramInputs], numbers: Sequence[float]) -> Floats:
     return np.asarray(matrix + np.triu(matrix, 1).T)
 
 
-def option(name: str, options: dict[str, float], unit: str) -> float:
-    """A required positive option.
+def checked_options(program: type[ProgramInputs], options: Mapping[str, float]) -> tuple[float, ...]:
+    """The options of a program in their order, all of them required and positive.
 
     Raises:
-        InputError: it is missing or not positive.
+        InputError: one is missing or not positive, or the program does not take it.
     """
-    if name not in options:
-        raise InputError(Problem(name, "", "this program needs it", f"give {name} ({unit})"))
-    value = options[name]
-    if not (math.isfinite(value) and value > 0.0):
-        raise InputError(
-            Problem(name, f"{value:g}", "outside what is allowed", f"give a number > 0 ({unit})")
-        )
-    return value
+    for name in options:
+        if name not in program.options:
+            raise InputError(
+                Problem(name, f"{options[name]:g}", f"{program.title} has no use for it", "leave it out")
+            )
+    for name in program.options:
+        if name not in options:
+            raise InputError(Problem(name, "", "this program needs it", f"give {name} ({UNITS[name]})"))
+        if not (math.isfinite(options[name]) and options[name] > 0.0):
+            raise InputError(
+                Problem(
+                    name,
+                    f"{options[name]:g}",
+                    "outside what is allowed",
+                    f"give a number > 0 ({UNITS[name]})",
+                )
+            )
+    return tuple(options[name] for name in program.options)
 
 
 def number_text(value: float) -> str:

@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from viscorod.damping.axes import from_axial_first, to_axial_first
-from viscorod.damping.programs.base import ProgramInputs, SectionData, listed, number_text
+from viscorod.damping.programs.base import ProgramInputs, SectionData, checked_options, listed, number_text
 from viscorod.damping.times import symmetric_damping
 from viscorod.typing import Floats
 
@@ -40,14 +40,15 @@ class ChronoRayleigh(ProgramInputs):
     @classmethod
     def from_section(cls, data: SectionData, **options: float) -> Self:
         """The time of bending, (tau_4 + tau_5)/2: what slender rods do most."""
-        del options
+        checked_options(cls, options)
         return cls(float(data.times[3:5].mean()))
 
     @classmethod
     def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
         """One number."""
-        del data, options
-        return cls(*listed(cls, numbers, 1))
+        del data
+        checked_options(cls, options)
+        return cls(*listed(cls, numbers))
 
     @property
     def numbers(self) -> tuple[float, ...]:
@@ -93,14 +94,15 @@ class ChronoLinear(ProgramInputs):
     @classmethod
     def from_section(cls, data: SectionData, **options: float) -> Self:
         """The diagonal of D."""
-        del options
+        checked_options(cls, options)
         return cls(tuple(to_axial_first(np.diag(data.damping)).tolist()))
 
     @classmethod
     def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
         """Six numbers."""
-        del data, options
-        return cls(listed(cls, numbers, 6))
+        del data
+        checked_options(cls, options)
+        return cls(listed(cls, numbers))
 
     @property
     def numbers(self) -> tuple[float, ...]:
@@ -153,15 +155,16 @@ class ChronoTapered(ProgramInputs):
     @classmethod
     def from_section(cls, data: SectionData, **options: float) -> Self:
         """Square roots of the times of stretch, bending about z (d2), bending about y (d1) and twist."""
-        del options
+        checked_options(cls, options)
         _, _, stretch, bend_1, bend_2, twist = np.sqrt(data.times).tolist()
         return cls(stretch, bend_2, bend_1, twist)
 
     @classmethod
     def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
         """Four numbers."""
-        del data, options
-        return cls(*listed(cls, numbers, 4))
+        del data
+        checked_options(cls, options)
+        return cls(*listed(cls, numbers))
 
     @property
     def numbers(self) -> tuple[float, ...]:

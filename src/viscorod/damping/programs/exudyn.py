@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from viscorod.damping.axes import from_axial_first, to_axial_first
-from viscorod.damping.programs.base import ProgramInputs, SectionData, matrix_of, number_text
+from viscorod.damping.programs.base import ProgramInputs, SectionData, checked_options, matrix_of, number_text
 from viscorod.typing import Floats
 
 __all__ = ["Exudyn"]
@@ -46,13 +46,14 @@ class Exudyn(ProgramInputs):
     @classmethod
     def from_section(cls, data: SectionData, **options: float) -> Self:
         """D itself, reordered."""
-        del options
+        checked_options(cls, options)
         return cls(tuple(map(tuple, to_axial_first(data.damping).tolist())))
 
     @classmethod
     def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
         """The matrix: 6 (its diagonal), 21 or 36 numbers."""
-        del data, options
+        del data
+        checked_options(cls, options)
         return cls(tuple(map(tuple, matrix_of(cls, numbers).tolist())))
 
     @property

@@ -2,57 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 
 from viscorod.damping.axes import from_axial_first, to_axial_first
-from viscorod.damping.creation import check_product
-from viscorod.damping.programs.base import ProgramInputs, SectionData, listed, number_text
+from viscorod.damping.programs.base import SectionData, number_text
+from viscorod.damping.programs.products import ProductInputs
 from viscorod.typing import Floats
 
 __all__ = ["GXBeam"]
 
 
 @dataclass(frozen=True)
-class GXBeam(ProgramInputs):
+class GXBeam(ProductInputs):
     """The six mu of a GXBeam element, in its order (axial, shear, shear | torsion, bending, bending).
 
     Attributes:
         mu: six times, s.
     """
 
-    mu: tuple[float, ...]
-
     program: ClassVar[str] = "gxbeam"
     title: ClassVar[str] = "GXBeam.jl"
     meaning: ClassVar[str] = (
         "code: strain = S^-1 F - mu strain_t, hence F_d = S mu eps_t; its manual prints mu S"
     )
-    words: ClassVar[tuple[str, ...]] = ("mu1", "mu2", "mu3", "mu4", "mu5", "mu6")
     sources: ClassVar[tuple[str, ...]] = (
         "byuflowlab/GXBeam.jl: src/element.jl, steady_element_properties (strains less mu times their rates)",
         "byuflowlab/GXBeam.jl: src/assembly.jl, keyword damping; docs/src/theory.md, Structural Damping",
     )
 
-    @classmethod
-    def from_section(cls, data: SectionData, **options: float) -> Self:
-        """mu_i = D_ii/C_ii, in GXBeam's order."""
-        del options
-        return cls(tuple(to_axial_first(data.times).tolist()))
-
-    @classmethod
-    def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
-        """Six numbers."""
-        del data, options
-        return cls(listed(cls, numbers, 6))
-
-    @property
-    def numbers(self) -> tuple[float, ...]:
-        """The six mu."""
-        return self.mu
+    @staticmethod
+    def reordered(times: Floats) -> Floats:
+        """Six times axial first."""
+        return to_axial_first(times)
 
     @property
     def times(self) -> Floats:
@@ -79,14 +63,11 @@ class GXBeam(ProgramInputs):
         if skew > 1e-9 * float(np.abs(law).max()):
             out = (
                 *out,
-                "the manual's mu S and the code's S mu differ here; they take the same power from any strain "
-                "rate, since "
-                "one is the transpose of the other",
+                "the manual's mu S and the code's S mu differ here; they take the same power from any strain rate, "
+                "since one is the transpose of the other",
             )
         return out
 
     def warnings(self, data: SectionData) -> tuple[str, ...]:
         """Whether S mu creates energy, and from which coupling on."""
-        check = check_product(data.stiffness, self.times)
-        product = (check.text(),) if check.couplings and np.isfinite(check.factor) else ()
-        return (*product, "without structural_damping = true the mu are not used")
+        return (*super().warnings(data), "without structural_damping = true the mu are not used")

@@ -9,7 +9,14 @@ from typing import ClassVar, Self
 import numpy as np
 
 from viscorod.damping.axes import from_axial_first, to_axial_first
-from viscorod.damping.programs.base import ProgramInputs, SectionData, listed, matrix_of, number_text
+from viscorod.damping.programs.base import (
+    ProgramInputs,
+    SectionData,
+    checked_options,
+    listed,
+    matrix_of,
+    number_text,
+)
 from viscorod.typing import Floats
 
 __all__ = ["MBDyn"]
@@ -41,16 +48,16 @@ class MBDyn(ProgramInputs):
     @classmethod
     def from_section(cls, data: SectionData, **options: float) -> Self:
         """C and D themselves, reordered."""
-        del options
+        checked_options(cls, options)
         return cls(_rows(to_axial_first(data.stiffness)), _rows(to_axial_first(data.damping)))
 
     @classmethod
     def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
         """One number, the factor of `proportional` (s), or the matrix: 6, 21 (`sym`) or 36 (`matr`) numbers."""
-        del options
+        checked_options(cls, options)
         stiffness = to_axial_first(data.stiffness)
         if len(numbers) == 1:
-            (factor,) = listed(cls, numbers, 1)
+            (factor,) = listed(cls, numbers)
             return cls(_rows(stiffness), _rows(factor * stiffness))
         return cls(_rows(stiffness), _rows(matrix_of(cls, numbers)))
 

@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from viscorod.damping.programs.base import ProgramInputs, SectionData, listed, number_text, option
+from viscorod.damping.programs.base import ProgramInputs, SectionData, checked_options, listed, number_text
 from viscorod.typing import Floats
 
 __all__ = ["MuJoCo"]
@@ -48,13 +48,15 @@ class MuJoCo(ProgramInputs):
     @classmethod
     def from_section(cls, data: SectionData, **options: float) -> Self:
         """The mean viscous bending stiffness over the segment length."""
-        length = option("segment_length", options, "m")
+        (length,) = checked_options(cls, options)
         return cls(float(np.diag(data.damping)[3:5].mean()) / length, length, *_moduli(data))
 
     @classmethod
     def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
         """One number."""
-        return cls(listed(cls, numbers, 1)[0], option("segment_length", options, "m"), *_moduli(data))
+        (length,) = checked_options(cls, options)
+        (damping,) = listed(cls, numbers)
+        return cls(damping, length, *_moduli(data))
 
     @property
     def numbers(self) -> tuple[float, ...]:

@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from viscorod.damping.programs.base import ProgramInputs, SectionData, listed, number_text, option
+from viscorod.damping.programs.base import ProgramInputs, SectionData, checked_options, listed, number_text
 from viscorod.typing import Floats
 
 __all__ = ["Newton"]
@@ -43,14 +43,14 @@ class Newton(ProgramInputs):
     @classmethod
     def from_section(cls, data: SectionData, **options: float) -> Self:
         """D over the segment length; both shears and both bendings by their means."""
-        length = option("segment_length", options, "m")
+        (length,) = checked_options(cls, options)
         return cls(_four(np.diag(data.damping), length), _four(np.diag(data.stiffness), length), length)
 
     @classmethod
     def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
         """Four numbers."""
-        length = option("segment_length", options, "m")
-        return cls(listed(cls, numbers, 4), _four(np.diag(data.stiffness), length), length)
+        (length,) = checked_options(cls, options)
+        return cls(listed(cls, numbers), _four(np.diag(data.stiffness), length), length)
 
     @property
     def numbers(self) -> tuple[float, ...]:

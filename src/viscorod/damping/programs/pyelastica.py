@@ -13,9 +13,9 @@ from viscorod.damping.programs.base import (
     ProgramInputs,
     Recovered,
     SectionData,
+    checked_options,
     listed,
     number_text,
-    option,
 )
 from viscorod.errors import InputError, Problem
 from viscorod.typing import Floats
@@ -49,14 +49,14 @@ class PyElastica(ProgramInputs):
     @classmethod
     def from_section(cls, data: SectionData, **options: float) -> Self:
         """The constant tau omega^2 with the time of bending, so that the ratio constant/(2 omega) is tau omega/2."""
-        frequency = option("frequency", options, "Hz")
+        (frequency,) = checked_options(cls, options)
         return cls(float(data.times[3:5].mean()) * (2.0 * math.pi * frequency) ** 2, frequency)
 
     @classmethod
     def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
         """One number."""
         del data
-        return cls(listed(cls, numbers, 1)[0], option("frequency", options, "Hz"))
+        return cls(*listed(cls, numbers), *checked_options(cls, options))
 
     @property
     def numbers(self) -> tuple[float, ...]:

@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from viscorod.damping.programs.base import ProgramInputs, SectionData, listed, number_text
+from viscorod.damping.programs.base import ProgramInputs, SectionData, checked_options, listed, number_text
 from viscorod.damping.times import symmetric_damping
 from viscorod.errors import InputError, Problem
 from viscorod.model.material import Material
@@ -45,16 +45,17 @@ class SoRoSim(ProgramInputs):
     @classmethod
     def from_section(cls, data: SectionData, **options: float) -> Self:
         """Eta = eta_E/3: bending and stretching as they are, since slender rods bend."""
-        del options
+        checked_options(cls, options)
         material = _material(cls, data)
         return cls(material.extensional_viscosity / 3.0, material.youngs_modulus, material.shear_modulus)
 
     @classmethod
     def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
         """One number."""
-        del options
+        checked_options(cls, options)
         material = _material(cls, data)
-        return cls(listed(cls, numbers, 1)[0], material.youngs_modulus, material.shear_modulus)
+        (eta,) = listed(cls, numbers)
+        return cls(eta, material.youngs_modulus, material.shear_modulus)
 
     @property
     def numbers(self) -> tuple[float, ...]:

@@ -1,0 +1,20 @@
+"""Section matrices: their symmetric part, and entries in parts of the sizes on the diagonal."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.typing import Floats
+
+__all__ = ["by_sizes", "symmetric_part"]
+
+
+def symmetric_part(matrix: Floats) -> Floats:
+    """Half the sum of a matrix and its transpose."""
+    return np.asarray((matrix + matrix.T) / 2.0)
+
+
+def by_sizes(matrix: Floats, squares: Floats) -> Floats:
+    """Entries over sqrt(squares_i squares_j): of the stiffness and its diagonal, its correlations."""
+    size = np.sqrt(squares)
+    return np.asarray(matrix / size[:, None] / size[None, :])
