@@ -96,6 +96,14 @@ def test_rest_that_creeps_is_followed(zeta, creep, slow):
     assert "about a rest that creeps from" in str(found)
 
 
+@pytest.mark.parametrize("duration", [3.55, 4.45, 5.55])
+def test_a_ripple_on_a_slow_swing_is_no_creep(duration):
+    """Two modes: where the record ends, the faster one has swung six times or more about the slower one's slope."""
+    slow = record(0.02, omega=2 * np.pi, step=0.004, duration=duration)
+    ripple = record(0.002, omega=24 * np.pi, step=0.004, duration=duration, amplitude=0.3)
+    assert creeping_rest(slow[0], slow[1] + ripple[1], slow[2] + ripple[2]) is None
+
+
 def test_one_rest_for_a_creep_is_far_off():
     """What follows the creep is needed: one value, the best at the end, errs by more than 10 % there."""
     time, value, rate = record(0.05, duration=14.0)

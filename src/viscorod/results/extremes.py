@@ -9,6 +9,7 @@ from viscorod.typing import Floats, Integers
 _STANDSTILL = 1e-6  # initial speed below this part of the largest: released from rest, the start is a maximum
 _SYMMETRIC = 0.02  # a rest closer to zero than this part of the last amplitude is taken as zero
 _STILL = 0.02  # a rest that moves less than this part of what the amplitude loses, over the last cycle, is constant
+_MOST = 0.5  # part of all extremes in which the rest creeps one way: that of a ripple on a slower swing turns
 _ONE_WAY = 6  # so many rests of successive extremes move one way where it creeps: three cycles of maxima
 
 
@@ -40,7 +41,8 @@ def creeping_rest(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Fl
     Returns:
         Times [s], values [m] and rests [m], each of shape (n,), n >= 6; the first and the last extreme of the
         motion have one neighbour only and are left out. None where the rest moves to and fro in the last three
-        cycles, or by less than 2 % of what the amplitude loses in the last one: a constant serves there.
+        cycles or in half of all, as that of a ripple on a slower swing does, or by less than 2 % of what the
+        amplitude loses in the last cycle: a constant serves there.
     """
     times, values = extremes(time, value, rate)
     second = np.diff(values, 2)
@@ -53,7 +55,7 @@ def creeping_rest(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Fl
     turned = np.flatnonzero(step * step[-1] <= 0.0)
     one_way = slice(turned[-1] + 1 if turned.size else 0, None)
     shift, loss = abs(rest[-1] - rest[-3]), abs(swing[-1] - swing[-3])
-    if rest[one_way].size < _ONE_WAY or shift < _STILL * loss:
+    if rest[one_way].size < max(_ONE_WAY, _MOST * rest.size) or shift < _STILL * loss:
         return None
     return times[1:-1][one_way], values[1:-1][one_way], rest[one_way]
 
