@@ -94,6 +94,17 @@ class Described(BaseModel):
         except ValidationError as error:
             raise InputError(p.within(cls.__name__) for p in problems_from(error)) from None
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both are of one class and were given the same; what they have worked out since does not count."""
+        if not isinstance(other, Described):
+            return NotImplemented
+        if type(self) is not type(other) or self.__pydantic_private__ != other.__pydantic_private__:
+            return False
+        return all(getattr(self, name) == getattr(other, name) for name in type(self).model_fields)
+
+    def __hash__(self) -> int:
+        return hash((type(self), *(getattr(self, name) for name in type(self).model_fields)))
+
     @model_validator(mode="before")
     @classmethod
     def _mark_keys(cls, data: Any) -> Any:
