@@ -117,7 +117,7 @@ TEXTS = {
     "_density": "3 numbers",
     "corners": "list of 3 points or more, 2 numbers each",
     "rings": "list of such lists",
-    "_at": "2 numbers",
+    "pair": "2 numbers",
     "_some_regions": "list of tables, see below",
     "composite._material": "name of a material in quotes, or a table",
     "_times": "6 numbers >= 0",

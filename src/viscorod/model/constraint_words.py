@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from viscorod.model.described import RefusedError, nearest, show
+from viscorod.model.described import RefusedError, nearest
 from viscorod.model.stiffness_section import STRAINS
+from viscorod.model.values import different
 
 __all__ = ["CONSTRAINTS", "constrained_strains", "constraint_words"]
 
@@ -23,15 +24,7 @@ def constraint_words(value: Any) -> tuple[str, ...]:
         return (_known(value),)
     if not isinstance(value, list | tuple):
         raise RefusedError("a word or a list of words is needed here", f"give {_choice()}")
-    words = []
-    for index, item in enumerate(value):
-        try:
-            words.append(_known(item))
-        except RefusedError as error:
-            raise RefusedError(error.why, error.instead, found=show(item), at=(index,)) from None
-        if words.count(words[-1]) > 1:
-            raise RefusedError("the same constraint twice", "give it once", found=show(item), at=(index,))
-    return tuple(words)
+    return different(value, _known, "constraint")
 
 
 def constrained_strains(words: tuple[str, ...]) -> tuple[bool, ...]:

@@ -9,7 +9,8 @@ from __future__ import annotations
 import difflib
 import re
 import reprlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -21,6 +22,7 @@ __all__ = [
     "Marked",
     "RefusedError",
     "base_init",
+    "inside",
     "nearest",
     "path_text",
     "plain_value",
@@ -34,6 +36,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 _SHORT = reprlib.Repr()
 _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 60, 60, 30
 _SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = 8
+_LONGEST = 160
 
 
 class RefusedError(InputError):
@@ -164,9 +167,22 @@ def show(value: Any) -> str:
         return _SHORT.repr(value)
     if isinstance(value, Described):
         return type(value).__name__
-    if hasattr(value, "tolist"):  # NumPy scalars and arrays
-        return _SHORT.repr(value.tolist())
-    return _SHORT.repr(value)
+    plain = value.tolist() if hasattr(value, "tolist") else value  # NumPy scalars and arrays
+    text = _SHORT.repr(plain)
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+
+
+@contextmanager
+def inside(key: str | int, value: Any) -> Iterator[None]:
+    """What refuses `value`, which stands under `key`, is told with the key before its path."""
+    try:
+        yield
+    except RefusedError as error:
+        found = show(value) if error.found is None else error.found
+        raise RefusedError(error.why, error.instead, found=found, at=(key, *error.at)) from None
+    except (ValidationError, InputError) as error:
+        told = problems_of(error, value)
+        raise InputError(problem.within(path_text((key,))) for problem in told) from None
 
 
 def problems_from(error: ValidationError) -> list[Problem]:
