@@ -14,7 +14,7 @@ from viscorod.errors import InputError, Problem, join_path
 from viscorod.model.any_body import AnyBody
 from viscorod.model.attachment import Attachment
 from viscorod.model.body import one_body
-from viscorod.model.described import Marked, nearest, path_text, problems_of, show
+from viscorod.model.described import Marked, did_you_mean, nearest, path_text, problems_of, show, some_of
 from viscorod.model.description import ModelDescription
 from viscorod.model.initial_strain import InitialStrain
 from viscorod.model.joint import joint
@@ -177,10 +177,9 @@ class CaseReader:
             return named[value]
         if f"{noun}s" in self._meant:
             return Marked(value, silent=True)
-        close = nearest(value, named)
-        hint = f"did you mean {close!r}? " if close else ""
+        hint = did_you_mean(value, named)
         known = (
-            f"the {noun}s of this file are {', '.join(named)}"
+            f"the {noun}s of this file are {some_of(named)}"
             if named
             else f"add a table [{noun}s.{value[:30]}]"
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from viscorod.model.described import RefusedError, nearest
+from viscorod.model.described import RefusedError, did_you_mean
 from viscorod.model.stiffness_section import STRAINS
 from viscorod.model.values import different
 
@@ -36,9 +36,7 @@ def constrained_strains(words: tuple[str, ...]) -> tuple[bool, ...]:
 def _known(value: Any) -> str:
     known = (*CONSTRAINTS, *STRAINS)
     if not isinstance(value, str) or value not in known:
-        close = nearest(value, known) if isinstance(value, str) else None
-        hint = f"did you mean {close!r}? " if close else ""
-        raise RefusedError("no such constraint", f"{hint}give {_choice()}")
+        raise RefusedError("no such constraint", f"{did_you_mean(value, known)}give {_choice()}")
     return value
 
 

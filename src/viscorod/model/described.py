@@ -22,6 +22,7 @@ __all__ = [
     "Marked",
     "RefusedError",
     "base_init",
+    "did_you_mean",
     "inside",
     "nearest",
     "path_text",
@@ -29,6 +30,7 @@ __all__ = [
     "problems_from",
     "problems_of",
     "show",
+    "some_of",
 ]
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -36,7 +38,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 _SHORT = reprlib.Repr()
 _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 60, 60, 30
 _SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = 8
-_LONGEST = 160
+_LONGEST, _MOST = 160, 12
 
 
 class RefusedError(InputError):
@@ -155,6 +157,19 @@ def nearest(word: str, allowed: Iterable[str]) -> str | None:
     words = list(allowed)
     close = difflib.get_close_matches(word.lower(), [w.lower() for w in words], n=1, cutoff=0.6)
     return next((w for w in words if w.lower() == close[0]), None) if close else None
+
+
+def did_you_mean(word: Any, allowed: Iterable[str], text: Callable[[str], str] = repr) -> str:
+    """The beginning of an advice that names the nearest of the allowed words as `text`; empty without one."""
+    close = nearest(word, allowed) if isinstance(word, str) else None
+    return f"did you mean {text(close)}? " if close else ""
+
+
+def some_of(names: Iterable[str]) -> str:
+    """The names that a user gave, for a message: those after the first twelve are counted only."""
+    words = list(names)
+    rest = len(words) - _MOST
+    return ", ".join(words[:_MOST]) + (f" and {rest} more" if rest > 0 else "")
 
 
 def show(value: Any) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from viscorod.model.described import RefusedError, nearest, show
+from viscorod.model.described import RefusedError, did_you_mean, show
 from viscorod.model.time_function import TimeFunction
 from viscorod.model.time_table import time_function
 from viscorod.model.values import different, entries
@@ -32,9 +32,8 @@ Motion = Mapping[str, TimeFunction]
 def motion_word(value: Any) -> str:
     """`value` if it is one of the six motion words."""
     if value not in MOTIONS if isinstance(value, str) else True:
-        close = nearest(value, MOTIONS) if isinstance(value, str) else None
-        hint = f"did you mean {close!r}? " if close else ""
-        raise RefusedError("not a motion", f"{hint}give one of {', '.join(MOTIONS)}", found=show(value))
+        advice = f"{did_you_mean(value, MOTIONS)}give one of {', '.join(MOTIONS)}"
+        raise RefusedError("not a motion", advice, found=show(value))
     return str(value)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import BeforeValidator, PlainValidator
 
 from viscorod.errors import InputError, Problem
-from viscorod.model.described import Described, RefusedError, inside, nearest, show
+from viscorod.model.described import Described, RefusedError, did_you_mean, inside, show
 
 NOT_GIVEN = math.nan
 """Default of a number that is worked out from others when it is not given (a user's NaN is refused)."""
@@ -190,11 +190,9 @@ def one_of(*allowed: str) -> PlainValidator:
 
     def check(value: Any) -> str:
         if value not in allowed if isinstance(value, str) else True:
-            close = nearest(value, allowed) if isinstance(value, str) else None
-            hint = f"did you mean {close!r}? " if close else ""
             raise RefusedError(
                 "not one of the words that are known here",
-                f"{hint}give one of {', '.join(map(repr, allowed))}",
+                f"{did_you_mean(value, allowed)}give one of {', '.join(map(repr, allowed))}",
             )
         return str(value)
 
@@ -240,9 +238,8 @@ def choose(
                 "this key is required and missing", f"add {tag} = one of {known}", found="", at=(tag,)
             )
         if not isinstance(kind, str) or kind not in kinds:
-            close = nearest(kind, kinds) if isinstance(kind, str) else None
-            hint = f"did you mean {close!r}? " if close else ""
-            raise RefusedError(f"no such {tag}", f"{hint}give one of {known}", found=show(kind), at=(tag,))
+            advice = f"{did_you_mean(kind, kinds)}give one of {known}"
+            raise RefusedError(f"no such {tag}", advice, found=show(kind), at=(tag,))
         return kinds[kind].model_validate(value)
 
     return parse
