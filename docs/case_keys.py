@@ -10,59 +10,12 @@ from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
 from viscorod.cases import schema
+from viscorod.cases.case_schema import GROUPS, PARTS, PYTHON_ONLY_KEYS, REQUIRED
 from viscorod.cases.meanings import meanings
-from viscorod.model.attachment import Attachment
-from viscorod.model.body import BODIES, Body
-from viscorod.model.body_velocity import BodyVelocity
-from viscorod.model.complex_moduli import ModulusTable
-from viscorod.model.composite import SIMPLE, Region
-from viscorod.model.event import EVENTS
-from viscorod.model.initial_strain import InitialStrain
-from viscorod.model.joint import JOINTS, Rigid
-from viscorod.model.kelvin_voigt import KelvinVoigt
-from viscorod.model.load import LOADS
-from viscorod.model.material import DAMPINGS, Material
+from viscorod.model.composite import SIMPLE
 from viscorod.model.motion_words import MOTIONS, VELOCITIES
-from viscorod.model.profile import SECTIONS, Piece, Taper
-from viscorod.model.rod import CENTRELINES, Rod
-from viscorod.model.spring import SPRINGS, Spring
-from viscorod.model.stiffness_section import MaxwellBranch
-from viscorod.model.support import SUPPORTS, Support
-from viscorod.model.time_table import TIME_FUNCTIONS
-from viscorod.model.velocity import InitialVelocity
-
-PYTHON_ONLY = {"rods.curve", "time.function"}
-PYTHON_ONLY_KEYS = {
-    (InitialVelocity, "field"),
-    (BodyVelocity, "motion"),
-    *((Rigid, name) for name in ("stiffness", "damping", "rest", "motion")),
-}
-DEFAULT_KINDS = (Support, Spring, Body, KelvinVoigt)
-
-PARTS = {
-    "materials": Material,
-    **{f"damping.{word}": kind for word, kind in DAMPINGS.items()},
-    "damping.other": ModulusTable,
-    "sections.piece": Piece,
-    "sections.taper": Taper,
-    "sections.region": Region,
-    "sections.branch": MaxwellBranch,
-    **{f"sections.{word}": kind for word, kind in SECTIONS.items()},
-    **{f"rods.{word}": kind for word, kind in CENTRELINES.items()},
-    "attachments": Attachment,
-    **{f"supports.{word}": kind for word, kind in SUPPORTS.items()},
-    **{f"bodies.{word}": kind for word, kind in BODIES.items()},
-    **{f"joints.{word}": kind for word, kind in JOINTS.items()},
-    **{f"springs.{word}": kind for word, kind in SPRINGS.items()},
-    **{f"loads.{word}": kind for word, kind in LOADS.items()},
-    **{f"time.{word}": kind for word, kind in TIME_FUNCTIONS.items()},
-    "velocities": InitialVelocity,
-    "strains": InitialStrain,
-    **{f"events.{word}": kind for word, kind in EVENTS.items()},
-    **schema.ANALYSES,
-}
-PARTS = {name: kind for name, kind in PARTS.items() if name not in PYTHON_ONLY}
-"""Every part of a case file that has keys, except the rod and the file itself."""
+from viscorod.model.profile import SECTIONS
+from viscorod.model.rod import Rod
 
 SECTION = "name of a section in quotes, or a table with `shape`"
 FILE = {
@@ -117,7 +70,7 @@ TEXTS = {
     "_density": "3 numbers",
     "corners": "list of 3 points or more, 2 numbers each",
     "rings": "list of such lists",
-    "_at": "2 numbers",
+    "pair": "2 numbers",
     "_some_regions": "list of tables, see below",
     "composite._material": "name of a material in quotes, or a table",
     "_times": "6 numbers >= 0",
@@ -178,7 +131,7 @@ def allowed(check):
 
 def default(kind, name, field):
     """The default of a key as it would stand in a file."""
-    if field.is_required() or (kind, name) == (Material, "density"):
+    if field.is_required() or (kind, name) in REQUIRED:
         return "required"
     value = field.default
     if value in (None, (), {}) or str(value) == "nan":  # NaN marks one of two alternatives
@@ -198,7 +151,8 @@ def keys(kind, leave_out=()):
         if (kind, name) in PYTHON_ONLY_KEYS or name in leave_out:
             continue
         if name == tag:
-            default_kind = f'`"{field.default}"`' if kind in DEFAULT_KINDS else "required"
+            standard = any(kind is usual for _, _, usual in GROUPS.values())
+            default_kind = f'`"{field.default}"`' if standard else "required"
             yield name, f'`"{field.default}"`', default_kind, "tells the kind"
         else:
             yield name, allowed(field.metadata[0].func), default(kind, name, field), known[name].rstrip(".")

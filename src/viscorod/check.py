@@ -11,6 +11,7 @@ from viscorod.mechanics.compiled import announce_compilation
 from viscorod.modal_damping import with_known_times
 from viscorod.model.any_body import AnyBody
 from viscorod.model.any_joint import AnyJoint, ResolvedJoint
+from viscorod.model.described import some_of
 from viscorod.model.description import ModelDescription
 from viscorod.model.fit import require_fit
 from viscorod.model.laws import Laws
@@ -182,7 +183,7 @@ def _assumptions(model: ModelDescription) -> list[str]:
         for text in rod.material.assumptions if rod.material is not None else ():
             rods.setdefault(text, []).append(name)
     return [
-        f"{'rod' if len(names) == 1 else 'rods'} {', '.join(names)}: {text}" for text, names in rods.items()
+        f"{'rod' if len(names) == 1 else 'rods'} {some_of(names)}: {text}" for text, names in rods.items()
     ]
 
 

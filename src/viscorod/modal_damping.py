@@ -11,7 +11,7 @@ import scipy.linalg
 from scipy import sparse
 
 from viscorod.errors import InputError, Problem
-from viscorod.model.described import nearest
+from viscorod.model.described import did_you_mean, some_of
 from viscorod.model.description import ModelDescription
 from viscorod.model.kelvin_voigt import KelvinVoigt
 from viscorod.model.material import Material
@@ -200,14 +200,13 @@ class _Modes:
         """
         rods = self.problem.rods
         if wish.rod is not None and wish.rod not in rods:
-            close = nearest(wish.rod, rods)
-            hint = f"did you mean {close!r}? " if close else ""
+            hint = did_you_mean(wish.rod, rods)
             raise InputError(
                 Problem(
                     f"{where}.rod",
                     repr(wish.rod),
                     "no rod has this name",
-                    f"{hint}give one of {', '.join(rods)}",
+                    f"{hint}give one of {some_of(rods)}",
                 )
             )
         word, _, count = wish.mode.rpartition(" ") if isinstance(wish.mode, str) else ("", "", str(wish.mode))

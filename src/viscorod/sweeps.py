@@ -19,7 +19,7 @@ from viscorod.case_run import run_case
 from viscorod.cases.case import Case, case_from_dict, load_case
 from viscorod.cases.schema import TABLES
 from viscorod.errors import InputError, Problem, SolveError
-from viscorod.model.described import nearest, show
+from viscorod.model.described import did_you_mean, show, some_of
 from viscorod.model.settings import SimulateSettings
 from viscorod.results.sweep import Member, Sweep
 
@@ -168,9 +168,8 @@ def _put(content: dict[str, Any], key: str, value: Any) -> None:
             )
             raise InputError(Problem(where, show(place), "this has no keys of its own", listed))
         elif part not in place and (not last or (k == 1 and parts[0] in TABLES)):
-            close = nearest(part, place)
-            hint = f"did you mean {close}? " if close else ""
-            raise InputError(Problem(where, "", "no such key", f"{hint}The keys here are {', '.join(place)}"))
+            hint = did_you_mean(part, place, str)
+            raise InputError(Problem(where, "", "no such key", f"{hint}The keys here are {some_of(place)}"))
         if last:
             place[part] = value
         else:

@@ -288,10 +288,27 @@ def test_one_wrong_thing_is_told_with_its_path(old, new, where, text):
         ('material = "rubber"', 'materiel = "rubber"'),
         ('section = "strip"', 'section = "stripe"'),
         ("density = 1000", "density = -1"),
+        ("[materials.rubber]", "[materals.rubber]"),
+        ("[sections.strip]", "[section.strip]"),
+        ("[rods.beam]", "[ods.beam]"),
+        ("[equilibrium]", "[equilibrum]"),
     ],
 )
 def test_one_mistake_is_told_once(old, new):
     assert len(problems(changed((old, new)))) == 1
+
+
+def test_a_table_under_an_unknown_key_is_not_printed_whole():
+    content = tomllib.loads(GOOD)
+    beam = content["rods"].pop("beam")
+    del content["rods"]
+    content["ods"] = {f"beam_{k}": dict(beam, d1=[0.0, 1.0, 0.0], elements=k) for k in range(1, 9)}
+    with pytest.raises(InputError) as caught:
+        case_from_dict(content)
+    (problem,) = caught.value.problems
+    assert problem.where == "ods"
+    assert problem.instead.startswith("did you mean rods? ")
+    assert len(str(problem)) < 500
 
 
 def test_many_mistakes_are_told_together():

@@ -116,7 +116,11 @@ def test_bodies_come_back_from_their_tables(body):
             "first cross the second",
         ),
         (lambda: Body(1.0, (1, 1, 1), points=[(0, 0, 0)]), "Body.points", "table of named points"),
-        (lambda: Body(1.0, (1, 1, 1), points={"a b": (0, 0, 0)}), "Body.points", "not usable as a name"),
+        (
+            lambda: Body(1.0, (1, 1, 1), points={"a b": (0, 0, 0)}),
+            "Body.points.'a b'",
+            "not usable as a name",
+        ),
         (lambda: Body(1.0, (1, 1, 1), points={"a": (0, "z", 0)}), "Body.points.a[1]", "number"),
         (lambda: Body(1.0, (1, 1, 1), pionts={}), "Body.pionts", "did you mean points"),
         (lambda: Box((1, 1, 1)), "Box.density", "either a density or a mass"),

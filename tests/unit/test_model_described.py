@@ -4,7 +4,7 @@ import pytest
 from pydantic import Field
 
 from viscorod.errors import InputError, Problem
-from viscorod.model.described import Described, nearest, path_text, show
+from viscorod.model.described import Described, nearest, path_text, show, some_of
 from viscorod.model.settings import EquilibriumSettings, SimulateSettings
 from viscorod.model.values import Number, Positive
 
@@ -125,3 +125,10 @@ def test_wrong_settings(build, path):
     (problem,) = caught.value.problems
     assert problem.where == path
     assert problem.instead
+
+
+def test_many_names_are_counted():
+    names = [f"rod_{k}" for k in range(40)]
+    assert some_of(names[:3]) == "rod_0, rod_1, rod_2"
+    assert some_of(names[:12]).endswith(", rod_11")
+    assert some_of(iter(names)).endswith(", rod_11 and 28 more")

@@ -71,6 +71,21 @@ def test_a_table_without_kind_is_a_general_support():
     assert support({"at": "beam.end", "fixed": ["uz"]}) == Support("beam.end", ["uz"])
 
 
+def test_all_that_is_wrong_with_motions_is_told_with_their_words():
+    """A word that is no motion is told beside the unknown and missing keys of the others."""
+    with pytest.raises(InputError) as caught:
+        Clamp("beam.end", motion={"ux": {"kind": "ramp", "begin": 0.0}, "uv": {"kind": "table"}, "rz": "x"})
+    told = {problem.where: problem.why for problem in caught.value.problems}
+    missing = "this key is required and missing"
+    assert told == {
+        "Clamp.motion.ux.begin": "no such key",
+        "Clamp.motion.ux.start": missing,
+        "Clamp.motion.ux.end": missing,
+        "Clamp.motion.uv": "not a motion",
+        "Clamp.motion.rz": "a function of time is needed here",
+    }
+
+
 @pytest.mark.parametrize(
     ("build", "path", "text"),
     [

@@ -94,6 +94,17 @@ def test_cubic_table_is_the_spline():
     assert f.breakpoints == (0.0, 3.0)
 
 
+@pytest.mark.parametrize("interpolation", ["linear", "cubic"])
+def test_tables_are_equal_if_they_were_given_the_same(interpolation):
+    """What a table has worked out, an array, does not count."""
+    times = [0.0, 1.0, 3.0]
+    table = Table(times, [1.0, 2.0, 0.0], interpolation)
+    assert table == Table(np.array(times), (1, 2, 0), interpolation)
+    assert hash(table) == hash(Table(times, [1.0, 2.0, 0.0], interpolation))
+    assert table != Table(times, [1.0, 2.0, 0.1], interpolation)
+    assert table != Constant(1.0)
+
+
 def test_repeated_time_with_one_value_is_a_corner_not_a_jump():
     f = Table([0.0, 1.0, 1.0, 2.0], [0.0, 1.0, 1.0, 0.0], "cubic")
     assert f.jumps == ()

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sections import material, scaled
 from viscorod.model.composite import Composite, Region
 from viscorod.model.material import KelvinVoigt, Material
 from viscorod.model.outline import Outline
@@ -18,11 +19,6 @@ from viscorod.model.shapes import Rectangle
 L_SHAPE = [(0.0, 0.0), (0.05, 0.0), (0.05, 0.01), (0.02, 0.01), (0.02, 0.04), (0.0, 0.04)]
 L_BOXES = [((0.0, 0.05), (0.0, 0.01)), ((0.0, 0.02), (0.01, 0.04))]
 RECTANGLE = [((-0.02, 0.02), (-0.01, 0.01))]
-
-
-def material(E=2.0e6, nu=0.3, shear=0.01, bulk=0.03, density=1200.0):
-    damping = KelvinVoigt(shear_time=shear, bulk_time=bulk)
-    return Material(youngs_modulus=E, poissons_ratio=nu, density=density, damping=damping)
 
 
 def power(boxes, eps, eta, zeta, nu, warping_slopes=lambda x, y: (0.0, 0.0)):
@@ -76,7 +72,7 @@ def test_a_rectangle_without_warping(nu, eta, zeta, seed):
 @settings(max_examples=20, deadline=None)
 def test_extension_and_bending_of_an_outline_about_a_line_beside_it(nu, shear, bulk, seed):
     section = Outline(L_SHAPE, origin="given", mesh_size=0.01)
-    law = material(nu=nu, shear=shear, bulk=bulk)
+    law = material(2e6, nu, shear, bulk, density=1200.0)
     C, D, M = section.matrices(law)
     eps = np.random.default_rng(seed).normal(size=6) * [0, 0, 1, 1, 1, 0]
     found = power(L_BOXES, eps, law.shear_viscosity, law.bulk_viscosity, nu)
@@ -125,7 +121,7 @@ def rectangle_warping(a, b):
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
 def test_torsion_of_a_rectangle_by_the_series_of_its_warping(nu):
-    law = material(nu=nu)
+    law = material(2e6, nu, shear=0.01)
     slopes = rectangle_warping(0.02, 0.01)
     twist = np.array([0, 0, 0, 0, 0, 1.0])
     found = power(RECTANGLE, twist, law.shear_viscosity, 0.0, nu, slopes)
@@ -145,10 +141,10 @@ SECTIONS = {
 @pytest.mark.parametrize("nu", [0.0, 0.2, 0.5])
 def test_the_limits_of_llt(kind, nu):
     """LLT (4): tau_E = (tau_B + 2 tau_S)/3 for nu = 0, tau_S for nu = 1/2, tau for equal times."""
-    C, D, _ = SECTIONS[kind](material(nu=nu, shear=0.02, bulk=0.02))
+    C, D, _ = SECTIONS[kind](material(2e6, nu, shear=0.02, bulk=0.02))
     assert D == pytest.approx(0.02 * C, rel=1e-12)
     shear, bulk = 0.02, 0.05
-    C, D, _ = SECTIONS[kind](material(nu=nu, shear=shear, bulk=bulk))
+    C, D, _ = SECTIONS[kind](material(2e6, nu, shear=shear, bulk=bulk))
     tau_E = {0.0: (bulk + 2 * shear) / 3, 0.2: (0.6 * bulk + 2.4 * shear) / 3, 0.5: shear}[nu]
     extension, shearing = [2, 3, 4], [0, 1, 5]
     assert D[np.ix_(extension, extension)] == pytest.approx(
@@ -159,21 +155,17 @@ def test_the_limits_of_llt(kind, nu):
 
 
 def test_one_material_in_several_regions_is_one_material():
-    law = material(nu=0.37)
+    law = material(2e6, 0.37, shear=0.01, bulk=0.03)
     below = [(0.0, 0.0), (0.05, 0.0), (0.05, 0.01), (0.0, 0.01)]
     above = [(0.0, 0.01), (0.02, 0.01), (0.02, 0.04), (0.0, 0.04)]
     parted = Composite([Region(law, points=below), Region(law, points=above)], mesh_size=0.0015)
     whole = Outline(L_SHAPE, mesh_size=0.0015)
     for one, two in zip(parted.matrices(), whole.matrices(law), strict=True):
-        size = np.sqrt(np.diag(two))
-        assert one / np.outer(size, size) == pytest.approx(two / np.outer(size, size), abs=2e-4)
+        assert scaled(one, by=two) == pytest.approx(scaled(two), abs=2e-4)
 
 
 def test_equal_times_in_all_materials_scale_the_stiffness():
-    stiff, soft = (
-        material(E=2e9, nu=0.3, shear=0.01, bulk=0.01),
-        material(E=1e7, nu=0.45, shear=0.01, bulk=0.01),
-    )
+    stiff, soft = material(2e9, 0.3, shear=0.01, bulk=0.01), material(1e7, 0.45, shear=0.01, bulk=0.01)
     section = Composite(
         [Region(stiff, Rectangle(0.04, 0.01)), Region(soft, Rectangle(0.02, 0.02), at=(-0.01, 0.015))],
         origin="given",
@@ -185,11 +177,10 @@ def test_equal_times_in_all_materials_scale_the_stiffness():
 
 def two_layers(mesh_size, lower, upper, nu=0.0):
     """P and the areas of two layers, 0.04 x 0.01 below and 0.04 x 0.02 above, on one mesh."""
-
-    def box(y0, y1):
-        return ((-0.02, y0), (0.02, y0), (0.02, y1), (-0.02, y1))
-
-    mesh = triangulate(((box(0.0, 0.01), ()), (box(0.01, 0.03), ())), mesh_size)
+    boxes = [
+        (((-0.02, y0), (0.02, y0), (0.02, y1), (-0.02, y1)), ()) for y0, y1 in ((0.0, 0.01), (0.01, 0.03))
+    ]
+    mesh = triangulate(tuple(boxes), mesh_size)
     youngs, shear = np.array([lower[0], upper[0]]), np.array([lower[1], upper[1]])
     heights = np.array([0.005, 0.02])
     areas = np.array([4e-4, 8e-4])
@@ -209,8 +200,7 @@ def test_the_shares_are_the_derivatives_of_the_stiffness_by_the_moduli():
     for m in (0, 1):
         step = 1e-5 * shear[m] * np.eye(2)[m]
         slope = (stiffness_of(youngs, shear + step) - stiffness_of(youngs, shear - step)) / (2 * step[m])
-        size = np.sqrt(np.outer(np.diag(slope), np.diag(slope)))
-        assert (K @ P[m] @ K) / size == pytest.approx(slope / size, abs=1e-7)
+        assert scaled(K @ P[m] @ K, by=slope) == pytest.approx(scaled(slope), abs=1e-7)
 
 
 def test_shear_of_layers_by_the_shear_flow():
@@ -225,17 +215,12 @@ def test_shear_of_layers_by_the_shear_flow():
     )
     g, w = np.polynomial.legendre.leggauss(6)
     lower, upper = 0.005 * (1 + g), 0.01 + 0.01 * (1 + g)
-
-    def below(y):
-        """The integral of E (y - y0) from 0."""
-        return E1 * ((y - y0) ** 2 - y0**2) / 2
-
-    def above(y):
-        return below(0.01) + E2 * ((y - y0) ** 2 - (0.01 - y0) ** 2) / 2
-
+    # the integral of E (y - y0) from 0 to y
+    below = E1 * ((lower - y0) ** 2 - y0**2) / 2
+    above = E1 * ((0.01 - y0) ** 2 - y0**2) / 2 + E2 * ((upper - y0) ** 2 - (0.01 - y0) ** 2) / 2
     shares = [
-        b * (0.005 * w * (below(lower) / rigidity / G1) ** 2).sum(),
-        b * (0.01 * w * (above(upper) / rigidity / G2) ** 2).sum(),
+        b * (0.005 * w * (below / rigidity / G1) ** 2).sum(),
+        b * (0.01 * w * (above / rigidity / G2) ** 2).sum(),
     ]
     P = two_layers(0.002, (E1, G1), (E2, G2))
     assert P[:, 1, 1] == pytest.approx(shares, rel=1e-4)

@@ -17,7 +17,7 @@ from viscorod.model.composite import Region
 from viscorod.model.described import Described
 from viscorod.model.event import EVENTS, Crossing
 from viscorod.model.initial_strain import InitialStrain
-from viscorod.model.joint import JOINTS
+from viscorod.model.joint import JOINTS, Rigid
 from viscorod.model.load import LOADS
 from viscorod.model.material import DAMPINGS, KelvinVoigt, Material
 from viscorod.model.profile import SECTIONS, Piece, Taper
@@ -30,7 +30,7 @@ from viscorod.model.time_table import TIME_FUNCTIONS
 from viscorod.model.values import NOT_GIVEN
 from viscorod.model.velocity import InitialVelocity
 
-__all__ = ["case_schema"]
+__all__ = ["GROUPS", "PARTS", "PYTHON_ONLY_KEYS", "REQUIRED", "case_schema"]
 
 DRAFT = "http://json-schema.org/draft-07/schema#"
 """The draft that editors of TOML understand."""
@@ -45,6 +45,7 @@ GROUPS: dict[str, tuple[str, Mapping[str, type[Described]], type[Described] | No
     "spring": ("springs", SPRINGS, Spring),
     "time": ("time", TIME_FUNCTIONS, None),
     "event": ("events", EVENTS, None),
+    "rod": ("rods", CENTRELINES, None),
 }
 """What comes in kinds: name of its parts, the kinds by their word, and the kind without a word."""
 
@@ -62,7 +63,19 @@ SINGLE: dict[str, type[Described]] = {
 }
 PYTHON_ONLY = {"function", "curve"}
 """Words of kinds that hold a Python function."""
-PYTHON_ONLY_KEYS = {(InitialVelocity, "field"), (BodyVelocity, "motion")}
+PARTS: dict[str, type[Described]] = SINGLE | {
+    f"{part}.{word}": kind
+    for part, kinds, _ in GROUPS.values()
+    for word, kind in kinds.items()
+    if word not in PYTHON_ONLY
+}
+"""Every part of a case file that has keys: its class by its name. A rod has the keys ROD_KEYS beside these."""
+PYTHON_ONLY_KEYS = {
+    (InitialVelocity, "field"),
+    (BodyVelocity, "motion"),
+    *((Rigid, name) for name in ("stiffness", "damping", "rest", "motion")),
+}
+"""Keys that a case file cannot have: functions, and what a class inherits and refuses."""
 REQUIRED = {(Material, "density")}
 """Required although their fields have defaults."""
 
@@ -84,17 +97,14 @@ def _built() -> Form:
             "description": 'a number with its unit, such as "10 mm"',
         }
     }
-    definitions |= {name: _table(kind) for name, kind in SINGLE.items()}
-    for name, (part, kinds, standard) in GROUPS.items():
-        words = [word for word in kinds if word not in PYTHON_ONLY]
-        definitions |= {f"{part}.{word}": _table(kinds[word], kinds[word] is standard) for word in words}
-        definitions[name] = {"oneOf": [of_kind(f"{part}.{word}") for word in words]}
+    standard = [kind for _, _, kind in GROUPS.values()]
     definitions |= {
-        f"rods.{word}": _rod(kind) for word, kind in CENTRELINES.items() if word not in PYTHON_ONLY
+        name: _rod(kind) if name.startswith("rods.") else _table(kind, kind in standard)
+        for name, kind in PARTS.items()
     }
-    definitions["rod"] = {
-        "oneOf": [of_kind(f"rods.{word}") for word in CENTRELINES if word not in PYTHON_ONLY]
-    }
+    for name, (part, kinds, _) in GROUPS.items():
+        words = [word for word in kinds if word not in PYTHON_ONLY]
+        definitions[name] = {"oneOf": [of_kind(f"{part}.{word}") for word in words]}
     properties: Form = {"title": TEXT | {"description": FILE["title"]}}
     for key, noun in (
         ("materials", "material"),

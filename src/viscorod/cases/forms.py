@@ -119,7 +119,7 @@ FORMS: dict[str, Maker] = {
     "_points": lambda units: _pairs(units, 3, 2),
     "corners": lambda units: _pairs(units, 2, 3),
     "rings": lambda units: listed(_pairs(units, 2, 3)),
-    "_at": lambda units: listed(quantity(units), 2, 2),
+    "pair": lambda units: listed(quantity(units), 2, 2),
     "_times": lambda units: listed(quantity(units, **NOT_NEGATIVE), 6, 6),
     "_strain": lambda units: _row([quantity((units[k > 2],)) for k in range(6)]),
     "_stiffness": _blocks,

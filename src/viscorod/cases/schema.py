@@ -14,7 +14,7 @@ from viscorod.errors import InputError, Problem, join_path
 from viscorod.model.any_body import AnyBody
 from viscorod.model.attachment import Attachment
 from viscorod.model.body import one_body
-from viscorod.model.described import Marked, nearest, path_text, problems_of, show
+from viscorod.model.described import Marked, did_you_mean, nearest, path_text, problems_of, show, some_of
 from viscorod.model.description import ModelDescription
 from viscorod.model.initial_strain import InitialStrain
 from viscorod.model.joint import joint
@@ -67,12 +67,13 @@ class CaseReader:
         self.title: str | None = None
         self.model = ModelDescription()
         self.settings: AnySettings | None = None
+        self._meant: list[str] = []
         self._materials: dict[str, Any] = {}
         self._sections: dict[str, Any] = {}
 
     def read(self) -> None:
         """Read everything; the model as a whole is checked if its parts are right."""
-        self._unknown(self.data, KEYS, "")
+        self._meant = self._unknown(self.data, KEYS, "")
         title = self.data.get("title")
         if title is None or isinstance(title, str):
             self.title = title
@@ -82,7 +83,7 @@ class CaseReader:
             self._materials[name] = self._named(f"materials.{name}", Material.model_validate, table)
         for name, table in self._tables("sections"):
             self._sections[name] = self._named(f"sections.{name}", one_section, self._materials_inside(table))
-        if "rods" not in self.data:
+        if "rods" not in (*self.data, *self._meant):
             self._wrong("rods", "", "a case needs at least one rod", "add a table [rods.NAME]")
         for name, table in self._tables("rods"):
             self._rod(name, table)
@@ -155,7 +156,8 @@ class CaseReader:
 
     def _analysis(self) -> None:
         given = [key for key in ANALYSES if key in self.data]
-        if len(given) != 1:
+        misspelt = not given and any(key in ANALYSES for key in self._meant)
+        if len(given) != 1 and not misspelt:
             self._wrong(
                 given[0] if given else "simulate",
                 f"the tables {' and '.join(given)}" if given else "",
@@ -173,10 +175,11 @@ class CaseReader:
             return value
         if value in named:
             return named[value]
-        close = nearest(value, named)
-        hint = f"did you mean {close!r}? " if close else ""
+        if f"{noun}s" in self._meant:
+            return Marked(value, silent=True)
+        hint = did_you_mean(value, named)
         known = (
-            f"the {noun}s of this file are {', '.join(named)}"
+            f"the {noun}s of this file are {some_of(named)}"
             if named
             else f"add a table [{noun}s.{value[:30]}]"
         )

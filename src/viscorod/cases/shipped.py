@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from viscorod.errors import InputError, Problem
-from viscorod.model.described import nearest
+from viscorod.model.described import did_you_mean
 
 __all__ = ["shipped_case", "shipped_cases"]
 
@@ -30,8 +30,7 @@ def shipped_case(name: str) -> Path:
     cases = shipped_cases()
     if name in cases:
         return cases[name]
-    close = nearest(name, cases)
-    hint = f"did you mean {close!r}? " if close else ""
+    hint = did_you_mean(name, cases)
     raise InputError(
         Problem("example", repr(name), "there is no such case", f"{hint}the cases are {', '.join(cases)}")
     )

@@ -50,18 +50,17 @@ Station = Annotated[
 def rod_of(case: Path, name: str | None) -> tuple[str, Rod]:
     """A rod of a case file, with its name."""
     from viscorod.cases.case import load_case
-    from viscorod.model.described import nearest
+    from viscorod.model.described import did_you_mean, some_of
 
     rods = load_case(existing(case)).description.rods
     if name is None and len(rods) == 1:
         return next(iter(rods.items()))
     if name in rods:
         return name, rods[name]
-    names = ", ".join(rods)
+    names = some_of(rods)
     if name is None:
         raise InputError(Problem("--rod", "", f"the case has {len(rods)} rods", f"give one of {names}"))
-    close = nearest(name, rods)
-    advice = f"did you mean {close}? " if close else ""
+    advice = did_you_mean(name, rods, str)
     raise InputError(Problem("--rod", name, "the case has no such rod", f"{advice}It has {names}"))
 
 

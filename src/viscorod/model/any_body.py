@@ -9,8 +9,8 @@ from typing import Annotated, Any, ClassVar, Self, TypeAlias
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
-from viscorod.model.described import Described, RefusedError, show
-from viscorod.model.values import OptionalPositive, Triple, Vector, name_of_part, vector
+from viscorod.model.described import Described, RefusedError
+from viscorod.model.values import OptionalPositive, Triple, Vector, entries, name_of_part, vector
 from viscorod.typing import Floats
 
 __all__ = ["AnyBody", "Shaped"]
@@ -24,18 +24,7 @@ def named_points(value: Any) -> dict[str, Triple]:
         raise RefusedError(
             "a table of named points is needed here", "give a table such as { corner = [0.1, 0.0, 0.0] }"
         )
-    points = {}
-    for key, item in value.items():
-        try:
-            name = name_of_part(key)
-        except RefusedError as error:
-            raise RefusedError(error.why, error.instead, found=show(key)) from None
-        try:
-            points[name] = vector(item)
-        except RefusedError as error:
-            found = show(item) if error.found is None else error.found
-            raise RefusedError(error.why, error.instead, found=found, at=(name, *error.at)) from None
-    return points
+    return entries(value, name_of_part, vector)
 
 
 class AnyBody(Described):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import ClassVar, TypeAlias
 
+from viscorod.errors import InputError, Problem
 from viscorod.model.described import Described
 from viscorod.model.material import Material
 from viscorod.typing import Floats
@@ -32,6 +33,15 @@ class AnySection(Described):
     def needs_material(self) -> bool:
         """Whether stiffness, damping and inertia come from a `Material` given beside the section."""
         return self.no_material is None
+
+    def refuse_material(self, material: Material | None) -> None:
+        """Refuse a material beside a section that takes none.
+
+        Raises:
+            InputError: there is one.
+        """
+        if material is not None and self.no_material is not None:
+            raise InputError(Problem("material", "", self.no_material, "leave material out"))
 
     @property
     def half_width(self) -> float | None:

@@ -12,7 +12,7 @@ from viscorod.model.any_body import AnyBody
 from viscorod.model.axes import OptionalAxes, columns
 from viscorod.model.body_shapes import Box, Cylinder, Sphere
 from viscorod.model.described import Described, RefusedError, show
-from viscorod.model.values import Positive, Triple, choose, numbers, sequence
+from viscorod.model.values import Positive, Triple, choose, each, numbers, sequence, vector
 from viscorod.typing import Floats
 
 __all__ = ["BODIES", "Body", "one_body"]
@@ -35,13 +35,7 @@ def _inertia(value: Any) -> Inertia:
     if not any(isinstance(row, list | tuple | np.ndarray) for row in rows):
         i1, i2, i3 = numbers(rows, count=3)
         return i1, i2, i3
-    full = []
-    for index, row in enumerate(rows):
-        try:
-            full.append(numbers(row, count=3))
-        except RefusedError as error:
-            found = show(row) if error.found is None else error.found
-            raise RefusedError(error.why, error.instead, found=found, at=(index, *error.at)) from None
+    full = each(rows, vector)
     matrix = np.array(full)
     for i, j in ((0, 1), (0, 2), (1, 2)):
         if abs(matrix[i, j] - matrix[j, i]) > SLACK * (abs(matrix[i, j]) + abs(matrix[j, i])):

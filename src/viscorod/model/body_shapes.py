@@ -9,20 +9,14 @@ from pydantic import Field, PlainValidator
 
 from viscorod.model.any_body import Shaped
 from viscorod.model.axes import OptionalAxes, axes_from, columns
-from viscorod.model.described import RefusedError, show
-from viscorod.model.values import Direction, Positive, Triple, numbers, positive
+from viscorod.model.values import Direction, Positive, Triple, each, positive, vector
 from viscorod.typing import Floats
 
 __all__ = ["Box", "Cylinder", "Sphere"]
 
 
 def _sides(value: Any) -> Triple:
-    for index, side in enumerate(numbers(value, count=3)):
-        try:
-            positive(side)
-        except RefusedError as error:
-            raise RefusedError(error.why, error.instead, found=show(side), at=(index,)) from None
-    x, y, z = numbers(value, count=3)
+    x, y, z = each(vector(value), positive)
     return x, y, z
 
 

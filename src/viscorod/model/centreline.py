@@ -11,6 +11,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
@@ -25,6 +26,7 @@ from viscorod.model.values import (
     Positive,
     Triple,
     Vector,
+    each,
     function,
     number,
     one_of,
@@ -330,18 +332,13 @@ def _points(value: Any) -> tuple[Triple, ...]:
         raise RefusedError(
             "a curve needs at least two points", "give a list of points, [[x, y, z], [x, y, z], ...]"
         )
-    points = []
-    for index, item in enumerate(items):
-        try:
-            points.append(vector(item))
-        except RefusedError as error:
-            found = show(item) if error.found is None else error.found
-            raise RefusedError(error.why, error.instead, found=found, at=(index, *error.at)) from None
-        if index and math.dist(points[-1], points[-2]) == 0.0:
+    points = each(items, vector)
+    for index, (before, point) in enumerate(pairwise(points), start=1):
+        if math.dist(before, point) == 0.0:
             raise RefusedError(
-                "the same point twice in a row", "leave one out", found=show(item), at=(index,)
+                "the same point twice in a row", "leave one out", found=show(items[index]), at=(index,)
             )
-    return tuple(points)
+    return points
 
 
 class Points(_Parametric):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from viscorod.errors import Problem
 from viscorod.model import joint_checks, support_checks
 from viscorod.model.connections import find
-from viscorod.model.described import RefusedError, path_text, show
+from viscorod.model.described import RefusedError, path_text, show, some_of
 from viscorod.model.load import DistributedForce, DistributedMoment, Force, Moment, MovingForce
 from viscorod.model.place import GROUND, Place, find_rod, no_part, station_on
 
@@ -76,7 +76,7 @@ def _unknown_rod(
             path_text((*path, "rod")),
             show(load.rod),
             "this is a rigid body, and such a load acts along a rod",
-            f"load the body with a force or moment at {load.rod!r}, or name one of {', '.join(model.rods)}",
+            f"load the body with a force or moment at {load.rod!r}, or name one of {some_of(model.rods)}",
         )
         return
     try:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
-from viscorod.errors import InputError, Problem
 from viscorod.model.any_section import AnySection, Branches, Matrices
-from viscorod.model.described import Described, RefusedError, show
+from viscorod.model.described import Described, RefusedError, inside, show
 from viscorod.model.material import Material
 from viscorod.model.meshed_section import (
     Axes,
@@ -35,7 +35,7 @@ from viscorod.model.polygons import (
 from viscorod.model.saint_venant import SectionAnalysis, analysed
 from viscorod.model.section_mesh import refuse_misfits
 from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
-from viscorod.model.values import Number, choose, numbers, optional, sequence
+from viscorod.model.values import Number, choose, optional, pair, sequence
 
 __all__ = ["Composite", "Region"]
 
@@ -61,11 +61,6 @@ def _material(value: Any) -> Material:
     return material
 
 
-def _at(value: Any) -> tuple[float, float]:
-    x, y = numbers(value, count=2)
-    return x, y
-
-
 class Region(Described):
     """A part of a composite section, of one material: a polygon or a simple shape, at its place.
 
@@ -82,7 +77,7 @@ class Region(Described):
     section: Annotated[AnySection | None, PlainValidator(optional(choose("shape", SIMPLE)))] = None
     points: Annotated[Sequence[Sequence[float]] | None, PlainValidator(optional(corners))] = None
     holes: Holes = ()
-    at: Annotated[Sequence[float], PlainValidator(_at)] = (0.0, 0.0)
+    at: Annotated[Sequence[float], PlainValidator(pair)] = (0.0, 0.0)
     angle: Number = 0.0
 
     @model_validator(mode="after")
@@ -100,10 +95,8 @@ class Region(Described):
                 at=("holes",),
             )
         if self.section is not None:
-            try:
+            with inside("section", self.section):
                 polygon_of(self.section)
-            except RefusedError as error:
-                raise RefusedError(error.why, error.instead, found=error.found, at=("section",)) from None
         else:
             refuse_improper(self._own)
         return self
@@ -157,7 +150,7 @@ class Composite(AnySection):
     def _usable(self) -> Self:
         try:
             refuse_misfits(self._polygons)
-            self._analysis  # noqa: B018
+            self.matrices()
         except RefusedError as error:
             at = error.at if error.at == ("mesh_size",) else ("regions", *error.at)
             found = f"{len(self.regions)} regions" if error.found == "" else error.found
@@ -169,18 +162,24 @@ class Composite(AnySection):
         return tuple(region.polygon for region in self.regions)
 
     @property
+    def _materials(self) -> list[Material]:
+        return [region.material for region in self.regions]
+
+    @property
     def _moduli(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        return tuple(m.youngs_modulus for m in self._materials), tuple(
-            m.shear_modulus for m in self._materials
-        )
+        materials = self._materials
+        return tuple(m.youngs_modulus for m in materials), tuple(m.shear_modulus for m in materials)
 
     @property
     def _analysis(self) -> SectionAnalysis:
         """With Poisson's ratio of the regions, or the mean EA/2GA - 1 where they differ."""
         youngs, shear = self._moduli
-        ratios = {region.material.poissons_ratio for region in self.regions}
-        nu = ratios.pop() if len(ratios) == 1 else self._mean_ratio
+        nu = self._materials[0].poissons_ratio if self._one_ratio else self._mean_ratio
         return analysed(self._polygons, youngs, shear, nu, self.mesh_size)
+
+    @property
+    def _one_ratio(self) -> bool:
+        return len({m.poissons_ratio for m in self._materials}) == 1
 
     @property
     def _mean_ratio(self) -> float:
@@ -188,9 +187,9 @@ class Composite(AnySection):
         areas = np.array([polygon_area(shape) for shape in self._polygons])
         return float(youngs @ areas / (2.0 * (shear @ areas)) - 1.0)
 
-    @property
+    @cached_property
     def _parts(self) -> Parts:
-        densities = [region.material.density for region in self.regions]
+        densities = [m.density for m in self._materials]
         return parts(self._analysis, *self._moduli, densities, origin=self.origin, axes=self.axes)
 
     @property
@@ -206,7 +205,7 @@ class Composite(AnySection):
     def remarks(self) -> tuple[str, ...]:
         """The mesh and its error; what is neglected where Poisson's ratios differ."""
         mesh = meshed_remark(self._analysis)
-        if len({region.material.poissons_ratio for region in self.regions}) == 1:
+        if self._one_ratio:
             return (mesh,)
         return (
             mesh,
@@ -223,8 +222,7 @@ class Composite(AnySection):
         Raises:
             InputError: there is a material.
         """
-        if material is not None:
-            raise InputError(Problem("material", "", self.no_material or "", "leave material out"))
+        self.refuse_material(material)
         found = self._parts
         youngs, shear = self._moduli
         viscous = [
@@ -251,7 +249,3 @@ class Composite(AnySection):
                 sums[b.time] = sums.get(b.time, 0.0) + share
         times = sorted(sums)
         return np.array(times), np.array([sums[time] for time in times]).reshape(-1, 6, 6)
-
-    @property
-    def _materials(self) -> list[Material]:
-        return [region.material for region in self.regions]

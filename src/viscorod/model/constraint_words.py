@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from viscorod.model.described import RefusedError, nearest, show
+from viscorod.model.described import RefusedError, did_you_mean
 from viscorod.model.stiffness_section import STRAINS
+from viscorod.model.values import different
 
 __all__ = ["CONSTRAINTS", "constrained_strains", "constraint_words"]
 
@@ -23,15 +24,7 @@ def constraint_words(value: Any) -> tuple[str, ...]:
         return (_known(value),)
     if not isinstance(value, list | tuple):
         raise RefusedError("a word or a list of words is needed here", f"give {_choice()}")
-    words = []
-    for index, item in enumerate(value):
-        try:
-            words.append(_known(item))
-        except RefusedError as error:
-            raise RefusedError(error.why, error.instead, found=show(item), at=(index,)) from None
-        if words.count(words[-1]) > 1:
-            raise RefusedError("the same constraint twice", "give it once", found=show(item), at=(index,))
-    return tuple(words)
+    return different(value, _known, "constraint")
 
 
 def constrained_strains(words: tuple[str, ...]) -> tuple[bool, ...]:
@@ -43,9 +36,7 @@ def constrained_strains(words: tuple[str, ...]) -> tuple[bool, ...]:
 def _known(value: Any) -> str:
     known = (*CONSTRAINTS, *STRAINS)
     if not isinstance(value, str) or value not in known:
-        close = nearest(value, known) if isinstance(value, str) else None
-        hint = f"did you mean {close!r}? " if close else ""
-        raise RefusedError("no such constraint", f"{hint}give {_choice()}")
+        raise RefusedError("no such constraint", f"{did_you_mean(value, known)}give {_choice()}")
     return value
 
 

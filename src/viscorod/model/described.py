@@ -9,7 +9,8 @@ from __future__ import annotations
 import difflib
 import re
 import reprlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -21,12 +22,15 @@ __all__ = [
     "Marked",
     "RefusedError",
     "base_init",
+    "did_you_mean",
+    "inside",
     "nearest",
     "path_text",
     "plain_value",
     "problems_from",
     "problems_of",
     "show",
+    "some_of",
 ]
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -34,6 +38,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 _SHORT = reprlib.Repr()
 _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 60, 60, 30
 _SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = 8
+_LONGEST, _MOST = 160, 12
 
 
 class RefusedError(InputError):
@@ -94,6 +99,17 @@ class Described(BaseModel):
         except ValidationError as error:
             raise InputError(p.within(cls.__name__) for p in problems_from(error)) from None
 
+    def __eq__(self, other: object) -> bool:
+        """Whether both are of one class and were given the same; what they have worked out since does not count."""
+        if not isinstance(other, Described):
+            return NotImplemented
+        if type(self) is not type(other) or self.__pydantic_private__ != other.__pydantic_private__:
+            return False
+        return all(getattr(self, name) == getattr(other, name) for name in type(self).model_fields)
+
+    def __hash__(self) -> int:
+        return hash((type(self), *(getattr(self, name) for name in type(self).model_fields)))
+
     @model_validator(mode="before")
     @classmethod
     def _mark_keys(cls, data: Any) -> Any:
@@ -143,6 +159,19 @@ def nearest(word: str, allowed: Iterable[str]) -> str | None:
     return next((w for w in words if w.lower() == close[0]), None) if close else None
 
 
+def did_you_mean(word: Any, allowed: Iterable[str], text: Callable[[str], str] = repr) -> str:
+    """The beginning of an advice that names the nearest of the allowed words as `text`; empty without one."""
+    close = nearest(word, allowed) if isinstance(word, str) else None
+    return f"did you mean {text(close)}? " if close else ""
+
+
+def some_of(names: Iterable[str]) -> str:
+    """The names that a user gave, for a message: those after the first twelve are counted only."""
+    words = list(names)
+    rest = len(words) - _MOST
+    return ", ".join(words[:_MOST]) + (f" and {rest} more" if rest > 0 else "")
+
+
 def show(value: Any) -> str:
     """`value` as short text for a message."""
     if isinstance(value, bool):
@@ -153,9 +182,22 @@ def show(value: Any) -> str:
         return _SHORT.repr(value)
     if isinstance(value, Described):
         return type(value).__name__
-    if hasattr(value, "tolist"):  # NumPy scalars and arrays
-        return _SHORT.repr(value.tolist())
-    return _SHORT.repr(value)
+    plain = value.tolist() if hasattr(value, "tolist") else value  # NumPy scalars and arrays
+    text = _SHORT.repr(plain)
+    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+
+
+@contextmanager
+def inside(key: str | int, value: Any) -> Iterator[None]:
+    """What refuses `value`, which stands under `key`, is told with the key before its path."""
+    try:
+        yield
+    except RefusedError as error:
+        found = show(value) if error.found is None else error.found
+        raise RefusedError(error.why, error.instead, found=found, at=(key, *error.at)) from None
+    except (ValidationError, InputError) as error:
+        told = problems_of(error, value)
+        raise InputError(problem.within(path_text((key,))) for problem in told) from None
 
 
 def problems_from(error: ValidationError) -> list[Problem]:

@@ -9,7 +9,7 @@ from pydantic import PlainValidator
 
 from viscorod.model.described import RefusedError, show
 from viscorod.model.motion_words import MOTIONS, motion_word
-from viscorod.model.values import number
+from viscorod.model.values import entries, number
 
 __all__ = [
     "Damping",
@@ -74,13 +74,7 @@ def _table(check: Callable[[Any], Any], noun: str) -> Callable[[Any], dict[str, 
                 f"a table from motions to {noun} is needed here",
                 f"give a table such as {{ rz = 0.5 }}, with some of {', '.join(MOTIONS)}",
             )
-        parsed: dict[str, Any] = {}
-        for key, item in value.items():
-            try:
-                parsed[motion_word(key)] = check(item)
-            except RefusedError as error:
-                found = show(item) if error.found is None else error.found
-                raise RefusedError(error.why, error.instead, found=found, at=(str(key),)) from None
+        parsed = entries(value, motion_word, check)
         return {word: parsed[word] for word in MOTIONS if word in parsed}
 
     return parse

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from viscorod.model.damping import Behaviour, Damping, Elastic
-from viscorod.model.described import RefusedError, nearest, show
+from viscorod.model.described import RefusedError, did_you_mean, show
 from viscorod.model.values import NonNegative, name_of_part, number, optional, whole_number
 
 __all__ = ["MOST_MODES", "ModalDamping"]
@@ -39,8 +39,7 @@ def _mode(value: Any) -> int | str:
 
     word, _, count = value.partition(" ")
     if word not in STRAINS:
-        close = nearest(word, STRAINS)
-        hint = f"did you mean '{close} 1'? " if close else ""
+        hint = did_you_mean(word, STRAINS, lambda close: f"'{close} 1'")
         raise RefusedError(
             "no mode is called so",
             f"{hint}give a number, or one of {', '.join(STRAINS)} with one: 'bend_1 2'",

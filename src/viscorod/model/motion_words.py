@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from viscorod.model.described import RefusedError, nearest, show
+from viscorod.model.described import RefusedError, did_you_mean, show
 from viscorod.model.time_function import TimeFunction
 from viscorod.model.time_table import time_function
-from viscorod.model.values import (
-    sequence,
-)
+from viscorod.model.values import different, entries
 
 __all__ = [
     "MOTIONS",
@@ -34,9 +32,8 @@ Motion = Mapping[str, TimeFunction]
 def motion_word(value: Any) -> str:
     """`value` if it is one of the six motion words."""
     if value not in MOTIONS if isinstance(value, str) else True:
-        close = nearest(value, MOTIONS) if isinstance(value, str) else None
-        hint = f"did you mean {close!r}? " if close else ""
-        raise RefusedError("not a motion", f"{hint}give one of {', '.join(MOTIONS)}", found=show(value))
+        advice = f"{did_you_mean(value, MOTIONS)}give one of {', '.join(MOTIONS)}"
+        raise RefusedError("not a motion", advice, found=show(value))
     return str(value)
 
 
@@ -49,24 +46,12 @@ def velocity_word(value: Any) -> str:
 
 def fixed_motions(value: Any) -> tuple[str, ...]:
     """`value` if it is a list of motion words, each once; in their order."""
-    return _words(value, motion_word, MOTIONS)
-
-
-def _words(value: Any, check: Callable[[Any], str], known: tuple[str, ...]) -> tuple[str, ...]:
-    words = []
-    for index, item in enumerate(sequence(value)):
-        try:
-            words.append(check(item))
-        except RefusedError as error:
-            raise RefusedError(error.why, error.instead, found=error.found, at=(index,)) from None
-        if words.count(words[-1]) > 1:
-            raise RefusedError("the same motion twice", "give it once", found=show(item), at=(index,))
-    return tuple(word for word in known if word in words)
+    return tuple(sorted(different(value, motion_word, "motion"), key=MOTIONS.index))
 
 
 def fixed_velocities(value: Any) -> tuple[str, ...]:
     """`value` if it is a list of velocity words, each once; in their order."""
-    return _words(value, velocity_word, VELOCITIES)
+    return tuple(sorted(different(value, velocity_word, "velocity"), key=VELOCITIES.index))
 
 
 def motion_functions(value: Any) -> dict[str, TimeFunction]:
@@ -89,23 +74,17 @@ def _functions(
             f"a table of {plural} is needed here",
             f"give a table such as {{ {example} = {{ kind = 'ramp', ... }} }}",
         )
-    parsed = {}
-    for key, item in value.items():
-        try:
-            parsed[check(key)] = time_function(item)
-        except RefusedError as error:
-            found = show(item) if error.found is None else error.found
-            raise RefusedError(error.why, error.instead, found=found, at=(str(key), *error.at)) from None
-    for key, given in parsed.items():
+
+    def prescribed(item: Any) -> TimeFunction:
+        given = time_function(item)
         if given.jumps:
             raise RefusedError(
                 f"a prescribed {noun} must not jump; this one does at t = {given.jumps[0]:.6g} s",
                 "give a ramp, or another continuous function of time",
                 found=type(given).__name__,
-                at=(key,),
             )
-        try:
-            given.require_derivatives()
-        except RefusedError as error:
-            raise RefusedError(error.why, error.instead, found=error.found, at=(key,)) from None
+        given.require_derivatives()
+        return given
+
+    parsed = entries(value, check, prescribed)
     return {word: parsed[word] for word in known if word in parsed}

@@ -14,7 +14,7 @@ from typing import Annotated, Any, TypeAlias, overload
 from pydantic import PlainValidator
 
 from viscorod.model.any_body import AnyBody
-from viscorod.model.described import RefusedError, nearest, show
+from viscorod.model.described import RefusedError, did_you_mean, show, some_of
 from viscorod.model.rod import Rod
 from viscorod.model.values import word
 
@@ -121,12 +121,11 @@ def find_rod(name: str, rods: Mapping[str, Rod], bodies: Mapping[str, AnyBody] |
     if bodies and name in bodies:
         raise RefusedError(
             "this is a rigid body, and a rod is needed here",
-            f"the rods are {', '.join(rods)}",
+            f"the rods are {some_of(rods)}",
             found=show(name),
         )
-    close = nearest(name, rods)
-    hint = f"did you mean {close!r}? " if close else ""
-    known = f"the rods are {', '.join(rods)}" if rods else "add a rod first"
+    hint = did_you_mean(name, rods)
+    known = f"the rods are {some_of(rods)}" if rods else "add a rod first"
     raise RefusedError("there is no rod of this name", hint + known, found=show(name))
 
 
@@ -166,9 +165,8 @@ def find_place(text: str, rods: Mapping[str, Rod], bodies: Mapping[str, AnyBody]
 
 def no_part(name: str, rods: Mapping[str, Rod], bodies: Mapping[str, AnyBody]) -> RefusedError:
     """The refusal of a name that neither a rod nor a body has."""
-    close = nearest(name, (*rods, *bodies))
-    hint = f"did you mean {close!r}? " if close else ""
-    known = f"the rods are {', '.join(rods)}; the bodies are {', '.join(bodies)}"
+    hint = did_you_mean(name, (*rods, *bodies))
+    known = f"the rods are {some_of(rods)}; the bodies are {some_of(bodies)}"
     return RefusedError("there is no rod or body of this name", hint + known, found=show(name))
 
 
@@ -180,10 +178,9 @@ def _point_of(body: AnyBody, name: str, point: str | None, s: str | None) -> Bod
             found=show(f"{name}@{s}"),
         )
     if point is not None and point not in body.points:
-        close = nearest(point, body.points)
-        hint = f"did you mean {name}.{close}? " if close else ""
+        hint = did_you_mean(point, body.points, lambda close: f"{name}.{close}")
         known = (
-            f"its points are {', '.join(body.points)}" if body.points else f"name it in the points of {name}"
+            f"its points are {some_of(body.points)}" if body.points else f"name it in the points of {name}"
         )
         raise RefusedError(
             "the body has no point of this name", f"{hint}{known}", found=show(f"{name}.{point}")

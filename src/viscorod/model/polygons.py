@@ -12,16 +12,17 @@ from pydantic import PlainValidator
 from viscorod.model.any_section import AnySection
 from viscorod.model.described import RefusedError, show
 from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, Shape, SquareTube
-from viscorod.model.values import numbers, sequence
+from viscorod.model.values import each, pair
 from viscorod.typing import Floats
 
 __all__ = [
     "Corners",
     "Holes",
     "Polygon",
-    "Ring",
+    "corners",
     "library",
     "placed",
+    "polygon",
     "polygon_area",
     "polygon_of",
     "refuse_improper",
@@ -58,39 +59,25 @@ def library() -> tuple[Any, Any]:
 
 def corners(value: Any) -> Ring:
     """`value` as the corners of a closed polygon; a last corner that repeats the first is left out."""
-    ring = []
-    for index, item in enumerate(sequence(value)):
-        try:
-            x, y = numbers(item, count=2)
-        except RefusedError as error:
-            found = show(item) if error.found is None else error.found
-            raise RefusedError(error.why, error.instead, found=found, at=(index, *error.at)) from None
-        ring.append((x, y))
+    ring = each(value, pair)
     if len(ring) > 1 and ring[0] == ring[-1]:
-        ring.pop()
+        ring = ring[:-1]
     if len(ring) < 3:
         raise RefusedError(
             f"a closed outline needs at least 3 different corners, {len(ring)} were given",
             "give the corners in order, such as [[0, 0], [0.02, 0], [0, 0.01]]",
         )
-    for index, (before, after) in enumerate(zip(ring, [*ring[1:], ring[0]], strict=True)):
+    for index, (before, after) in enumerate(zip(ring, (*ring[1:], ring[0]), strict=True)):
         if before == after:
             raise RefusedError(
                 "the same corner twice in a row", "leave one of them out", found=show(after), at=(index + 1,)
             )
-    return tuple(ring)
+    return ring
 
 
 def rings(value: Any) -> tuple[Ring, ...]:
     """`value` as a list of closed polygons."""
-    found = []
-    for index, item in enumerate(sequence(value)):
-        try:
-            found.append(corners(item))
-        except RefusedError as error:
-            text = show(item) if error.found is None else error.found
-            raise RefusedError(error.why, error.instead, found=text, at=(index, *error.at)) from None
-    return tuple(found)
+    return each(value, corners)
 
 
 Corners = Annotated[Points, PlainValidator(corners)]

@@ -17,7 +17,7 @@ from viscorod.model.any_section import AnySection, Branches, Matrices
 from viscorod.model.material import Material
 from viscorod.model.values import Positive
 
-__all__ = ["Branches", "MaterialSection", "Matrices", "Section", "required"]
+__all__ = ["MaterialSection", "Section"]
 
 
 class MaterialSection(AnySection):

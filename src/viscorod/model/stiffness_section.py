@@ -8,11 +8,10 @@ from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
-from viscorod.errors import InputError, Problem
 from viscorod.model.any_section import AnySection, Branches, Matrices
 from viscorod.model.described import Described, RefusedError, show
 from viscorod.model.material import Material
-from viscorod.model.values import Positive, numbers, sequence
+from viscorod.model.values import Positive, each, numbers, sequence
 from viscorod.typing import Floats
 
 __all__ = ["STRAINS", "TWISTS", "Matrix", "MaxwellBranch", "StiffnessSection"]
@@ -49,13 +48,7 @@ def symmetric(value: Any, words: tuple[str, ...]) -> Matrix:
         )
     if not any(isinstance(row, list | tuple | np.ndarray) for row in rows):
         return tuple(map(tuple, np.diag(numbers(rows, count=6)).tolist()))
-    full = []
-    for index, row in enumerate(rows):
-        try:
-            full.append(numbers(row, count=6))
-        except RefusedError as error:
-            found = show(row) if error.found is None else error.found
-            raise RefusedError(error.why, error.instead, found=found, at=(index, *error.at)) from None
+    full = each(rows, lambda row: numbers(row, count=6))
     matrix = np.array(full)
     size = np.abs(matrix) + np.abs(matrix.T)
     skew = np.abs(matrix - matrix.T) > 1e-9 * size
@@ -254,10 +247,7 @@ class StiffnessSection(AnySection):
         Raises:
             InputError: there is a material.
         """
-        if material is not None:
-            raise InputError(
-                Problem("material", "", "a section given by its stiffness takes none", "leave material out")
-            )
+        self.refuse_material(material)
         stiffness = np.array(self.stiffness)
         if self.times is not None:
             root = np.sqrt(np.array(self.times))

@@ -8,18 +8,21 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, TypeAlias, TypeVar
 
 import numpy as np
 from pydantic import BeforeValidator, PlainValidator
 
-from viscorod.model.described import Described, RefusedError, nearest, show
+from viscorod.errors import InputError, Problem
+from viscorod.model.described import Described, RefusedError, did_you_mean, inside, show
 
 NOT_GIVEN = math.nan
 """Default of a number that is worked out from others when it is not given (a user's NaN is refused)."""
 
 LARGEST = 1e60
 """Numbers beyond it, or positive ones below 1/LARGEST, are refused: their products leave double precision."""
+
+T = TypeVar("T")
 
 Triple: TypeAlias = tuple[float, float, float]
 
@@ -81,18 +84,12 @@ def numbers(value: Any, *, count: int | None = None, at_least: int = 1) -> tuple
         )
     if len(items) < at_least:
         raise RefusedError(f"at least {at_least} numbers are needed here", "give a longer list of numbers")
-    converted = []
-    for index, item in enumerate(items):
-        try:
-            converted.append(number(item))
-        except RefusedError as error:
-            raise RefusedError(error.why, error.instead, found=show(item), at=(index,)) from None
-    return tuple(converted)
+    return each(items, number)
 
 
 def frequency_band(value: Any) -> tuple[float, float]:
     """`value` as a lower and a higher frequency > 0."""
-    low, high = numbers(value, count=2)
+    low, high = pair(value)
     if not 1.0 / LARGEST <= low < high:
         raise RefusedError(
             "a band goes from a lower to a higher frequency", "give [low, high] in Hz, both > 0"
@@ -108,6 +105,55 @@ def sequence(value: Any) -> Sequence[Any]:
     if not isinstance(value, list | tuple):
         raise RefusedError("a list is needed here", "give a list in brackets, such as [0.0, 1.0, 2.0]")
     return value
+
+
+def each(value: Any, check: Callable[[Any], T]) -> tuple[T, ...]:
+    """What `check` makes of the items of a list; what it refuses is told with its index."""
+    items, found = sequence(value), []
+    try:
+        for item in items:
+            found.append(check(item))
+    except ValueError:
+        # once for the list: to enter `inside` for every item takes longer than the check of a number
+        with inside(len(found), items[len(found)]):
+            raise
+    return tuple(found)
+
+
+def different(value: Any, check: Callable[[Any], str], noun: str) -> tuple[str, ...]:
+    """The words of a list, each once."""
+    words = each(value, check)
+    for index, given in enumerate(words):
+        if given in words[:index]:
+            raise RefusedError(f"the same {noun} twice", "give it once", found=show(given), at=(index,))
+    return words
+
+
+def entries(table: Mapping[Any, Any], name: Callable[[Any], str], check: Callable[[Any], T]) -> dict[str, T]:
+    """The keys of a table, checked by `name`, and what `check` makes of their values.
+
+    Raises:
+        InputError: everything that is wrong with keys and values.
+    """
+    found: dict[str, T] = {}
+    problems: list[Problem] = []
+    for key, value in table.items():
+        try:
+            with inside(str(key), key):
+                checked = name(key)
+            with inside(checked, value):
+                found[checked] = check(value)
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+    return found
+
+
+def pair(value: Any) -> tuple[float, float]:
+    """`value` as two finite floats."""
+    x, y = numbers(value, count=2)
+    return x, y
 
 
 def vector(value: Any) -> Triple:
@@ -148,11 +194,9 @@ def one_of(*allowed: str) -> PlainValidator:
 
     def check(value: Any) -> str:
         if value not in allowed if isinstance(value, str) else True:
-            close = nearest(value, allowed) if isinstance(value, str) else None
-            hint = f"did you mean {close!r}? " if close else ""
             raise RefusedError(
                 "not one of the words that are known here",
-                f"{hint}give one of {', '.join(map(repr, allowed))}",
+                f"{did_you_mean(value, allowed)}give one of {', '.join(map(repr, allowed))}",
             )
         return str(value)
 
@@ -198,9 +242,8 @@ def choose(
                 "this key is required and missing", f"add {tag} = one of {known}", found="", at=(tag,)
             )
         if not isinstance(kind, str) or kind not in kinds:
-            close = nearest(kind, kinds) if isinstance(kind, str) else None
-            hint = f"did you mean {close!r}? " if close else ""
-            raise RefusedError(f"no such {tag}", f"{hint}give one of {known}", found=show(kind), at=(tag,))
+            advice = f"{did_you_mean(kind, kinds)}give one of {known}"
+            raise RefusedError(f"no such {tag}", advice, found=show(kind), at=(tag,))
         return kinds[kind].model_validate(value)
 
     return parse

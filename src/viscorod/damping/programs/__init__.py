@@ -13,7 +13,7 @@ from viscorod.damping.programs.newton import Newton
 from viscorod.damping.programs.pyelastica import PyElastica
 from viscorod.damping.programs.sorosim import SoRoMoX, SoRoSim
 from viscorod.errors import InputError, Problem
-from viscorod.model.described import nearest
+from viscorod.model.described import did_you_mean
 
 __all__ = [
     "PROGRAMS",
@@ -63,8 +63,7 @@ def program(word: str) -> type[ProgramInputs]:
     """
     if word in PROGRAMS:
         return PROGRAMS[word]
-    close = nearest(word, PROGRAMS)
-    advice = f"did you mean {close}? " if close else ""
+    advice = did_you_mean(word, PROGRAMS, str)
     raise InputError(
         Problem("program", word, "no such program", f"{advice}The programs are {', '.join(PROGRAMS)}")
     )
