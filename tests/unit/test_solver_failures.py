@@ -238,8 +238,8 @@ def test_a_steady_rotation_can_be_stopped():
         model.steady(spin=(0, 0, 3.0), stop=after(1))
 
 
-def test_an_interrupted_initial_equilibrium_is_told(monkeypatch):
-    """Ctrl-C while the equilibrium is sought from which a motion starts."""
+def test_an_interrupted_initial_equilibrium_is_told(monkeypatch, tmp_path):
+    """Ctrl-C while the equilibrium is sought from which a motion starts: nothing to keep, nothing is left behind."""
     ask = after(2)
 
     def interrupted(_solver):
@@ -248,8 +248,9 @@ def test_an_interrupted_initial_equilibrium_is_told(monkeypatch):
 
     monkeypatch.setattr(StaticSolver, "go_on", interrupted)
     with pytest.raises(vr.SolveError, match=r"initial equilibrium was not found.*interrupted") as error:
-        loaded().simulate(1.0)
+        loaded().simulate(1.0, folder=tmp_path)
     assert error.value.run is None
+    assert not list(tmp_path.iterdir())
 
 
 def propped(scale):

@@ -118,8 +118,10 @@ class Journal:
         new.replace(self.folder / _CHECKPOINT)
 
     def close(self) -> None:
-        """Write no more."""
+        """Write no more; a journal in which no state was written is removed."""
         self._file.close()
+        if self._fields is None:
+            shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def fields_of(folder: Path) -> np.dtype[Any]:
