@@ -100,7 +100,7 @@ def _lengths(lever: float) -> Floats:
 
 
 def extremes(result: Result, quantity: str) -> tuple[Floats, Floats]:
-    """Return the least and the largest value over all states at every Gauss point ``(points, 6)``, read in pieces."""
+    """Return the least and the largest value over all states everywhere, such as ``(points, 6)``, read in pieces."""
     low = high = None
     for block in blocks(result, quantity):
         first, last = block.min(axis=0), block.max(axis=0)
@@ -117,7 +117,7 @@ def largest(result: Result, quantity: str) -> Floats:
 
 
 def blocks(result: Result, quantity: str) -> Iterator[Floats]:
-    """Yield a quantity at the Gauss points in pieces, states first."""
+    """Yield a quantity at the Gauss points or stations in pieces, states first."""
     variable = result.data[quantity]
     states = variable.sizes[result.dimension]
     step = max(1, _BLOCK // max(1, variable.size // states))

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.results.components import extremes
 from viscorod.results.places import Site, Sites
 from viscorod.results.schema import AXES, DIMENSION, annotated
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -87,7 +88,7 @@ class Result(ABC):
         import xarray as xr
 
         site = self.sites.at(place)
-        values = site.of(self.field(quantity))
+        values = self.vector(site, quantity)
         name = "velocity" if quantity == "velocity" else "position"
         return xr.DataArray(
             values,
@@ -145,14 +146,21 @@ class Result(ABC):
             },
         )
 
-    def field(self, quantity: Quantity) -> Floats:
-        """Return a vector at all stations, ``(time or load_factor, station, axis)``, global axes, SI."""
+    def vector(self, site: Site, quantity: Quantity) -> Floats:
+        """Return a vector at a site, ``(time or load_factor, axis)``, global axes, SI; other stations are not read."""
+        return site.mixed(self.field(quantity, site.stations))
+
+    def field(self, quantity: Quantity, stations: Integers | None = None) -> Floats:
+        """Return a vector at all stations, or at some, ``(time or load_factor, station, axis)``, global axes, SI."""
         known = ("position", "displacement") + (("velocity",) if "velocity" in self.data else ())
         if quantity not in known:
             raise InputError(f"quantity = {quantity!r} is not stored; it can be {', '.join(known)}")
         name = "velocity" if quantity == "velocity" else "position"
-        values = np.asarray(self.data[name].values, dtype=float)
-        return values - self.data["reference_position"].values if quantity == "displacement" else values
+        data = self.data[[name, "reference_position"]]
+        if stations is not None:
+            data = data.isel(station=stations)
+        values = np.asarray(data[name].values, dtype=float)
+        return values - data["reference_position"].values if quantity == "displacement" else values
 
     def probe(self, places: Places, *, s: Sequence[float] | Floats | None = None) -> xr.Dataset:
         """Return everything at any places, by the element's own interpolation, in all stored states.
@@ -185,10 +193,9 @@ class Result(ABC):
     @cached_property
     def main_motion(self) -> tuple[Site, str]:
         """The station and the global axis whose displacement has the largest range."""
-        displacement = self.field("displacement")
-        spread = np.ptp(displacement, axis=0)
-        if displacement.shape[0] == 1:  # one state alone has no range
-            spread = np.abs(displacement[0])
+        low, high = (values - self.data["reference_position"].values for values in extremes(self, "position"))
+        # one state alone has no range
+        spread = high - low if self.data.sizes[self.dimension] > 1 else np.abs(high)
         station, axis = np.unravel_index(int(np.argmax(spread)), spread.shape)
         return self.sites.at(int(station)), AXES[int(axis)]
 
