@@ -148,15 +148,29 @@ class Result(ABC):
 
     def vector(self, site: Site, quantity: Quantity) -> Floats:
         """Return a vector at a site, ``(time or load_factor, axis)``, global axes, SI; other stations are not read."""
-        return site.mixed(self.field(quantity, site.stations))
+        return site.mixed(self.field(quantity, stations=site.stations))
 
-    def field(self, quantity: Quantity, stations: Integers | None = None) -> Floats:
-        """Return a vector at all stations, or at some, ``(time or load_factor, station, axis)``, global axes, SI."""
+    def field(
+        self, quantity: Quantity, *, states: int | slice = slice(None), stations: Integers | None = None
+    ) -> Floats:
+        """Return a vector at all stations in all states, or in some; what is left out is not read.
+
+        Args:
+            quantity: as of ``history``.
+            states: which of the stored states; one number leaves their dimension out.
+            stations: numbers of the stations ``(k,)``.
+
+        Returns:
+            Array ``(time or load_factor, station, axis)``, global axes, SI.
+
+        Raises:
+            InputError: no such quantity.
+        """
         known = ("position", "displacement") + (("velocity",) if "velocity" in self.data else ())
         if quantity not in known:
             raise InputError(f"quantity = {quantity!r} is not stored; it can be {', '.join(known)}")
         name = "velocity" if quantity == "velocity" else "position"
-        data = self.data[[name, "reference_position"]]
+        data = self.data[[name, "reference_position"]].isel({self.dimension: states})
         if stations is not None:
             data = data.isel(station=stations)
         values = np.asarray(data[name].values, dtype=float)
@@ -191,9 +205,16 @@ class Result(ABC):
         return probed(self, places, s)
 
     @cached_property
+    def displacement_range(self) -> tuple[Floats, Floats]:
+        """The least and the largest displacement of every station over all states [m], ``(station, axis)`` each."""
+        reference = np.asarray(self.data["reference_position"].values, dtype=float)
+        low, high = extremes(self, "position")
+        return low - reference, high - reference
+
+    @cached_property
     def main_motion(self) -> tuple[Site, str]:
         """The station and the global axis whose displacement has the largest range."""
-        low, high = (values - self.data["reference_position"].values for values in extremes(self, "position"))
+        low, high = self.displacement_range
         # one state alone has no range
         spread = high - low if self.data.sizes[self.dimension] > 1 else np.abs(high)
         station, axis = np.unravel_index(int(np.argmax(spread)), spread.shape)

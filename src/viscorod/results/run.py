@@ -76,11 +76,12 @@ class Run(Result):
         Maxima whose periods agree within 30 % and that do not grow are one; the report and the picture show
         cycles only there. Where the motion starts far below its position of rest, minima count.
         """
-        value, rate = self._component(self.sites.at(place), axis)
+        site = self.sites.at(place)
+        value, rate = self._component(site, axis)
         rest = resting_value(self.time, value, rate)
         below = bool(value[0] - rest < -_STARTS_BELOW * np.max(np.abs(value - rest)))
         try:
-            found = self.decrement(place, axis, rest, below=below)
+            found = decrement(self.time, value, rate, rest=rest, below=below, place=site.label, axis=axis)
         except InputError:
             return None
         return found if found.regular else None
@@ -240,11 +241,11 @@ class Equilibrium(Result):
 
     def position(self, place: str | int) -> Floats:
         """Return the position of a place [m], shape (3,), global axes."""
-        return self.sites.at(place).of(self.field("position")[-1])
+        return self.sites.at(place).of(self.field("position", states=-1))
 
     def displacement(self, place: str | int) -> Floats:
         """Return the displacement of a place from the reference shape [m], shape (3,), global axes."""
-        return self.sites.at(place).of(self.field("displacement")[-1])
+        return self.sites.at(place).of(self.field("displacement", states=-1))
 
     def rotation(self, place: str | int) -> Floats:
         """Return the rotation of a place from its reference orientation.
