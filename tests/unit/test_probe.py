@@ -50,7 +50,8 @@ def test_a_steady_turn_is_exact():
     q = np.stack([np.cos(time), 0 * time, 0 * time, np.sin(time)], axis=-1)
     spin = np.tile([0.0, 0.0, 2.0], (6, 1))
     at = np.array([0.03, 0.5, 0.77])
-    found = Instants.of(time, at).rotations(q, spin)
+    instants = Instants.of(time, at)
+    found = instants.rotations(q[instants.states], spin[instants.states])
     assert found == pytest.approx(np.stack([np.cos(at), 0 * at, 0 * at, np.sin(at)], axis=-1), abs=1e-15)
 
 
@@ -186,8 +187,18 @@ def test_steps_are_found_where_their_ends_are_stored(swinging):
 
 
 def test_one_time_reads_four_states():
-    instants = Instants.of(np.linspace(0.0, 1.0, 1001), np.array([0.51234]))
-    assert instants.last - instants.first == 4
+    known = np.linspace(0.0, 1.0, 1001)
+    assert Instants.of(known, np.array([0.51234])).states.tolist() == [511, 512, 513, 514]
+    assert Instants.of(known, np.array([0.9, 0.1004])).states.tolist() == [
+        99,
+        100,
+        101,
+        102,
+        899,
+        900,
+        901,
+        902,
+    ]
     assert Instants.of(np.array([0.0, 0.5]), np.array([0.25])).weights == pytest.approx(
         np.array([[0.5, 0.5]])
     )

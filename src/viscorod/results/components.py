@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from viscorod.results.result import Result
 
 STRAINS = {
@@ -33,6 +35,7 @@ FORCES = {
 """Component of the data set -> name and unit of the strain or the section force."""
 
 _BLOCK = 2_000_000  # numbers that are read at once
+_GAP = 16  # states between two that are wanted which are read with them
 
 
 @dataclass(frozen=True)
@@ -114,6 +117,21 @@ def extremes(result: Result, quantity: str) -> tuple[Floats, Floats]:
 def largest(result: Result, quantity: str) -> Floats:
     """Return the largest size of every component along the rods in every state ``(states, 6)``, read in pieces."""
     return np.concatenate([np.max(np.abs(block), axis=1) for block in blocks(result, quantity)])
+
+
+def in_states(variable: xr.DataArray, along: str, states: Integers) -> Floats:
+    """Return a variable in some states ``(states, ...)``, in increasing order; few others are read with them."""
+    most = max(1, _BLOCK // max(1, variable.size // variable.sizes[along]))
+    found = np.empty((states.size, *variable.isel({along: 0}).shape))
+    begin = 0
+    while begin < states.size:
+        part = states[begin : begin + most]
+        apart = (np.diff(part) > _GAP) | (part[1:] - part[0] >= most)
+        part = part[: int(np.argmax(apart)) + 1] if apart.any() else part
+        block = variable.isel({along: slice(int(part[0]), int(part[-1]) + 1)}).values
+        found[begin : begin + part.size] = block[part - part[0]]
+        begin += part.size
+    return found
 
 
 def blocks(result: Result, quantity: str) -> Iterator[Floats]:

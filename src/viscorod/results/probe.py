@@ -10,6 +10,7 @@ import numpy as np
 from viscorod.errors import InputError
 from viscorod.mechanics.quaternion import matrices
 from viscorod.results.between_records import Instants
+from viscorod.results.components import in_states
 from viscorod.results.element_points import Poses, Stencil
 from viscorod.results.places import Site
 from viscorod.results.schema import AXES, VARIABLES
@@ -131,17 +132,15 @@ class _Read:
 
     def __init__(self, result: Result, instants: Instants | None) -> None:
         self.data, self.along, self.instants = result.data, result.dimension, instants
-        first, last = (0, None) if instants is None else (instants.first, instants.last)
-        self._states = slice(first, last)
 
     def has(self, name: str) -> bool:
         return name in self.data
 
     def at(self, name: str, dimension: str, numbers: Integers) -> Floats:
-        variable = self.data[name]
-        if self.along in variable.dims:
-            variable = variable.isel({self.along: self._states})
-        return np.asarray(variable.isel({dimension: numbers}).values, dtype=float)
+        variable = self.data[name].isel({dimension: numbers})
+        if self.instants is not None and self.along in variable.dims:
+            return in_states(variable, self.along, self.instants.states)
+        return np.asarray(variable.values, dtype=float)
 
     def moving(self, stations: Integers) -> tuple[Poses, Floats, Floats] | None:
         """Poses, velocities and spins at the times; None where the result has no velocities."""
