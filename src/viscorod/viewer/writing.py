@@ -140,7 +140,8 @@ def _text(result: Run | Equilibrium, limit: int) -> str:
         "scene": scene,
         "lines": [
             {"rod": line.rod, "nodes": int(line.s.size), "rings": int(line.ring_s.size), "outline": line.outline,
-             "known": bool(line.halves.any()), "contours": [contour.tolist() for contour in line.contours]}
+             "known": bool(line.halves.any()),
+             "contours": [[contour.tolist() for contour in region] for region in line.contours]}
             for line in lines
         ],
         "fields": fields,
@@ -164,6 +165,7 @@ def _pack_lines(result: Result, lines: list[Line], positions: Floats, rotations:
     pack.plain("reference", np.concatenate([line.nodes(reference)[0] for line in lines]))
     pack.plain("ring_s", np.concatenate([line.ring_s for line in lines]))
     pack.plain("halves", np.concatenate([line.halves for line in lines]))
+    pack.plain("holes", np.concatenate([line.holes for line in lines]))
     start = np.cumsum([0, *(line.s.size for line in lines)])
     pack.whole(
         "ring_first", np.concatenate([line.ring_first + k for line, k in zip(lines, start, strict=False)])
