@@ -9,8 +9,8 @@ import xarray as xr
 
 import pages
 import viscorod as vr
-from viscorod.results import components, storage
-from viscorod.results.components import blocks, in_states
+from viscorod.results import pieces, storage
+from viscorod.results.pieces import blocks, in_states
 from viscorod.results.run import Run
 from viscorod.viewer import view
 
@@ -45,7 +45,7 @@ def path(fresh, tmp_path_factory):
 def lazy(path, monkeypatch):
     """The same run, left on disk; pieces are smaller as the file is."""
     monkeypatch.setattr(storage, "LARGE", 1e6)
-    monkeypatch.setattr(components, "_BLOCK", 100_000)
+    monkeypatch.setattr(pieces, "_BLOCK", 100_000)
     return vr.load(path)
 
 
@@ -104,7 +104,7 @@ def test_range_of_displacements_is_that_of_the_field(fresh, lazy):
 @pytest.mark.parametrize("block", [1, 60, 1000, 10**6])
 def test_pieces_make_the_whole(block, monkeypatch):
     """Any choice of states, near and far apart, however small the pieces are."""
-    monkeypatch.setattr(components, "_BLOCK", block)
+    monkeypatch.setattr(pieces, "_BLOCK", block)
     rng = np.random.default_rng(3)
     values = rng.normal(size=(300, 7, 3))
     variable = xr.DataArray(values, dims=("time", "station", "axis"))

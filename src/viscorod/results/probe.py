@@ -10,8 +10,8 @@ import numpy as np
 from viscorod.errors import InputError
 from viscorod.mechanics.quaternion import matrices
 from viscorod.results.between_records import Instants
-from viscorod.results.components import in_states
 from viscorod.results.element_points import Poses, Stencil
+from viscorod.results.pieces import in_states
 from viscorod.results.places import Site
 from viscorod.results.schema import AXES, VARIABLES
 from viscorod.typing import Floats, Integers

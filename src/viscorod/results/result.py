@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results.components import extremes
+from viscorod.results.pieces import extremes
 from viscorod.results.places import Site, Sites
 from viscorod.results.schema import AXES, DIMENSION, annotated
 from viscorod.typing import Floats, Integers

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.results.components import extremes
+from viscorod.results.pieces import extremes
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.results.components import in_states
 from viscorod.results.decrement import hermite
+from viscorod.results.pieces import in_states
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
