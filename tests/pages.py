@@ -94,13 +94,16 @@ def beating(frames=10_000, elements=50, duration=20.0, title="Ten thousand frame
     )
 
 
-def described(data, section=None, **model):
+def described(data, section=None, taper=None, **model):
     """The data set with a model in its case, as front.Model writes it."""
     beam = {
         "shape": "straight", "start": [0, 0, 0], "end": [synthetic.LENGTH, 0, 0],
-        "section": section or {"shape": "rectangle", "width": 0.01, "height": 0.02},
         "material": {"youngs_modulus": 1e6, "poissons_ratio": 0.3, "density": 1000.0},
     }  # fmt: skip
+    if taper:
+        beam["taper"] = taper
+    else:
+        beam["section"] = section or {"shape": "rectangle", "width": 0.01, "height": 0.02}
     supports = [{"kind": "clamp", "at": "beam.start"}]
     case = {"rods": {"beam": beam}, "supports": supports, **model}
     return data.assign_attrs(case=json.dumps(case))

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from viscorod.damping_commands import app as damping_app
-from viscorod.errors import InputError, SolveError
+from viscorod.errors import InputError, SolveError, writing
 from viscorod.export_commands import register as register_exports
 from viscorod.run_commands import resume, run, writable
 from viscorod.terminal import existing, readable_errors, rows_text
@@ -158,13 +158,9 @@ def schema(
         if output is None:
             typer.echo(text, nl=False)
             return
-        try:
+        with writing(output):
             output.parent.mkdir(parents=True, exist_ok=True)
             output.write_text(text, encoding="utf-8")
-        except OSError as error:
-            raise InputError(
-                f"{output} cannot be written ({error.strerror or error}); name another file"
-            ) from None
         typer.echo(f"{output}: name it in a case file: #:schema {output}")
 
 
@@ -242,13 +238,9 @@ def _copied(case: Path, folder: Path) -> Path:
     target = folder / case.name
     if target.exists():
         raise InputError(f"{target} is there already; move it, or name another folder with -o")
-    try:
+    with writing(target):
         folder.mkdir(parents=True, exist_ok=True)
         target.write_bytes(case.read_bytes())
-    except OSError as error:
-        raise InputError(
-            f"{target} cannot be written ({error.strerror or error}); name another folder"
-        ) from None
     return target
 
 

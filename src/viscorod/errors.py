@@ -6,11 +6,15 @@ instead.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["InputError", "Problem", "SolveError"]
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = ["InputError", "Problem", "SolveError", "writing"]
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,21 @@ class SolveError(RuntimeError):
     def __init__(self, message: str, run: Any = None) -> None:
         super().__init__(message)
         self.run = run
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Turn what the system says of a place that cannot be written into one message.
+
+    Raises:
+        InputError: the place cannot be written.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            f"{path} cannot be written ({error.strerror or error}); name another place"
+        ) from None
 
 
 def join_path(prefix: str, path: str) -> str:

@@ -58,7 +58,7 @@ def last_state(problem: Problem, start: Result) -> State:
     """
     if not isinstance(start, Result):
         raise InputError(f"start = {start!r}: give a result, such as that of simulate")
-    position = start.field("position")[-1]
+    position = start.field("position", states=-1)
     rotation = np.asarray(start.data["rotation"].values, dtype=float)[-1]
     stations = problem.stations
     count = len(stations.nodes) + len(problem.bodies.names)
@@ -70,7 +70,7 @@ def last_state(problem: Problem, start: Result) -> State:
             "give a result of a model with the same rods, elements and order"
         )
     still = "velocity" not in start.data
-    velocity = np.zeros_like(position) if still else start.field("velocity")[-1]
+    velocity = np.zeros_like(position) if still else start.field("velocity", states=-1)
     spin = np.zeros_like(position) if still else np.asarray(start.data["angular_velocity"].values)[-1]
     return nodal_state(problem, position, rotation, velocity, spin)
 

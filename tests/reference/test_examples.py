@@ -56,6 +56,14 @@ def test_shipped_case_runs(name, results, tmp_path):
     assert vr.load(result.save(tmp_path / "run.nc")).report() == result.report()
 
 
+def test_page_of_the_soft_arm_is_as_large_as_the_document_says(results, tmp_path):
+    said = re.search(
+        r"run\.html \(([\d.]+) MB\)", (ROOT / "docs" / "howto" / "view.md").read_text(encoding="utf-8")
+    )
+    size = vr.view(results("soft_arm"), tmp_path / "run.html").stat().st_size
+    assert float(said[1]) == pytest.approx(size / 1e6, abs=0.1)
+
+
 @pytest.mark.parametrize(
     "page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.stem
 )

@@ -1,5 +1,6 @@
 """Any place, any time: against rigid motion and arcs in closed form, and against denser output of the same run."""
 
+import tomllib
 from itertools import pairwise
 
 import numpy as np
@@ -9,6 +10,9 @@ import viscorod as vr
 from synthetic import LENGTH as ARC
 from synthetic import rolled_up
 from turning import LENGTH, along, director, rigid, tumbling, with_body
+from viscorod.cases.case import case_from_dict
+from viscorod.cases.shipped import shipped_cases
+from viscorod.front import run_case
 from viscorod.mechanics.basis import gauss, lobatto
 from viscorod.mechanics.quaternion import matrices
 from viscorod.results import storage
@@ -50,7 +54,8 @@ def test_a_steady_turn_is_exact():
     q = np.stack([np.cos(time), 0 * time, 0 * time, np.sin(time)], axis=-1)
     spin = np.tile([0.0, 0.0, 2.0], (6, 1))
     at = np.array([0.03, 0.5, 0.77])
-    found = Instants.of(time, at).rotations(q, spin)
+    instants = Instants.of(time, at)
+    found = instants.rotations(q[instants.states], spin[instants.states])
     assert found == pytest.approx(np.stack([np.cos(at), 0 * at, 0 * at, np.sin(at)], axis=-1), abs=1e-15)
 
 
@@ -165,6 +170,46 @@ def test_a_probe_is_closer_to_the_integrators_polynomial_than_the_tolerance(swin
         assert gap[name] < 1e-12 * float(np.abs(exact[name]).max())
 
 
+def test_the_shipped_swing_is_followed_to_three_hundredths_of_its_tolerance():
+    """The figure in docs/howto/export.md: positions over the length of the rod, and directors."""
+    text = tomllib.loads(shipped_cases()["cantilever_swing"].read_text(encoding="utf-8"))
+    run = run_case(case_from_dict(text))
+    text["simulate"]["output_interval"] = 2e-3
+    dense, s = run_case(case_from_dict(text)), np.linspace(0.0, 0.3, 13)
+    found, exact = run.probe("beam", dense.time, s=s), dense.probe("beam", s=s)
+    limit = 0.03 * run.data.attrs["tolerance"]
+    assert np.abs(found["position"].values - exact["position"].values).max() < limit * 0.3
+    assert np.abs(found["frame"].values - exact["frame"].values).max() < limit
+
+
+def test_shear_is_better_than_derivatives_of_positions():
+    """The figure in docs/howto/export.md. A dead force has the shear strain (R^T F)/(k G A) everywhere."""
+    length, width, young, nu = 0.3, 0.01, 1e6, 0.3
+    rubber = vr.Material(youngs_modulus=young, poissons_ratio=nu, density=1000.0)
+    square = vr.Rectangle(width, width)
+    model = vr.Model()
+    beam = vr.Rod.straight((0, 0, 0), (length, 0, 0), section=square, material=rubber, elements=2, order=5)
+    model.add("beam", beam)
+    model.clamp("beam.start")
+    force = np.array([0.0, 10.0 * young * width**4 / 12.0 / length**2, 0.0])
+    model.force("beam.end", force)
+    found = model.equilibrium()
+    h, ends = 1e-5 * length, np.array([0.0, length])
+    there, near, further = (
+        found.probe("beam", s=ends + k * h * np.array([1.0, -1.0])).isel(load_factor=-1) for k in range(3)
+    )
+    frame = there["frame"].values
+    stiffness = np.array(square.shear_factors(nu)) * young / (2.0 * (1.0 + nu)) * width**2
+    exact = np.einsum("nij,i->nj", frame, force)[:, :2] / stiffness
+    r0, r1, r2 = (at["position"].values for at in (there, near, further))
+    rate = (4.0 * r1 - 3.0 * r0 - r2) / (2.0 * h)
+    rate[1] *= -1.0
+    derived = np.einsum("nij,ni->nj", frame, rate)[:, :2]
+    by_points = np.abs(there["strain"].values[:, :2] - exact).max()
+    assert by_points < 2e-3 * np.abs(exact).max()
+    assert np.abs(derived - exact).max() > 600.0 * by_points
+
+
 def test_strains_are_those_of_the_probed_shape_at_gauss_points(swinging):
     """V = R^T r' by differences of the probe itself, in states that end a step, where poses and strains are one."""
     run, _ = swinging
@@ -186,8 +231,18 @@ def test_steps_are_found_where_their_ends_are_stored(swinging):
 
 
 def test_one_time_reads_four_states():
-    instants = Instants.of(np.linspace(0.0, 1.0, 1001), np.array([0.51234]))
-    assert instants.last - instants.first == 4
+    known = np.linspace(0.0, 1.0, 1001)
+    assert Instants.of(known, np.array([0.51234])).states.tolist() == [511, 512, 513, 514]
+    assert Instants.of(known, np.array([0.9, 0.1004])).states.tolist() == [
+        99,
+        100,
+        101,
+        102,
+        899,
+        900,
+        901,
+        902,
+    ]
     assert Instants.of(np.array([0.0, 0.5]), np.array([0.25])).weights == pytest.approx(
         np.array([[0.5, 0.5]])
     )

@@ -11,7 +11,8 @@ from synthetic import LENGTH as ARC
 from synthetic import oscillator, rolled_up, swing
 from turning import LENGTH, along, rigid
 from viscorod.cli import app
-from viscorod.results.components import chosen_component, extremes, largest
+from viscorod.results.components import chosen_component
+from viscorod.results.pieces import extremes, largest
 from viscorod.results.plot import draw_tip
 from viscorod.results.plot_modes import draw_modes
 from viscorod.results.plot_phase import draw_phase

@@ -155,7 +155,7 @@ def test_polygons_are_drawn_about_the_centre_line(page):
     section = {"shape": "outline", "points": corners[::-1]}
     meta, data, _ = page(Run(pages.described(synthetic.swing(duration=0.2), section=section)))
     halves, _ = pages.array(meta, data, "halves")
-    (contour,) = meta["lines"][0]["contours"]
+    ((contour,),) = meta["lines"][0]["contours"]
     x, y = halves[0, 0] * np.array(contour).T
     cross = x * np.roll(y, -1) - np.roll(x, -1) * y
     assert np.sum(cross) / 2.0 == pytest.approx(2 * 0.03 * 0.004 + 0.032 * 0.004)  # anticlockwise
@@ -163,6 +163,58 @@ def test_polygons_are_drawn_about_the_centre_line(page):
         assert np.sum((along + np.roll(along, -1)) * cross) / 6.0 == pytest.approx(0.0, abs=1e-10)
     assert np.ptp(x) == pytest.approx(0.03)
     assert np.ptp(y) == pytest.approx(0.04)
+
+
+@pytest.mark.parametrize(
+    ("section", "outline", "half", "hole"),
+    [
+        ({"shape": "annulus", "outer_radius": 0.01, "inner_radius": 0.008}, "round", 0.01, 0.8),
+        ({"shape": "square_tube", "width": 0.03, "thickness": 0.003}, "box", 0.015, 0.8),
+        ({"shape": "circle", "radius": 0.01}, "round", 0.01, 0.0),
+    ],
+)
+def test_tubes_are_hollow(section, outline, half, hole, page):
+    meta, data, _ = page(Run(pages.described(synthetic.swing(duration=0.2), section=section)))
+    assert meta["lines"][0]["outline"] == outline
+    assert pages.array(meta, data, "halves")[0] == pytest.approx(
+        np.full((meta["lines"][0]["rings"], 2), half)
+    )
+    assert pages.array(meta, data, "holes")[0] == pytest.approx(np.full(meta["lines"][0]["rings"], hole))
+
+
+def test_a_tapered_tube_has_its_own_hole_on_every_ring(page):
+    """Outer and inner radius are straight from end to end: their ratio is not."""
+    tube = {"shape": "annulus", "outer_radius": 0.01, "inner_radius": 0.009}
+    end = {"shape": "annulus", "outer_radius": 0.006, "inner_radius": 0.002}
+    taper = {"start": tube, "end": end}
+    meta, data, _ = page(Run(pages.described(synthetic.swing(duration=0.2), taper=taper)))
+    along = pages.array(meta, data, "ring_s")[0] / synthetic.LENGTH
+    outer, inner = 0.01 - 0.004 * along, 0.009 - 0.007 * along
+    assert pages.array(meta, data, "halves")[0] == pytest.approx(np.stack([outer, outer], axis=1), rel=1e-5)
+    assert pages.array(meta, data, "holes")[0] == pytest.approx(inner / outer, rel=1e-5)
+
+
+def test_holes_of_polygons_run_the_other_way_round(page):
+    """Area and centroid of a plate with a hole beside its middle, by the formulas for closed polygons."""
+    pytest.importorskip("sectionproperties")
+    section = {
+        "shape": "outline",
+        "points": [[0, 0], [0.04, 0], [0.04, 0.02], [0, 0.02]],
+        "holes": [[[0.02, 0.005], [0.03, 0.005], [0.03, 0.015], [0.02, 0.015]]],
+    }
+    meta, data, _ = page(Run(pages.described(synthetic.swing(duration=0.2), section=section)))
+    half = pages.array(meta, data, "halves")[0][0, 0]
+    ((outer, hole),) = (
+        [half * np.array(contour) for contour in region] for region in meta["lines"][0]["contours"]
+    )
+    areas, moments = [], np.zeros(2)
+    for corners in (outer, hole):
+        x, y = corners.T
+        cross = x * np.roll(y, -1) - np.roll(x, -1) * y
+        areas.append(np.sum(cross) / 2.0)
+        moments += [np.sum((along + np.roll(along, -1)) * cross) / 6.0 for along in (x, y)]
+    assert areas == pytest.approx([8e-4, -1e-4])
+    assert moments == pytest.approx(np.zeros(2), abs=1e-10)  # the centroid is on the centre line
 
 
 def test_sections_without_a_model_are_tubes_of_the_stored_half_width(page):
@@ -219,7 +271,7 @@ def test_ten_thousand_frames_of_two_hundred_stations_stay_light(page):
     start = time.perf_counter()
     meta, data, text = page(run)
     assert time.perf_counter() - start < 60.0  # 2 s where it was measured
-    assert len(text) <= 12e6
+    assert len(text) == pytest.approx(6.5e6, rel=0.02)  # docs/howto/view.md
     assert meta["notes"][:2] == [
         "1500 frames shown of 10000 stored times",
         f"charts: {len(pages.array(meta, data, 'samples')[0])} of 10000 stored times, extremes kept",

@@ -153,6 +153,56 @@ def test_place_of_the_tip_in_the_scripts_is_that_of_the_run(shown):
         assert np.abs(tip - expected).max() < 0.0025**2 / 8.0 * 0.2 * 3.6**2 + 0.4 / 65535
 
 
+PLATE = {
+    "shape": "outline",
+    "points": [[0, 0], [0.04, 0], [0.04, 0.02], [0, 0.02]],
+    "holes": [[[0.02, 0.005], [0.03, 0.005], [0.03, 0.015], [0.02, 0.015]]],
+}
+CONE = {
+    "start": {"shape": "annulus", "outer_radius": 0.01, "inner_radius": 0.009},
+    "end": {"shape": "annulus", "outer_radius": 0.006, "inner_radius": 0.002},
+}
+POLYGON = 7.0 * np.sin(np.pi / 7.0)  # area of the drawn circle of 14 corners over its radius squared
+
+
+@pytest.mark.parametrize(
+    ("form", "area"),
+    [
+        ({"section": {"shape": "circle", "radius": 0.01}}, POLYGON * 1e-4),
+        ({"section": {"shape": "annulus", "outer_radius": 0.01, "inner_radius": 0.008}}, POLYGON * 0.36e-4),
+        ({"section": {"shape": "square_tube", "width": 0.03, "thickness": 0.003}}, 4.0 * 0.003 * 0.027),
+        ({"section": PLATE}, 7e-4),
+        # mean of r^2 of a cone is (r0^2 + r0 r1 + r1^2)/3
+        ({"taper": CONE}, POLYGON * (1.96e-4 - 1.03e-4) / 3.0),
+    ],
+    ids=["circle", "annulus", "square tube", "outline", "tapered annulus"],
+)
+def test_surfaces_are_closed_and_look_outward(form, area, shown):
+    """Triangles of a straight rod enclose its volume, holes left out, and are lit from outside."""
+    if form.get("section") is PLATE:
+        pytest.importorskip("sectionproperties")
+    page = shown(Run(pages.described(synthetic.swing(duration=0.2, amplitude=0.0), **form)))
+    page.run(
+        "(() => { const kind = viscorod.Surface.prototype, old = kind.draw;"
+        " kind.draw = function (...a) { old.apply(this, a); window.surface = this; }; })()"
+    )
+    page.choose("thickness", page.run("[...document.getElementById('thickness').options].at(-1).value"))
+    page.wait("window.surface !== undefined")
+    factor = page.run("window.surface.factor")
+    read = "[...window.surface.geometry.{}.array]".format
+    triangles = np.array(page.run(read("index"))).reshape(-1, 3)
+    at, normal = (
+        np.array(page.run(read(f"attributes.{name}"))).reshape(-1, 3) for name in ("position", "normal")
+    )
+    a, b, c = at[triangles].transpose(1, 0, 2)
+    flat = np.cross(b - a, c - a)
+    volume = np.sum(a * np.cross(b, c)) / 6.0
+    assert volume == pytest.approx(factor**2 * area * synthetic.LENGTH, rel=2e-3)
+    assert np.linalg.norm(flat.sum(axis=0)) < 1e-6 * np.abs(flat).sum()  # closed
+    assert np.all(np.einsum("ti,tki->tk", flat, normal[triangles]) >= -1e-12)
+    assert page.errors == []
+
+
 def test_click_in_a_chart_goes_there(shown):
     page = shown(moving())
     x, y, width = page.run(

@@ -5,15 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
 from viscorod.errors import InputError, Problem
-from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady import Steady
+    from viscorod.typing import Floats
 
 __all__ = ["ResultFile", "motion", "numbers", "opened"]
 
@@ -70,6 +69,8 @@ def numbers(option: str, text: str, unit: str) -> Floats:
     Raises:
         InputError: it is none of these.
     """
+    import numpy as np  # here, so that help is instant
+
     try:
         if ":" in text:
             first, last, step = map(float, text.split(":"))

@@ -145,5 +145,5 @@ def _modes(result: Result, count: int, about: str) -> Figure:
     modes = model.modes(count + _RIGID, about=about)
     base = result.data["reference_position"].values
     if about == "equilibrium":
-        base = model.equilibrium().field("position")[-1]
+        base = model.equilibrium().field("position", states=-1)
     return draw_modes(result, modes, base, count)

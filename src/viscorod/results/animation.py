@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, writing
 from viscorod.results.assemblies import Assembly
 from viscorod.results.probe import instants_of, poses_at
 from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
@@ -27,11 +27,8 @@ if TYPE_CHECKING:
 FORMATS = (".mp4", ".gif")
 MOST_FRAMES = 20_000
 
-_SHORT, _LONG, _USUAL = (
-    2.0,
-    60.0,
-    10.0,
-)  # film [s] at true speed; one that is shorter or longer lasts the usual time
+_SHORT, _LONG = 2.0, 60.0  # film [s] at true speed
+_USUAL = 10.0  # of one that would be shorter or longer
 _WIDTH, _HEIGHT = 8.0, 6.0
 _MARGIN = 0.04
 _FINE = 8  # points of the path from frame to frame
@@ -101,7 +98,7 @@ class Film:
         every = np.arange(_FINE * (len(self) - 1) + 1) / _FINE
         instants = instants_of(run, np.interp(every, np.arange(len(self)), pace.times))
         around = poses_at(run, self._site.stations, instants).position
-        self._trail = np.einsum("k,tkc->tc", self._site.weights, around)
+        self._trail = self._site.mixed(around)
         reference = np.asarray(run.data["reference_position"].values, dtype=float)
         ends = [self._assembly.ends(r, q).reshape(-1, 3) for r, q in self._states()]
         everything = np.concatenate([self._poses.position.reshape(-1, 3), reference, *ends])
@@ -194,16 +191,12 @@ def write_film(
         raise InputError(f"{path}: the suffix {path.suffix!r} is no film; use {' or '.join(FORMATS)}")
     program = _ffmpeg() if suffix == ".mp4" else ""
     film = Film(run, Pace.of(run, fps, speed, hundredths=suffix == ".gif"))
-    try:
+    with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         if suffix == ".gif":
             _write_gif(film, path, progress)
         else:
             _write_mp4(film, path, program, progress)
-    except OSError as error:
-        raise InputError(
-            f"{path} cannot be written ({error.strerror or error}); name another place"
-        ) from None
     return path
 
 
@@ -224,12 +217,10 @@ def _write_mp4(film: Film, path: Path, program: str, progress: Callable[[int], N
     from matplotlib import rc_context
     from matplotlib.animation import FFMpegWriter
 
+    # frames per second may be a fraction, whatever the hints of matplotlib say
+    options: dict[str, Any] = {"fps": film.pace.fps, "codec": "libx264"}
     with rc_context({"animation.ffmpeg_path": program}):
-        writer = FFMpegWriter(
-            fps=film.pace.fps,  # type: ignore[arg-type]
-            codec="libx264",
-            extra_args=["-pix_fmt", "yuv420p", "-crf", "20"],
-        )
+        writer = FFMpegWriter(extra_args=["-pix_fmt", "yuv420p", "-crf", "20"], **options)
         with writer.saving(film.figure, str(path), DPI):
             for number in range(len(film)):
                 film.draw(number)

@@ -30,15 +30,14 @@ class Instants:
 
     Attributes:
         time: times asked for ``(n,)`` [s].
-        first, last: the stored states that are needed are ``first`` to ``last``, exclusive.
-        interval: number of the stored state before each, counted from ``first``; part: of the interval, 0 to 1.
-        length: of the interval [s].
-        window: stored states of the polynomials, counted from ``first`` ``(n, k)``; weights: theirs ``(n, k)``.
+        states: numbers of the stored states that are needed, increasing ``(m,)``.
+        interval: the stored state before each time, as a place in ``states``, after which comes that behind it.
+        part: of the interval, 0 to 1; length: of the interval [s].
+        window: stored states of the polynomials, as places in ``states`` ``(n, k)``; weights: theirs ``(n, k)``.
     """
 
     time: Floats
-    first: int
-    last: int
+    states: Integers
     interval: Integers
     part: Floats
     length: Floats
@@ -71,25 +70,17 @@ class Instants:
         after = np.minimum(k + 1, last)
         length = np.where(after > k, known[after] - known[k], 1.0)
         window, weights = _windows(known, times, k, ends)
-        first = int(window.min())
-        return cls(
-            times,
-            first,
-            int(window.max()) + 1,
-            k - first,
-            (times - known[k]) / length,
-            length,
-            window - first,
-            weights,
-        )
+        states = np.unique(np.concatenate([k, after, window.ravel()]))
+        interval, window = np.searchsorted(states, k), np.searchsorted(states, window)
+        return cls(times, states, interval, (times - known[k]) / length, length, window, weights)
 
     def fields(self, field: Floats) -> Floats:
-        """Return a field ``(states, ...)`` at the times, the polynomial through stored states."""
+        """Return a field ``(m, ...)`` of ``states`` at the times, the polynomial through stored states."""
         result: Floats = np.einsum("tk,tk...->t...", self.weights, field[self.window])
         return result
 
     def positions(self, position: Floats, velocity: Floats) -> Floats:
-        """Return positions at the times, from those and velocities at the stored states ``(states, ..., 3)``."""
+        """Return positions at the times, from those and velocities in ``states`` ``(m, ..., 3)``."""
         k, after = self._ends(position)
         u, h = (self._spread(x, position) for x in (self.part, self.length))
         return _hermite(u, h, position[k], position[after], velocity[k], velocity[after])
@@ -100,7 +91,7 @@ class Instants:
         The rotation vector from the stored state before is the cubic; it turns by less than pi in an interval.
 
         Args:
-            rotation: ``(states, ..., 4)``; spin: angular velocity, body axes ``(states, ..., 3)``.
+            rotation: in ``states`` ``(m, ..., 4)``; spin: angular velocity, body axes ``(m, ..., 3)``.
         """
         k, after = self._ends(rotation)
         u, h = (self._spread(x, rotation) for x in (self.part, self.length))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.results.pieces import extremes
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -31,8 +31,6 @@ FORCES = {
     "twist": ("torque", "N m"),
 }
 """Component of the data set -> name and unit of the strain or the section force."""
-
-_BLOCK = 2_000_000  # numbers that are read at once
 
 
 @dataclass(frozen=True)
@@ -97,29 +95,3 @@ def chosen_component(result: Result, quantity: str, component: str | None) -> Co
 
 def _lengths(lever: float) -> Floats:
     return np.array([1.0] * 3 + [lever] * 3)
-
-
-def extremes(result: Result, quantity: str) -> tuple[Floats, Floats]:
-    """Return the least and the largest value over all states at every Gauss point ``(points, 6)``, read in pieces."""
-    low = high = None
-    for block in blocks(result, quantity):
-        first, last = block.min(axis=0), block.max(axis=0)
-        low = first if low is None else np.minimum(low, first)
-        high = last if high is None else np.maximum(high, last)
-    assert low is not None
-    assert high is not None
-    return low, high
-
-
-def largest(result: Result, quantity: str) -> Floats:
-    """Return the largest size of every component along the rods in every state ``(states, 6)``, read in pieces."""
-    return np.concatenate([np.max(np.abs(block), axis=1) for block in blocks(result, quantity)])
-
-
-def blocks(result: Result, quantity: str) -> Iterator[Floats]:
-    """Yield a quantity at the Gauss points in pieces, states first."""
-    variable = result.data[quantity]
-    states = variable.sizes[result.dimension]
-    step = max(1, _BLOCK // max(1, variable.size // states))
-    for first in range(0, states, step):
-        yield np.asarray(variable.isel({result.dimension: slice(first, first + step)}).values, dtype=float)

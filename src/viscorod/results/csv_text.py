@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, writing
 from viscorod.results.run import Run
 
 if TYPE_CHECKING:
@@ -129,13 +129,9 @@ def write(columns: Columns, path: str | Path) -> Path:
         InputError: the place cannot be written.
     """
     path = Path(path)
-    try:
+    with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text(columns), encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            f"{path} cannot be written ({error.strerror or error}); name another place"
-        ) from None
     return path
 
 

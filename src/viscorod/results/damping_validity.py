@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.results.pieces import blocks
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -136,14 +137,17 @@ def damping_validity(run: Run, tolerance: float = 0.1) -> DampingValidity:
             f"a spectrum needs a record of 8 states at least, and this run holds {run.time.size}"
         )
     rods = data["point_rod"].values
+    notes = [
+        f"rod {rod}: its Maxwell branches are solved as they are, at every frequency"
+        for rod, law in laws.items()
+        if law["maxwell"]
+    ]
+    damped = [rod for rod, law in laws.items() if not law["maxwell"] and any(law["times"]) and rod in rods]
     found: list[StrainValidity] = []
-    notes: list[str] = []
-    for rod, law in laws.items():
-        mine = np.flatnonzero(rods == rod)
-        if law["maxwell"]:
-            notes.append(f"rod {rod}: its Maxwell branches are solved as they are, at every frequency")
-        elif mine.size and any(law["times"][k] for k in range(6)):
-            found += _rod(run, rod, law, mine, tolerance)
+    if damped:
+        largest, work = _sizes(run)
+        for rod in damped:
+            found += _rod(run, rod, laws[rod], largest, work, tolerance)
     resolved = 0.5 / float(np.max(np.diff(run.time)))
     if any(strain.high_frequency > MARGIN * resolved for strain in found):
         notes.append(
@@ -153,20 +157,28 @@ def damping_validity(run: Run, tolerance: float = 0.1) -> DampingValidity:
     return DampingValidity(tuple(found), tolerance, tuple(notes))
 
 
+def _sizes(run: Run) -> tuple[Floats, Floats]:
+    """Largest size over time of every strain, and of its work with the section force, ``(points, 6)`` each."""
+    largest, work = np.zeros((2, run.data.sizes["point"], 6))
+    for strain, force in zip(blocks(run, "strain"), blocks(run, "section_force"), strict=True):
+        largest = np.maximum(largest, np.abs(strain).max(axis=0))
+        work = np.maximum(work, np.abs(force * strain).max(axis=0))
+    weight: Floats = np.asarray(run.data["point_weight"].values, dtype=float)
+    return largest, weight[:, None] * work
+
+
 def _rod(
-    run: Run, rod: str, law: dict[str, Any], points: np.ndarray, tolerance: float
+    run: Run, rod: str, law: dict[str, Any], largest: Floats, work: Floats, tolerance: float
 ) -> list[StrainValidity]:
-    strain = np.asarray(run.data["strain"].values[:, points], dtype=float)
-    force = np.asarray(run.data["section_force"].values[:, points], dtype=float)
-    weight = np.asarray(run.data["point_weight"].values[points], dtype=float)
-    work = np.einsum("g,gk->k", weight, np.abs(force * strain).max(axis=0))
+    mine = np.flatnonzero(run.data["point_rod"].values == rod)
+    work = work[mine].sum(axis=0)
     found = []
     for k in np.flatnonzero(work > LITTLE * work.sum()).tolist():
         time = law["times"][k]
         # the point of the rod where the strain is largest stands for all
-        largest = np.abs(strain[:, :, k]).max(axis=0)
-        point = int(np.argmax(largest))
-        omega, rate = _spectrum(run.time, strain[:, point, k])
+        point = int(mine[np.argmax(largest[mine, k])])
+        history = run.data["strain"].isel(point=point, component=k).values
+        omega, rate = _spectrum(run.time, np.asarray(history, dtype=float))
         if not time or not rate.any():
             continue
         mean, high = _frequencies(omega, rate)
@@ -175,7 +187,7 @@ def _rod(
             bound, limit = math.nan, QUICK / (2.0 * math.pi * time)
             valid = 2.0 * math.pi * high * time <= QUICK
         else:
-            bound = _bound(omega, rate, float(largest[point]), series)
+            bound = _bound(omega, rate, float(largest[point, k]), series)
             limit = _limit(series, tolerance)
             valid = bound <= tolerance
         found.append(StrainValidity(rod, COMPONENTS[k], time, mean, high, bound, limit, valid))

@@ -176,7 +176,7 @@ class _Elements:
 
 
 def aligned(q: Floats) -> Floats:
-    """Return the quaternions of an element's nodes ``(..., k, 4)``, neighbours in one hemisphere."""
+    """Return quaternions ``(..., k, 4)``, each in the hemisphere of its neighbour, so that they can be mixed."""
     flips = np.sum(q[..., 1:, :] * q[..., :-1, :], axis=-1) < 0.0
     signs = np.ones(q.shape[:-1])
     signs[..., 1:] = np.where(np.cumsum(flips, axis=-1) % 2 == 1, -1.0, 1.0)

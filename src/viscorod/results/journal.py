@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, writing
 from viscorod.results.storage import read, write
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class Journal:
     def __init__(self, folder: Path, along: str = "time", keep: int | None = None) -> None:
         self.folder, self.along = folder, along
         self._fields: np.dtype[Any] | None = None
-        try:
+        with writing(folder):
             if keep is None:
                 shutil.rmtree(folder, ignore_errors=True)
                 folder.mkdir(parents=True)
@@ -60,10 +60,6 @@ class Journal:
                 self._fields = fields_of(folder)
                 os.truncate(folder / _RECORDS, keep * self._fields.itemsize)
                 self._file = (folder / _RECORDS).open("ab", buffering=0)
-        except OSError as error:
-            raise InputError(
-                f"{folder} cannot be written ({error.strerror or error}); name another place"
-            ) from None
         self.count = keep or 0
 
     def append(self, data: xr.Dataset) -> None:
@@ -205,15 +201,12 @@ def complete(folder: Path, path: Path, attrs: Mapping[str, Any] | None = None, *
     else:
         first = data.isel({along: slice(0, step)}).load()
         write(first, new, unlimited=along, chunk=step)
-        try:
-            with h5netcdf.File(new, "a") as file:
-                file.resize_dimension(along, count)
-                for begin in range(step, count, step):
-                    part = slice(begin, min(begin + step, count))
-                    for name in _description(folder)["variables"]:
-                        file.variables[name][part] = data.variables[name][part].values
-        except OSError as error:
-            raise InputError(f"{path} cannot be written ({error}); name another place") from None
+        with writing(path), h5netcdf.File(new, "a") as file:
+            file.resize_dimension(along, count)
+            for begin in range(step, count, step):
+                part = slice(begin, min(begin + step, count))
+                for name in _description(folder)["variables"]:
+                    file.variables[name][part] = data.variables[name][part].values
     new.replace(path)
     if not keep:
         shutil.rmtree(folder, ignore_errors=True)

@@ -8,22 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, writing
 from viscorod.results.element_points import Stencil
 from viscorod.results.places import Site
 from viscorod.results.probe import fields_at, instants_of
+from viscorod.results.run import Run
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     import pyvista
 
     from viscorod.results.result import Result
-    from viscorod.results.run import Run
 
 _SEGMENTS = 2  # drawn per order of an element
 _BLOCK = 64  # states that are read at once
@@ -64,10 +64,9 @@ def write_paraview(result: Result, folder: str | Path, times: Floats | None = No
     digits = max(4, len(str(count - 1)))
     collection = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     datasets = ElementTree.SubElement(collection, "Collection")
-    try:
+    with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        number = 0
-        for level, rods, bodies in _states(result, sites, on_bodies, times):
+        for number, (level, rods, bodies) in enumerate(_states(result, sites, on_bodies, times)):
             for part, (kind, fields) in enumerate((("rod", rods), ("body", bodies))):
                 if not fields:
                     continue
@@ -80,14 +79,9 @@ def write_paraview(result: Result, folder: str | Path, times: Floats | None = No
                 mesh.save(folder / target)
                 entry = {"timestep": repr(level), "group": "", "part": str(part), "file": target}
                 ElementTree.SubElement(datasets, "DataSet", entry)
-            number += 1
         ElementTree.indent(collection)
         path = folder / "run.pvd"
         ElementTree.ElementTree(collection).write(path, encoding="utf-8", xml_declaration=True)
-    except OSError as error:
-        raise InputError(
-            f"{folder} cannot be written ({error.strerror or error}); name another place"
-        ) from None
     return path
 
 
@@ -133,12 +127,11 @@ def _states(
     result: Result, sites: list[Site], on_bodies: list[Site], times: Floats | None
 ) -> Iterator[tuple[float, dict[str, Floats], dict[str, Floats]]]:
     """Yield the level (time or load factor) of every state and the fields of rods and of bodies there."""
-    moves = result.kind == "simulate"
     levels = _levels(result) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
-    step = _BLOCK if moves else len(levels)
+    step = _BLOCK if isinstance(result, Run) else len(levels)
     for first in range(0, len(levels), step):
         part = levels[first : first + step]
-        instants = instants_of(cast("Run", result), part) if moves else None
+        instants = instants_of(result, part) if isinstance(result, Run) else None
         rods = fields_at(result, sites, instants)
         bodies = fields_at(result, on_bodies, instants) if on_bodies else {}
         for k, level in enumerate(part.tolist()):

@@ -39,7 +39,11 @@ class Site:
 
     def of(self, values: Floats) -> Floats:
         """Return the value here of a field ``(..., station, components)``."""
-        result: Floats = np.einsum("...kc,k->...c", values[..., self.stations, :], self.weights)
+        return self.mixed(values[..., self.stations, :])
+
+    def mixed(self, values: Floats) -> Floats:
+        """Return the value here of a field at the stations that take part ``(..., k, components)``."""
+        result: Floats = np.einsum("...kc,k->...c", values, self.weights)
         return result
 
     def rotation(self, quaternions: Floats) -> Floats:

@@ -9,6 +9,8 @@ import numpy as np
 from viscorod.results.assemblies import Assembly
 from viscorod.results.decrement import Decrement
 from viscorod.results.extremes import hermite
+from viscorod.results.probe import instants_of, poses_at
+from viscorod.results.schema import AXES
 from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
 from viscorod.results.style import (
     BLUE,
@@ -54,7 +56,7 @@ def chosen_motion(run: Run, place: str | int | None, axis: str | None) -> tuple[
     if place is not None:
         site = run.sites.at(place)
         spread = np.ptp(run.history(place, "displacement").values, axis=0)
-        main_axis = "xyz"[int(np.argmax(spread))]
+        main_axis = AXES[int(np.argmax(spread))]
     return site.label, axis or main_axis
 
 
@@ -123,8 +125,8 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     curves = Curves(run)
     coiled = curves.coiled(reference)
     times = np.linspace(start, end, (_SIDE_BY_SIDE if coiled else _SNAPSHOTS) if end > start else 1)
-    positions = np.array([run.positions_at(float(time)) for time in times])
-    rotations = np.array([run.rotations_at(float(time)) for time in times])
+    poses = poses_at(run, np.arange(run.data.sizes["station"]), instants_of(run, times))
+    positions, rotations = poses.position, poses.rotation
     assembly = Assembly(run)
     ends = [assembly.ends(*state).reshape(-1, 3) for state in zip(positions, rotations, strict=True)]
     view = View.of(np.concatenate([*positions, reference, *ends]))

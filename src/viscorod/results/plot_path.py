@@ -24,7 +24,7 @@ def draw_path(path: Equilibrium) -> Figure:
         picture.suptitle(path.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
     curve, shapes = picture.subplots(1, 2)
     site, axis = path.main_motion
-    moved = site.of(path.field("displacement"))[:, AXES.index(axis)]
+    moved = path.vector(site, "displacement")[:, AXES.index(axis)]
     scale, unit = scaled("m", moved)
     moved, factors = scale * moved, path.load_factor
     unstable = np.asarray(path.data["negative_eigenvalues"].values) > 0

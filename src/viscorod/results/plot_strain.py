@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results.components import STRAINS, Component, chosen_component, extremes, largest
+from viscorod.results.components import STRAINS, Component, chosen_component
+from viscorod.results.pieces import extremes, largest
 from viscorod.results.run import Run
 from viscorod.results.style import (
     BLUE,

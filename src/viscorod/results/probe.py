@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from viscorod.errors import InputError
 from viscorod.mechanics.quaternion import matrices
 from viscorod.results.between_records import Instants
 from viscorod.results.element_points import Poses, Stencil
+from viscorod.results.pieces import in_states
 from viscorod.results.places import Site
 from viscorod.results.schema import AXES, VARIABLES
 from viscorod.typing import Floats, Integers
@@ -29,9 +30,12 @@ FIELDS = ("strain", "section_force", "dissipation")
 
 
 def probed(
-    result: Result, places: Places, s: Sequence[float] | Floats | None = None, times: Any = None
+    result: Result,
+    places: Places,
+    s: Sequence[float] | Floats | None = None,
+    instants: Instants | None = None,
 ) -> xr.Dataset:
-    """Return the fields of a result at places, and at times of a run; see ``Result.probe`` and ``Run.probe``."""
+    """Return the fields of a result at places, in stored states or at instants; see ``Result`` and ``Run.probe``."""
     import xarray as xr
 
     chosen = _sites(result, places, s)
@@ -40,7 +44,6 @@ def probed(
         raise InputError(
             f"{bodies[0]!r} is a place on a body and has no strains; ask for places on bodies and on rods apart"
         )
-    instants = None if times is None else instants_of(cast("Run", result), times)
     along = result.dimension
     level = np.asarray(result.data[along].values, dtype=float) if instants is None else instants.time
     values = fields_at(result, chosen, instants)
@@ -118,11 +121,10 @@ def _sites(result: Result, places: Places, s: Sequence[float] | Floats | None) -
         if arc.ndim != 1 or arc.size == 0:
             raise InputError("s: give one arc length in m, or a list of them")
         return [result.sites.along(places, float(value)) for value in arc]
-    single = isinstance(places, (str, int, np.integer))
-    several = [places] if single else list(places)  # type: ignore[arg-type]
+    several: list[str | int] = [places] if isinstance(places, (str, int, np.integer)) else list(places)
     if not several:
         raise InputError("places: give at least one place, such as 'beam.end'")
-    return [result.sites.at(place) for place in several]  # type: ignore[arg-type]
+    return [result.sites.at(place) for place in several]
 
 
 class _Read:
@@ -130,17 +132,15 @@ class _Read:
 
     def __init__(self, result: Result, instants: Instants | None) -> None:
         self.data, self.along, self.instants = result.data, result.dimension, instants
-        first, last = (0, None) if instants is None else (instants.first, instants.last)
-        self._states = slice(first, last)
 
     def has(self, name: str) -> bool:
         return name in self.data
 
     def at(self, name: str, dimension: str, numbers: Integers) -> Floats:
-        variable = self.data[name]
-        if self.along in variable.dims:
-            variable = variable.isel({self.along: self._states})
-        return np.asarray(variable.isel({dimension: numbers}).values, dtype=float)
+        variable = self.data[name].isel({dimension: numbers})
+        if self.instants is not None and self.along in variable.dims:
+            return in_states(variable, self.along, self.instants.states)
+        return np.asarray(variable.values, dtype=float)
 
     def moving(self, stations: Integers) -> tuple[Poses, Floats, Floats] | None:
         """Poses, velocities and spins at the times; None where the result has no velocities."""

@@ -158,8 +158,8 @@ def _heading(result: Result, summary: str) -> str:
 
 
 def _ends(result: Result, title: str, state: int) -> str:
-    position = result.field("position")[state]
-    displacement = result.field("displacement")[state]
+    position = result.field("position", states=state)
+    displacement = result.field("displacement", states=state)
     size = float(np.max(np.abs(position)))
     rows = [
         (site.label, *_vector(site.of(position), size), *_vector(site.of(displacement), size))
@@ -183,7 +183,7 @@ def _places(result: Result) -> str:
 def _shown_state(run: Run) -> tuple[str, int]:
     """The state whose rod ends tell most: the held start, or the end where the rods start undeformed."""
     time = run.time
-    if time.size == 1 or np.any(run.field("displacement")[0]):
+    if time.size == 1 or np.any(run.field("displacement", states=0)):
         return f"{_places(run)} at {time[0]:g} s, the start", 0
     return f"{_places(run)} at {time[-1]:g} s", -1
 
@@ -222,7 +222,7 @@ def _reactions(equilibrium: Equilibrium | Steady) -> str:
         return ""
     names = equilibrium.data["support"].values
     values = equilibrium.data["reaction"].isel({equilibrium.dimension: -1}).values
-    size = float(np.max(np.abs(equilibrium.field("position")[-1])))
+    size = float(np.max(np.abs(equilibrium.field("position", states=-1))))
     force, moment = (float(np.max(np.abs(part))) for part in (values[:, :3], values[:, 3:]))
     force = max(force, moment / size) if size > 0.0 else force  # round-off of either spoils both
     moment = max(moment, force * size)

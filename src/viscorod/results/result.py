@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.results.pieces import extremes
 from viscorod.results.places import Site, Sites
 from viscorod.results.schema import AXES, DIMENSION, annotated
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -87,7 +88,7 @@ class Result(ABC):
         import xarray as xr
 
         site = self.sites.at(place)
-        values = site.of(self.field(quantity))
+        values = self.vector(site, quantity)
         name = "velocity" if quantity == "velocity" else "position"
         return xr.DataArray(
             values,
@@ -145,14 +146,35 @@ class Result(ABC):
             },
         )
 
-    def field(self, quantity: Quantity) -> Floats:
-        """Return a vector at all stations, ``(time or load_factor, station, axis)``, global axes, SI."""
+    def vector(self, site: Site, quantity: Quantity) -> Floats:
+        """Return a vector at a site, ``(time or load_factor, axis)``, global axes, SI; other stations are not read."""
+        return site.mixed(self.field(quantity, stations=site.stations))
+
+    def field(
+        self, quantity: Quantity, *, states: int | slice = slice(None), stations: Integers | None = None
+    ) -> Floats:
+        """Return a vector at all stations in all states, or in some; what is left out is not read.
+
+        Args:
+            quantity: as of ``history``.
+            states: which of the stored states; one number leaves their dimension out.
+            stations: numbers of the stations ``(k,)``.
+
+        Returns:
+            Array ``(time or load_factor, station, axis)``, global axes, SI.
+
+        Raises:
+            InputError: no such quantity.
+        """
         known = ("position", "displacement") + (("velocity",) if "velocity" in self.data else ())
         if quantity not in known:
             raise InputError(f"quantity = {quantity!r} is not stored; it can be {', '.join(known)}")
         name = "velocity" if quantity == "velocity" else "position"
-        values = np.asarray(self.data[name].values, dtype=float)
-        return values - self.data["reference_position"].values if quantity == "displacement" else values
+        data = self.data[[name, "reference_position"]].isel({self.dimension: states})
+        if stations is not None:
+            data = data.isel(station=stations)
+        values = np.asarray(data[name].values, dtype=float)
+        return values - data["reference_position"].values if quantity == "displacement" else values
 
     def probe(self, places: Places, *, s: Sequence[float] | Floats | None = None) -> xr.Dataset:
         """Return everything at any places, by the element's own interpolation, in all stored states.
@@ -183,12 +205,18 @@ class Result(ABC):
         return probed(self, places, s)
 
     @cached_property
+    def displacement_range(self) -> tuple[Floats, Floats]:
+        """The least and the largest displacement of every station over all states [m], ``(station, axis)`` each."""
+        reference = np.asarray(self.data["reference_position"].values, dtype=float)
+        low, high = extremes(self, "position")
+        return low - reference, high - reference
+
+    @cached_property
     def main_motion(self) -> tuple[Site, str]:
         """The station and the global axis whose displacement has the largest range."""
-        displacement = self.field("displacement")
-        spread = np.ptp(displacement, axis=0)
-        if displacement.shape[0] == 1:  # one state alone has no range
-            spread = np.abs(displacement[0])
+        low, high = self.displacement_range
+        # one state alone has no range
+        spread = high - low if self.data.sizes[self.dimension] > 1 else np.abs(high)
         station, axis = np.unravel_index(int(np.argmax(spread)), spread.shape)
         return self.sites.at(int(station)), AXES[int(axis)]
 

@@ -15,7 +15,7 @@ from viscorod.mechanics.quaternion import conjugate, product, rotation_vector
 from viscorod.results.between_records import step_ends
 from viscorod.results.decrement import Decrement, decrement
 from viscorod.results.energy import Energy
-from viscorod.results.extremes import hermite, resting_value
+from viscorod.results.extremes import resting_value
 from viscorod.results.places import Site
 from viscorod.results.result import Result
 from viscorod.results.schema import AXES
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from viscorod.results.damping_validity import DampingValidity
+    from viscorod.results.element_points import Poses
     from viscorod.results.probe import Places
 
 _STARTS_BELOW = 0.5  # a start this far below rest, as a part of the largest departure, makes minima count
@@ -77,11 +78,12 @@ class Run(Result):
         Maxima whose periods agree within 30 % and that do not grow are one; the report and the picture show
         cycles only there. Where the motion starts far below its position of rest, minima count.
         """
-        value, rate = self._component(self.sites.at(place), axis)
+        site = self.sites.at(place)
+        value, rate = self._component(site, axis)
         rest = resting_value(self.time, value, rate)
         below = bool(value[0] - rest < -_STARTS_BELOW * np.max(np.abs(value - rest)))
         try:
-            found = self.decrement(place, axis, None, below=below)
+            found = decrement(self.time, value, rate, rest=None, below=below, place=site.label, axis=axis)
         except InputError:
             return None
         return found if found.regular else None
@@ -91,7 +93,7 @@ class Run(Result):
         if axis not in AXES:
             raise InputError(f"axis = {axis!r} is no global axis; it can be x, y or z")
         column = AXES.index(axis)
-        return site.of(self.field("displacement"))[:, column], site.of(self.field("velocity"))[:, column]
+        return self.vector(site, "displacement")[:, column], self.vector(site, "velocity")[:, column]
 
     def snapshot(self, time: float) -> dict[str, Floats]:
         """Return where every rod and body is at a time.
@@ -112,33 +114,18 @@ class Run(Result):
 
     def positions_at(self, time: float) -> Floats:
         """Return the positions of all stations at a time [m], shape (stations, 3); see ``snapshot``."""
-        known = self.time
-        slack = 1e-9 * max(abs(known[-1]), abs(known[0]))
-        if not known[0] - slack <= time <= known[-1] + slack:
-            raise InputError(
-                f"time = {time:g} s lies outside the run, which covers {known[0]:g} to {known[-1]:g} s"
-            )
-        position = self.field("position")
-        if known.size == 1:
-            alone: Floats = position[0]
-            return alone
-        k = int(np.clip(np.searchsorted(known, time, side="right") - 1, 0, known.size - 2))
-        h = known[k + 1] - known[k]
-        u = np.asarray(np.clip((time - known[k]) / h, 0.0, 1.0))
-        velocity = h * self.field("velocity")[k : k + 2]
-        return hermite(u, position[k], position[k + 1], velocity[0], velocity[1])
+        position: Floats = self._poses_at(time).position[0]
+        return position
 
     def rotations_at(self, time: float) -> Floats:
-        """Return the orientations of all stations at a time, quaternions (stations, 4); straight between records."""
-        known, rotation = self.time, np.asarray(self.data["rotation"].values, dtype=float)
-        k = int(np.clip(np.searchsorted(known, time, side="right") - 1, 0, max(known.size - 2, 0)))
-        if known.size == 1:
-            alone: Floats = rotation[0]
-            return alone
-        part = float(np.clip((time - known[k]) / (known[k + 1] - known[k]), 0.0, 1.0))
-        between = (1.0 - part) * rotation[k] + part * rotation[k + 1]
-        unit: Floats = between / np.linalg.norm(between, axis=-1, keepdims=True)
-        return unit
+        """Return the orientations of all stations at a time, unit quaternions (stations, 4); see ``probe``."""
+        rotation: Floats = self._poses_at(time).rotation[0]
+        return rotation
+
+    def _poses_at(self, time: float) -> Poses:
+        from viscorod.results.probe import instants_of, poses_at
+
+        return poses_at(self, np.arange(self.data.sizes["station"]), instants_of(self, time))
 
     def probe(
         self,
@@ -168,9 +155,9 @@ class Run(Result):
         Raises:
             InputError: no such place, a time outside the run, or places on rods and on bodies in one call.
         """
-        from viscorod.results.probe import probed
+        from viscorod.results.probe import instants_of, probed
 
-        return probed(self, places, s, times)
+        return probed(self, places, s, None if times is None else instants_of(self, times))
 
     def damping_validity(self, tolerance: float = 0.1) -> DampingValidity:
         """Tell whether Kelvin-Voigt damping was right for this motion, from the spectrum of its strains.
@@ -256,11 +243,11 @@ class Equilibrium(Result):
 
     def position(self, place: str | int) -> Floats:
         """Return the position of a place [m], shape (3,), global axes."""
-        return self.sites.at(place).of(self.field("position")[-1])
+        return self.sites.at(place).of(self.field("position", states=-1))
 
     def displacement(self, place: str | int) -> Floats:
         """Return the displacement of a place from the reference shape [m], shape (3,), global axes."""
-        return self.sites.at(place).of(self.field("displacement")[-1])
+        return self.sites.at(place).of(self.field("displacement", states=-1))
 
     def rotation(self, place: str | int) -> Floats:
         """Return the rotation of a place from its reference orientation.

@@ -106,7 +106,7 @@ class Steady(Result):
 
     def position(self, place: str | int) -> Floats:
         """Return the position of a place [m], shape (3,), global axes, at the instant that is stored."""
-        return self.sites.at(place).of(self.field("position")[-1])
+        return self.sites.at(place).of(self.field("position", states=-1))
 
     def report(self) -> str:
         """Return a report: the rotation, ends of the rods, energies, stability, the effort, warnings."""

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, writing
 from viscorod.limits import LARGEST_RESULT, MOST_DECLARED
 
 if TYPE_CHECKING:
@@ -43,17 +43,13 @@ def write(
     for name, variable in data.variables.items():
         if unlimited in variable.dims:
             encoding[name]["chunksizes"] = (chunk, *variable.shape[1:])
-    try:
+    with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         mode: Literal["a", "w"] = "a" if group else "w"
         growing = [unlimited] if unlimited else None
         data.to_netcdf(
             path, engine="h5netcdf", encoding=encoding, group=group, mode=mode, unlimited_dims=growing
         )
-    except OSError as error:
-        raise InputError(
-            f"{path} cannot be written ({error.strerror or error}); name another place"
-        ) from None
     return path
 
 

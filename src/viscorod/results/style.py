@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, writing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -81,13 +81,9 @@ def write(picture: Figure, path: str | Path) -> Path:
     known = sorted(picture.canvas.get_supported_filetypes())
     if path.suffix[1:].lower() not in known:
         raise InputError(f"{path}: the suffix {path.suffix!r} is no picture format; use .{', .'.join(known)}")
-    try:
+    with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         picture.savefig(path)
-    except OSError as error:
-        raise InputError(
-            f"{path} cannot be written ({error.strerror or error}); name another place"
-        ) from None
     return path
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.results.pieces import extremes
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -52,16 +53,17 @@ def warnings_of(result: Result) -> list[str]:
             f"poses integrated in time and along the rods differ by {gap:.2g} of the model's size: "
             "the mesh is too coarse for this motion; use more elements or a higher order"
         )
-    return texts + _strain_warnings(data)
+    return texts + _strain_warnings(result)
 
 
-def _strain_warnings(data: xr.Dataset) -> list[str]:
+def _strain_warnings(result: Result) -> list[str]:
     """Return one warning each for shear or stretch and for bending that are too large for small strains."""
+    data = result.data
     if "strain" not in data or not data.sizes.get("point", 0):
         return []
-    strain = np.abs(np.asarray(data["strain"].values, dtype=float))
+    strain = np.maximum(*map(np.abs, extremes(result, "strain")))
     texts = []
-    value, component, where = _largest(data, strain[..., :3])
+    value, component, where = _largest(data, strain[:, :3])
     if value > _STRAIN:
         name = ("shear 1", "shear 2", "stretch")[component]
         texts.append(
@@ -69,7 +71,7 @@ def _strain_warnings(data: xr.Dataset) -> list[str]:
         )
     if "half_width" in data:
         half = np.asarray(data["half_width"].values, dtype=float)
-        value, component, where = _largest(data, strain[..., 3:5] * half[:, None])
+        value, component, where = _largest(data, strain[:, 3:5] * half[:, None])
         if value > _STRAIN:
             texts.append(
                 f"bend {component + 1} times the half width of the section reaches {value:.2g}{where}; "
@@ -79,10 +81,9 @@ def _strain_warnings(data: xr.Dataset) -> list[str]:
 
 
 def _largest(data: xr.Dataset, values: Floats) -> tuple[float, int, str]:
-    """Return the largest of ``(state, point, component)``, its component and " at rod@s"."""
-    worst = np.unravel_index(int(np.argmax(values)), values.shape)
+    """Return the largest of ``(point, component)``, its component and " at rod@s"."""
+    point, component = (int(k) for k in np.unravel_index(int(np.argmax(values)), values.shape))
     where = ""
     if "point_rod" in data and "point_s" in data:
-        point = int(worst[-2])
         where = f" at {data['point_rod'].values[point]}@{float(data['point_s'].values[point]):.4g}"
-    return float(values[worst]), int(worst[-1]), where
+    return float(values[point, component]), component, where

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,29 +21,29 @@ MOST_CORNERS = 48
 """Corners of a drawn contour; of more, such as those of an ellipse, some are left out evenly."""
 
 
-def contours_of(rod: Rod) -> list[Floats] | None:
-    """Return the outer contours of a rod's section about its centre line, anticlockwise ``(corners, 2)`` [m].
+def contours_of(rod: Rod) -> list[list[Floats]] | None:
+    """Return the contours of a rod's section about its centre line, of each region the outer one, then its holes.
 
-    Holes are seen at the ends of a rod only and are not drawn. None where the section is no polygon, or another
-    one elsewhere on the rod.
+    Each is ``(corners, 2)`` [m], the outer one anticlockwise, holes clockwise. None where the section is no polygon, or
+    another one elsewhere on the rod.
     """
     section = rod.section
     if isinstance(section, Outline):
-        rings = [section.points]
+        regions = [(section.points, section.holes)]
     elif isinstance(section, Composite):
-        rings = [region.polygon[0] for region in section.regions]
+        regions = [region.polygon for region in section.regions]
     else:
         return None
     points = section.centres
     cos, sin = math.cos(points.angle), math.sin(points.angle)
-    found = []
-    for ring in rings:
+
+    def placed(ring: Sequence[Sequence[float]], turn: float) -> Floats:
         corners = np.array(ring, dtype=float)
-        if np.array_equal(corners[0], corners[-1]):
-            corners = corners[:-1]
         corners = corners[:: -(-len(corners) // MOST_CORNERS)]
         x, y = corners.T
-        if np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) < 0.0:
+        if turn * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) < 0.0:
             corners = corners[::-1]
-        found.append((corners - np.array(points.origin)) @ np.array([[cos, -sin], [sin, cos]]))
-    return found
+        about: Floats = (corners - np.array(points.origin)) @ np.array([[cos, -sin], [sin, cos]])
+        return about
+
+    return [[placed(outer, 1.0), *(placed(hole, -1.0) for hole in holes)] for outer, holes in regions]

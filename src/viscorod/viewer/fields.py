@@ -79,22 +79,21 @@ def fields_of(result: Result, frames: Frames, points: Points) -> list[tuple[dict
     found: list[tuple[dict[str, object], Floats]] = []
 
     def add(key: str, title: str, unit: str, values: Floats, prefix: bool = True) -> None:
-        shown = points.of(frames.linear(values))
+        shown = points.of(values)
         factor, word = scaled(unit, shown) if prefix else (1.0, unit)
         found.append(({"key": key, "title": title, "unit": word, "scale": factor}, shown))
 
     data = result.data
     if "strain" in data:
+        strain = frames.linear("strain")
         for k, title in enumerate(_STRAIN):
-            values = np.asarray(data["strain"][..., k].values, dtype=float)
-            add(f"strain{k}", title, "1" if k < 3 else "1/m", values, prefix=False)
+            add(f"strain{k}", title, "1" if k < 3 else "1/m", strain[..., k], prefix=False)
     if "section_force" in data:
+        force = frames.linear("section_force")
         for k, title in enumerate(_FORCE):
-            unit = "N" if k < 3 else "N m"
-            add(f"force{k}", title, unit, np.asarray(data["section_force"][..., k].values, dtype=float))
+            add(f"force{k}", title, "N" if k < 3 else "N m", force[..., k])
     if "dissipation" in data:
-        values = np.asarray(data["dissipation"].values, dtype=float)
-        add("dissipation", "dissipation density", "W/m", values)
+        add("dissipation", "dissipation density", "W/m", frames.linear("dissipation"))
     return found
 
 
@@ -102,7 +101,7 @@ def speed_of(result: Result, frames: Frames, lines: list[Line]) -> Floats | None
     """Speed at the nodes of the page ``(n, nodes)`` [m/s]."""
     if "velocity" not in result.data or result.dimension != "time":
         return None
-    velocity = frames.linear(result.field("velocity"))
+    velocity = frames.linear("velocity")
     nodes = np.concatenate([line.nodes(velocity) for line in lines], axis=1)
     speed: Floats = np.linalg.norm(nodes, axis=-1)
     return speed

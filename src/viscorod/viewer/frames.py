@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.results.extremes import hermite
+from viscorod.results.pieces import in_states
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -63,41 +64,39 @@ class Frames:
         return int(self.before.size)
 
     @cached_property
-    def _after(self) -> Integers:
-        return np.minimum(self.before + 1, self.stored - 1)
-
-    @cached_property
     def instants(self) -> Floats:
         """Times [s] or load factors of the frames ``(n,)``."""
-        return self.linear(np.asarray(self.result.data[self.result.dimension].values, dtype=float))
+        return self.linear(self.result.dimension)
 
-    def linear(self, values: Floats) -> Floats:
-        """Values ``(stored, ...)`` in the frames, straight from one stored state to the next."""
+    def linear(self, name: str) -> Floats:
+        """A variable of the result in the frames ``(n, ...)``, straight from one stored state to the next."""
+        before, after = self._around(name)
         if not self.part.any():
-            alone: Floats = values[self.before]
-            return alone
-        part = self.part.reshape(-1, *(1,) * (values.ndim - 1))
-        between: Floats = (1.0 - part) * values[self.before] + part * values[self._after]
+            return before
+        part = self.part.reshape(-1, *(1,) * (before.ndim - 1))
+        between: Floats = (1.0 - part) * before + part * after
         return between
+
+    def _around(self, name: str) -> tuple[Floats, Floats]:
+        """A variable in the stored states at or before the frames, and in those after them."""
+        around = np.stack([self.before, np.minimum(self.before + 1, self.stored - 1)])
+        states = np.unique(around)
+        before, after = in_states(self.result.data[name], self.result.dimension, states)[
+            np.searchsorted(states, around)
+        ]
+        return before, after
 
     def positions(self) -> Floats:
         """Positions of all stations ``(n, stations, 3)`` [m]; cubic between stored states, as velocities tell."""
-        position = self.result.field("position")
         if not self.part.any():
-            return self.linear(position)
-        known = np.asarray(self.result.data["time"].values, dtype=float)
-        step = (known[self._after] - known[self.before])[:, None, None]
-        velocity = self.result.field("velocity")
-        return hermite(
-            self.part[:, None, None],
-            position[self.before],
-            position[self._after],
-            step * velocity[self.before],
-            step * velocity[self._after],
-        )
+            return self.linear("position")
+        start, end = self._around("time")
+        step = (end - start)[:, None, None]
+        v0, v1 = self._around("velocity")
+        return hermite(self.part[:, None, None], *self._around("position"), step * v0, step * v1)
 
     def rotations(self) -> Floats:
         """Orientations of all stations ``(n, stations, 4)``, unit quaternions, straight between stored states."""
-        between = self.linear(np.asarray(self.result.data["rotation"].values, dtype=float))
+        between = self.linear("rotation")
         unit: Floats = between / np.linalg.norm(between, axis=-1, keepdims=True)
         return unit

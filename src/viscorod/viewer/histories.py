@@ -37,7 +37,7 @@ def samples_of(result: Result) -> Integers:
     if count <= MOST_SAMPLES:
         return np.arange(count)
     site, axis = result.main_motion
-    main = site.of(result.field("displacement"))[:, AXES.index(axis)]
+    main = result.vector(site, "displacement")[:, AXES.index(axis)]
     energy = np.asarray(result.data["kinetic" if "kinetic" in result.data else "elastic"].values, dtype=float)
     edges = np.linspace(0, count, MOST_SAMPLES // _PER_BUCKET + 1).astype(np.int64)
     chosen = {0, count - 1}
@@ -56,11 +56,9 @@ def places_of(result: Result) -> list[Site]:
     for place in (*sites.bodies, *(f"{rod}.{end}" for rod in sites.rods for end in ("end", "start"))):
         site = sites.at(place)
         found.setdefault(site.label, site)
-    moved = result.field("displacement")
-    least = _STILL * float(np.max(np.abs(moved)))
-    moving = [
-        site for site in found.values() if site is main or float(np.max(np.abs(site.of(moved)))) > least
-    ]
+    moved = np.max(np.abs(result.displacement_range), axis=(0, 2))
+    least = _STILL * float(np.max(moved))
+    moving = [site for site in found.values() if site is main or float(moved[site.stations].max()) > least]
     return moving[:MOST_PLACES]
 
 
@@ -83,9 +81,9 @@ def histories_of(result: Result, samples: Integers, pack: Pack) -> list[dict[str
     quantities += ["velocity"] if "velocity" in result.data and result.dimension == "time" else []
     for quantity in quantities:
         unit = "m/s" if quantity == "velocity" else "m"
-        values = result.field(quantity)[samples]
         for site in places_of(result):
-            add(f"{quantity} of {site.label}", unit, list(AXES), site.of(values), site.label)
+            values = result.vector(site, quantity)[samples]
+            add(f"{quantity} of {site.label}", unit, list(AXES), values, site.label)
     data = result.data
     if "reaction" in data:
         reactions = np.asarray(data["reaction"].values, dtype=float)[samples]

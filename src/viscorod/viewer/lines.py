@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
+from viscorod.model.shapes import Annulus, SquareTube
 from viscorod.typing import Floats, Integers
 from viscorod.viewer.contours import contours_of
 
@@ -41,7 +42,9 @@ class Line:
         ring_first: first of the neighbouring nodes that make a ring ``(rings,)``; ring_weights: theirs ``(rings, w)``.
         outline: of the section, "round" (an ellipse) or "box".
         halves: half width along d1 and half height along d2 at each ring ``(rings, 2)`` [m], 0 if unknown.
-        contours: of a polygon, drawn instead of the outline, each ``(corners, 2)``, as parts of the halves; or none.
+        holes: size of the hole at each ring as a part of the halves ``(rings,)``, 0 where there is none.
+        contours: of polygons, drawn instead of the outline: of each region the outer one, then its holes, each
+            ``(corners, 2)``, as parts of the halves; or none.
     """
 
     rod: str
@@ -53,7 +56,8 @@ class Line:
     ring_weights: Floats
     outline: Outline
     halves: Floats
-    contours: list[Floats]
+    holes: Floats
+    contours: list[list[Floats]]
 
     def nodes(self, values: Floats) -> Floats:
         """A field of the result's stations ``(n, stations, c)`` at the nodes ``(n, nodes, c)``."""
@@ -90,16 +94,18 @@ def lines_of(result: Result, model: ModelDescription | None) -> list[Line]:
             ring_s = np.interp(u, np.arange(mine), known)
             first, ring_weights = _stencils(_weights(result, rod, ring_s, stations), int(order[stations[0]]))
         given = model.rods.get(rod) if model else None
-        outline, halves = _section(given, ring_s)
+        outline, halves, holes = _section(given, ring_s)
         contours = contours_of(given) if given else None
         if contours:
-            reach = float(max(np.max(np.linalg.norm(contour, axis=1)) for contour in contours))
+            reach = float(max(np.max(np.linalg.norm(outer, axis=1)) for outer, *_ in contours))
             halves = np.full((ring_s.size, 2), reach)
-            contours = [contour / reach for contour in contours]
+            contours = [[contour / reach for contour in region] for region in contours]
         if not halves.any():
             outline, halves = "round", _half_widths(data, rod, ring_s)
         lines.append(
-            Line(rod, stations, weights, s, ring_s, first, ring_weights, outline, halves, contours or [])
+            Line(
+                rod, stations, weights, s, ring_s, first, ring_weights, outline, halves, holes, contours or []
+            )
         )
     return lines
 
@@ -134,19 +140,28 @@ def _half_widths(data: xr.Dataset, rod: str, s: Floats) -> Floats:
     return np.repeat(np.interp(s, at[sorted_], widths[sorted_])[:, None], 2, axis=1)
 
 
-def _section(rod: Rod | None, s: Floats) -> tuple[Outline, Floats]:
-    """Outline and half widths of the sections at arc lengths; zeros where they have no known outline."""
-    halves = np.zeros((s.size, 2))
+def _section(rod: Rod | None, s: Floats) -> tuple[Outline, Floats, Floats]:
+    """Outline, half widths and holes of the sections at arc lengths; zeros where they have no known outline."""
+    halves, holes = np.zeros((s.size, 2)), np.zeros(s.size)
     if rod is None:
-        return "round", halves
+        return "round", halves, holes
     sections = [rod.section_at(float(np.clip(x, 0.0, rod.length))) for x in s]
     kinds = {str(getattr(section, "shape", "")) for section in sections}
     for k, section in enumerate(sections):
         size = _extent(section)
         if size is None:
-            return "round", np.zeros((s.size, 2))
-        halves[k] = size
-    return ("box" if kinds <= {"rectangle", "square_tube"} else "round"), halves
+            return "round", np.zeros((s.size, 2)), np.zeros(s.size)
+        halves[k], holes[k] = size, _hole(section)
+    return ("box" if kinds <= {"rectangle", "square_tube"} else "round"), halves, holes
+
+
+def _hole(section: object) -> float:
+    """Size of the hole of a tube as a part of the outer one, 0 of a solid section."""
+    if isinstance(section, Annulus):
+        return section.inner_radius / section.outer_radius
+    if isinstance(section, SquareTube):
+        return 1.0 - 2.0 * section.thickness / section.width
+    return 0.0
 
 
 def _extent(section: object) -> tuple[float, float] | None:

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, writing
+from viscorod.results.element_points import aligned
 from viscorod.results.result import Result
 from viscorod.results.run import Equilibrium, Run
+from viscorod.results.schema import AXES
 from viscorod.results.style import scaled
 from viscorod.results.warnings import warnings_of
 from viscorod.typing import Floats
@@ -80,13 +82,9 @@ def view(
         # what does not depend on the frames is a megabyte or less
         limit = max(_FEWEST, int(0.95 * limit * max(megabytes - 1.0, 0.1) / max(size - 1.0, 0.1)))
     path = Path(path)
-    try:
+    with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            f"{path} cannot be written ({error.strerror or error}); name another place"
-        ) from None
     return path
 
 
@@ -142,7 +140,8 @@ def _text(result: Run | Equilibrium, limit: int) -> str:
         "scene": scene,
         "lines": [
             {"rod": line.rod, "nodes": int(line.s.size), "rings": int(line.ring_s.size), "outline": line.outline,
-             "known": bool(line.halves.any()), "contours": [contour.tolist() for contour in line.contours]}
+             "known": bool(line.halves.any()),
+             "contours": [[contour.tolist() for contour in region] for region in line.contours]}
             for line in lines
         ],
         "fields": fields,
@@ -151,7 +150,7 @@ def _text(result: Run | Equilibrium, limit: int) -> str:
             np.concatenate([positions, reference[None]]), weight_of(model), tips_of(scene["loads"], marks)
         ),
         "histories": histories_of(result, samples, pack),
-        "main": "xyz".index(result.main_motion[1]),
+        "main": AXES.index(result.main_motion[1]),
         "energy": energy_of(result, samples, pack),
         "decay": decay_of(result),
     }  # fmt: skip
@@ -161,11 +160,12 @@ def _text(result: Run | Equilibrium, limit: int) -> str:
 def _pack_lines(result: Result, lines: list[Line], positions: Floats, rotations: Floats, pack: Pack) -> None:
     reference = np.asarray(result.data["reference_position"].values, dtype=float)[None]
     pack.quantised("positions", np.concatenate([line.nodes(positions) for line in lines], axis=1), 3)
-    turns = [_alike(line.nodes(rotations)) for line in lines]
+    turns = [aligned(line.nodes(rotations)) for line in lines]
     pack.quantised("rotations", np.concatenate(turns, axis=1))
     pack.plain("reference", np.concatenate([line.nodes(reference)[0] for line in lines]))
     pack.plain("ring_s", np.concatenate([line.ring_s for line in lines]))
     pack.plain("halves", np.concatenate([line.halves for line in lines]))
+    pack.plain("holes", np.concatenate([line.holes for line in lines]))
     start = np.cumsum([0, *(line.s.size for line in lines)])
     pack.whole(
         "ring_first", np.concatenate([line.ring_first + k for line, k in zip(lines, start, strict=False)])
@@ -174,14 +174,6 @@ def _pack_lines(result: Result, lines: list[Line], positions: Floats, rotations:
     padded = [np.pad(line.ring_weights, ((0, 0), (0, width - line.ring_weights.shape[1]))) for line in lines]
     pack.plain("ring_weights", np.concatenate(padded))
     pack.plain("node_s", np.concatenate([line.s for line in lines]))
-
-
-def _alike(q: Floats) -> Floats:
-    """Quaternions ``(n, nodes, 4)`` with the signs of their neighbours along the rod, so that they can be mixed."""
-    flips = np.cumsum(np.sum(q[:, 1:] * q[:, :-1], axis=-1) < 0.0, axis=1) % 2 == 1
-    signs = np.concatenate([np.ones((len(q), 1)), np.where(flips, -1.0, 1.0)], axis=1)
-    alike: Floats = q * signs[..., None]
-    return alike
 
 
 def _pack_fields(result: Result, frames: Frames, lines: list[Line], pack: Pack) -> list[dict[str, Any]]:

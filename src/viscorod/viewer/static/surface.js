@@ -35,10 +35,15 @@ viscorod.Surface = class {
     return corners.flatMap(([x, y], k) => [(k + n - 1) % n, k].map((side) => ({ x, y, normal: normals[side], flat: true })));
   }
 
-  outlines({ outline, contours }) {
-    if (contours.length) return contours.map((contour) => this.sides(contour));
-    if (outline === "box") return [this.sides([[1, 1], [-1, 1], [-1, -1], [1, -1]])];
-    return [this.circle()];
+  /* Regions of a section, each the corners of its outer rim, then of its holes, in which the walls are. A hole that is
+     scaled from the outer rim has another size on every ring. Corners of holes are clockwise: their walls look inward. */
+  regions({ outline, contours }, hollow) {
+    if (contours.length) return contours.map((region) => region.map((rim) => ({ corners: this.sides(rim), scaled: false })));
+    const box = [[1, 1], [-1, 1], [-1, -1], [1, -1]];
+    const outer = outline === "box" ? this.sides(box) : this.circle();
+    const inward = ({ x, y, normal: [u, v], flat }) => ({ x, y, normal: [-u, -v], flat });
+    const inner = outline === "box" ? this.sides(box.reverse()) : this.circle().reverse().map(inward);
+    return [[{ corners: outer, scaled: false }, ...(hollow ? [{ corners: inner, scaled: true }] : [])]];
   }
 
   circle() {
@@ -48,31 +53,48 @@ viscorod.Surface = class {
     });
   }
 
+  /* Triangles between the rims of a region, numbered through. */
+  cap([outer, ...holes]) {
+    const n = outer.length;
+    if (!holes.length || !holes[0][0].scaled) {
+      const points = [outer, ...holes].map((rim) => rim.map(({ x, y }) => new THREE.Vector2(x, y)));
+      return THREE.ShapeUtils.triangulateShape(points[0], points.slice(1));
+    }
+    return outer.flatMap((_, k) => {
+      const next = (k + 1) % n;
+      const [inside, beside] = [2 * n - 1 - k, 2 * n - 1 - next]; // the hole runs the other way round
+      return [[k, next, beside], [k, beside, inside]];
+    });
+  }
+
   build() {
     const index = [];
     this.parts = [];
     let vertex = 0;
     let ring = 0;
     for (const line of this.meta.lines) {
-      for (const outline of this.outlines(line)) {
-        const n = outline.length;
-        const start = vertex;
-        for (let r = 0; r + 1 < line.rings; r++) {
-          for (let j = 0; j < n; j++) {
-            if (outline[j].flat && j % 2 === 0) continue; // the two vertices of one corner
-            const next = (j + 1) % n;
-            const [a, b] = [start + r * n + j, start + r * n + next];
-            index.push(a, b, a + n, b, b + n, a + n);
+      const hollow = this.arrays.holes.values.subarray(ring, ring + line.rings).some((part) => part > 0);
+      for (const region of this.regions(line, hollow)) {
+        const rims = region.map(({ corners, scaled }) => {
+          const n = corners.length;
+          const start = vertex;
+          for (let r = 0; r + 1 < line.rings; r++) {
+            for (let j = 0; j < n; j++) {
+              if (corners[j].flat && j % 2 === 0) continue; // the two vertices of one corner
+              const next = (j + 1) % n;
+              const [a, b] = [start + r * n + j, start + r * n + next];
+              index.push(a, b, a + n, b, b + n, a + n);
+            }
           }
+          vertex += (line.rings + 2) * n; // and once more at both ends
+          this.parts.push({ corners, scaled, ring, rings: line.rings, start });
+          const kept = corners.map((_, k) => k).filter((k) => !corners[k].flat || k % 2 === 0);
+          return kept.map((k) => ({ x: corners[k].x, y: corners[k].y, scaled, ends: [start + line.rings * n + k, start + (line.rings + 1) * n + k] }));
+        });
+        const at = rims.flat();
+        for (const [a, b, c] of this.cap(rims)) {
+          index.push(at[a].ends[0], at[c].ends[0], at[b].ends[0], at[a].ends[1], at[b].ends[1], at[c].ends[1]);
         }
-        vertex += line.rings * n;
-        const kept = outline.map((_, k) => k).filter((k) => !outline[k].flat || k % 2 === 0);
-        const triangles = THREE.ShapeUtils.triangulateShape(kept.map((k) => new THREE.Vector2(outline[k].x, outline[k].y)), []);
-        for (const end of [0, 1]) {
-          for (const [a, b, c] of triangles) index.push(vertex + kept[a], vertex + kept[end ? b : c], vertex + kept[end ? c : b]);
-          vertex += n;
-        }
-        this.parts.push({ outline, ring, rings: line.rings, start });
       }
       ring += line.rings;
     }
@@ -121,8 +143,9 @@ viscorod.Surface = class {
     const normal = this.geometry.attributes.normal.array;
     const colour = this.geometry.attributes.color.array;
     const { at, turn, halves, factor } = this;
-    for (const { outline, ring, rings, start } of this.parts) {
-      const n = outline.length;
+    const holes = this.arrays.holes.values;
+    for (const { corners, scaled, ring, rings, start } of this.parts) {
+      const n = corners.length;
       for (let k = 0; k < rings + 2; k++) {
         const cap = k >= rings;
         const r = ring + (cap ? (k === rings ? 0 : rings - 1) : k);
@@ -130,10 +153,11 @@ viscorod.Surface = class {
         const d1 = [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)];
         const d2 = [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)];
         const d3 = [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)];
-        const [a, b] = [factor * halves[2 * r], factor * halves[2 * r + 1]];
+        const part = factor * (scaled ? holes[r] : 1);
+        const [a, b] = [part * halves[2 * r], part * halves[2 * r + 1]];
         const shade = colourOf(this.value[r]);
         for (let j = 0; j < n; j++) {
-          const o = outline[j];
+          const o = corners[j];
           const v = 3 * (start + k * n + j);
           let [nx, ny] = o.normal;
           if (!o.flat) [nx, ny] = [nx * b, ny * a];
