@@ -10,9 +10,9 @@ import viscorod as vr
 from synthetic import LENGTH as ARC
 from synthetic import rolled_up
 from turning import LENGTH, along, director, rigid, tumbling, with_body
+from viscorod.case_run import run_case
 from viscorod.cases.case import case_from_dict
 from viscorod.cases.shipped import shipped_cases
-from viscorod.front import run_case
 from viscorod.mechanics.basis import gauss, lobatto
 from viscorod.mechanics.quaternion import matrices
 from viscorod.results import storage
