@@ -11,8 +11,10 @@ from viscorod.results.extremes import creeping_rest, maxima, resting_value
 from viscorod.typing import Floats
 
 _FLOOR = 1e-6  # maxima below this part of the largest amplitude are what the solver's tolerance left
-_LAST = 2  # cycles that the drawn envelope follows
+_LAST = 2  # cycles that the drawn envelope follows, and that stand for the decay where no line does
 _FITTED = 3  # cycles from which the limit of small amplitude is extrapolated
+_CURVED = 0.05  # largest distance of ratios from the extrapolating line, as a part of their own range
+_FLAT = 2e-3  # the same as a part of the ratio: so near to it that the line does no harm
 _AGREEING = 1.3  # largest ratio of two periods in what is called a decay
 _GROWING = 0.02  # logarithmic growth of a maximum in what is called a decay: numerical errors, beats
 _SCATTER = 0.5  # change of the ratio between cycles, as a part of the largest, that tells of several modes
@@ -96,9 +98,10 @@ class Decrement:
         """Limit of the damping ratio for small amplitude, extrapolated from the last three cycles.
 
         A motion that is symmetric about rest departs from linear with the square of its amplitude, so the
-        limit is that of a straight line through ratio over mean amplitude squared. Where there is no such
-        line (fewer than three cycles, an amplitude that changes by less than a tenth, ratios that scatter
-        about the line by more than 2 %) it is the ratio of those cycles taken as one.
+        limit is that of a straight line through ratio over mean amplitude squared. Where the ratios leave
+        that line by more than 5 % of their range (and 0.2 % of their size) it is the ratio of the last two
+        cycles taken as one: higher modes, which a sudden release starts, are in the first one most. With
+        fewer cycles, or an amplitude that changes by less than a tenth, it is that of all three.
         """
         return self._of_last_cycles[1]
 
@@ -108,9 +111,11 @@ class Decrement:
         ratio = self.damping_ratio[-_FITTED:]
         if ratio.size == _FITTED and np.ptp(square) > 0.2 * np.max(square):
             line = np.polyfit(square, ratio, 1)
-            if np.max(np.abs(ratio - np.polyval(line, square))) < 0.02 * np.max(np.abs(ratio)):
+            off = np.max(np.abs(ratio - np.polyval(line, square)))
+            if off < max(_CURVED * np.ptp(ratio), _FLAT * np.max(np.abs(ratio))):
                 return "small amplitude", float(line[1])
-        return f"last {ratio.size} cycles taken as one", _ratio(self.log_decrement[-_FITTED:])
+            ratio = ratio[-_LAST:]
+        return f"last {ratio.size} cycles taken as one", _ratio(self.log_decrement[-ratio.size :])
 
     @property
     def limit(self) -> tuple[str, float]:
