@@ -194,7 +194,10 @@ def _decay(run: Run) -> str:
     largest = f"{site.label} along {axis} has the largest range of displacement, {spread:.6g} m"
     decay = run.free_decay(site.label, axis)
     if decay is None:
-        return f"No regular decay: {largest},\nand its maxima make no cycles of a damping ratio"
+        return (
+            f"No regular decay: {largest},\nand its maxima make no cycles of a damping ratio "
+            "(viscorod check and model.modes() give those of small vibrations)"
+        )
     energy = run.energy
     late = energy.external[energy.time >= decay.time[0]]
     lines = [str(decay), f"  ({largest})"]
