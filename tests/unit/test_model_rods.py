@@ -75,6 +75,19 @@ def test_section_as_a_function_of_arc_length():
     assert rod.to_dict()["section"].startswith("<Python function")
 
 
+@pytest.mark.parametrize(
+    ("section", "volume"),
+    [
+        (Circle(0.01), 0.3 * math.pi * 1e-4),
+        (Piecewise([(0.1, Circle(0.02)), (0.3, Circle(0.01))]), math.pi * (0.1 * 4e-4 + 0.2 * 1e-4)),
+        (Taper(Circle(0.01), Circle(0.03)), 0.3 * math.pi / 3 * (1e-4 + 3e-4 + 9e-4)),  # a truncated cone
+        (lambda s: Circle(0.01 * math.exp(s)), math.pi * 1e-4 * (math.exp(0.6) - 1) / 2),
+    ],
+)
+def test_mass_is_density_times_volume(section, volume):
+    assert straight(section).mass == pytest.approx(STEEL.density * volume, rel=1e-13)
+
+
 def test_first_axis_and_twist_reach_the_frames():
     rod = straight(SQUARE, d1=(0, 0, 2), twist=math.pi / 2)
     _, frames = rod.frames([0.0, 0.3])

@@ -186,6 +186,22 @@ class Rod(Described):
         return self.centreline.length
 
     @property
+    def mass(self) -> float:
+        """Mass, kg: the integral of the sections' mass per length; by 16 Gauss points where a section varies."""
+        if isinstance(self.section, AnySection):
+            return self.length * float(self.matrices_at(0.0)[2][0, 0])
+        points, weights = np.polynomial.legendre.leggauss(1 if isinstance(self.section, Piecewise) else 16)
+        ends = np.array([0.0, *self.section_breaks, self.length])
+        middles, halves = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
+        return float(
+            sum(
+                half * weight * self.matrices_at(middle + half * point)[2][0, 0]
+                for middle, half in zip(middles, halves, strict=True)
+                for point, weight in zip(points, weights, strict=True)
+            )
+        )
+
+    @property
     def constrained_strains(self) -> tuple[bool, ...]:
         """For shear 1, shear 2, stretch, bend 1, bend 2, twist: whether the strain keeps its reference value."""
         return constrained_strains(self.constraints)
