@@ -133,7 +133,8 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     shifts = view.strip(positions) if coiled else np.zeros((times.size, 3))
     axes = picture.add_subplot(spec)
     rods = "Rod" if len(run.sites.rods) == 1 else "Rods"
-    period = "" if decay is None else ", first period"
+    first = decay is None or start - (end - start) < run.time[0]
+    period = "" if decay is None else ", first period" if first else f", period from {start:.3g} s"
     rods += " and bodies" if assembly.bodies else ""
     view.prepare(axes, f"{rods} {view.name}{period}{', side by side' if coiled else ''}")
     colours = time_colours()
