@@ -221,19 +221,21 @@ class Workplace:
     def modes(self, count: int, about: str) -> Modes:
         """Find the ``count`` slowest small motions; see ``Model.modes``."""
         state = State.reference(self.problem)
-        if about == "equilibrium":
-            self.settle(state)
-        linear = small_motion.linearise(self.static, state, scale=1.0 if about == "equilibrium" else 0.0)
+        before, loaded = about != "released", about != "reference"
+        if loaded:
+            self.settle(state, before=before)
+        linear = small_motion.linearise(self.static, state, before=before, scale=1.0 if loaded else 0.0)
         return small_motion.complex_modes(self.static, state, linear, count)
 
-    def settle(self, state: State) -> None:
-        """Move ``state`` to the equilibrium at t = 0-; the reference shape itself if nothing acts."""
-        self.supports.update(0.0, True)
-        loads = self.static.loads.at(0.0, True)
-        if loads.none and not self.supports.target.any() and not self.system.constraints.strained(state, 0.0):
+    def settle(self, state: State, *, before: bool = True) -> None:
+        """Move ``state`` to the equilibrium just before or after t = 0; the reference shape itself if nothing acts."""
+        self.supports.update(0.0, before)
+        loads = self.static.loads.at(0.0, before)
+        strained = self.system.constraints.strained(state, 0.0, before=before)
+        if loads.none and not self.supports.target.any() and not strained:
             return
         self._require_held(loads)
-        path = self.static.solve(state)
+        path = self.static.solve(state, before=before)
         if path.outcome is not Outcome.COMPLETED:
             raise SolveError(f"The initial equilibrium was not found. {self._static_failure(path)}")
 

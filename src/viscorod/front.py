@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 __all__ = ["Model", "Progress"]
 
 Progress = Callable[[float, float], None]
+ABOUT = ("equilibrium", "released", "reference")
+"""About what small vibrations are found."""
 
 
 class Model(ModelDescription):
@@ -266,17 +268,22 @@ class Model(ModelDescription):
         return write(draw_assembly(self, title), path)
 
     def modes(self, count: int = 6, *, about: str = "equilibrium") -> Modes:
-        """Find the slowest small damped vibrations about the equilibrium at t = 0- or about the reference shape.
+        """Find the slowest small damped vibrations about an equilibrium or the reference shape.
 
         Args:
             count: number of modes.
-            about: "equilibrium" or "reference" (as if free of load).
+            about: "equilibrium" under the loads at t = 0- (just before t = 0), the equilibrium once "released", under
+                those just after t = 0, or the "reference" shape (as if free of load).
 
         Returns:
-            eigenvalues [1/s], frequencies [Hz], damping ratios and shapes.
+            eigenvalues [1/s], frequencies [Hz], damping ratios, shapes, and the positions about which they swing [m].
+
+        Raises:
+            InputError: the model is inconsistent, nothing holds it there, or about or count is wrong.
+            SolveError: no such equilibrium was found.
         """
-        if about not in ("equilibrium", "reference"):
-            raise InputError(f"about = {about!r}: give 'equilibrium' or 'reference'")
+        if about not in ABOUT:
+            raise InputError(f"about = {about!r}: give one of {', '.join(map(repr, ABOUT))}")
         if not isinstance(count, int | np.integer) or count < 1:
             raise InputError(f"count = {count!r}: give a whole number of at least 1")
         return self._discretised().modes(int(count), about)

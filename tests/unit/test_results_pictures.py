@@ -113,9 +113,10 @@ def test_modes_are_drawn_in_their_planes_with_their_numbers():
     shapes[0, :, 1] = 1j * (s / ARC) ** 2  # whatever the phase
     shapes[1, :, 2] = (s / ARC) ** 2
     shapes[2, :, 1] = s / ARC
+    rest = run.data["reference_position"].values
     values = np.array([-0.1 + 2.0j, -9.0 + 0.0j, 1e-9 + 0.0j])
-    modes = Modes(values, np.abs(values) / (2 * np.pi), -values.real / np.abs(values), shapes, shapes)
-    figure = draw_modes(run, modes, run.data["reference_position"].values)
+    modes = Modes(values, np.abs(values) / (2 * np.pi), -values.real / np.abs(values), shapes, shapes, rest)
+    figure = draw_modes(run, modes)
     titles = [axes.get_title(loc="left") for axes in figure.axes]
     assert titles == [
         "1: 0.3187 Hz, damping ratio 0.0499\nin the xy plane",
@@ -124,7 +125,7 @@ def test_modes_are_drawn_in_their_planes_with_their_numbers():
     ]
     line = next(line for line in figure.axes[0].lines if line.get_label() == "mode")
     assert np.abs(line.get_ydata()).max() == pytest.approx(0.15 * ARC)
-    assert len(draw_modes(run, modes, run.data["reference_position"].values, 2).axes) == 2
+    assert len(draw_modes(run, modes, 2).axes) == 2
 
 
 def invoke(*arguments):

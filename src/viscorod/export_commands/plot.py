@@ -71,7 +71,9 @@ def plot(
     about: Annotated[
         str | None,
         typer.Option(
-            help="Of modes: equilibrium (at t = 0-) or reference [default: equilibrium]", show_default=False
+            help="Of modes: equilibrium (at t = 0-), released (just after t = 0) or reference "
+            "[default: equilibrium]",
+            show_default=False,
         ),
     ] = None,
 ) -> None:
@@ -142,8 +144,4 @@ def _modes(result: Result, count: int, about: str) -> Figure:
     except InputError as error:
         raise InputError(f"the model in this result cannot be built again, for its modes: {error}") from None
     model = as_model(case.description)
-    modes = model.modes(count + _RIGID, about=about)
-    base = result.data["reference_position"].values
-    if about == "equilibrium":
-        base = model.equilibrium().field("position", states=-1)
-    return draw_modes(result, modes, base, count)
+    return draw_modes(result, model.modes(count + _RIGID, about=about), count)

@@ -14,22 +14,21 @@ if TYPE_CHECKING:
 
     from viscorod.results.result import Result
     from viscorod.solve.modes import Modes
-    from viscorod.typing import Floats
 
 _SIZE = 0.15  # of the largest displacement, as a part of the model
 _COLUMNS = 3
 _ZERO = 1e-5  # eigenvalues below this part of the largest are round-off
 
 
-def draw_modes(result: Result, modes: Modes, base: Floats, count: int | None = None) -> Figure:
+def draw_modes(result: Result, modes: Modes, count: int | None = None) -> Figure:
     """Return the figure of modes, each in the plane of its motion or in space, in both directions of the swing.
 
     Args:
         result: tells where the stations are on the rods, and the supports.
         modes: of its model.
-        base: positions of the stations about which they vibrate ``(stations, 3)`` [m].
         count: how many are drawn, all by default; the others help to tell motions without stiffness from slow ones.
     """
+    base = modes.positions
     count = min(count or len(modes.frequencies), len(modes.frequencies))
     columns = min(_COLUMNS, count)
     rows = -(-count // columns)

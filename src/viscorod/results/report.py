@@ -196,7 +196,7 @@ def _decay(run: Run) -> str:
     if decay is None:
         return (
             f"No regular decay: {largest},\nand its maxima make no cycles of a damping ratio "
-            "(viscorod check and model.modes() give those of small vibrations)"
+            "(model.modes() gives those of small vibrations)"
         )
     energy = run.energy
     late = energy.external[energy.time >= decay.time[0]]

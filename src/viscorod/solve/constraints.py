@@ -154,9 +154,9 @@ class Constraints:
             for c in np.flatnonzero(np.abs(gaps) > CLOSED * self.joints.unit)
         ]
 
-    def strained(self, reference: State, t: float) -> bool:
+    def strained(self, reference: State, t: float, *, before: bool = True) -> bool:
         """Whether the ``reference`` shape is not at rest: open joints, motors away from 0, springs that pull."""
-        self.update(t, True)
+        self.update(t, before)
         if np.abs(self.target).max(initial=0.0) > 0.0 or self.open_joints():
             return True
         self.add_forces(reference, np.zeros_like(reference.twist))

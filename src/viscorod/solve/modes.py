@@ -48,6 +48,7 @@ class Modes:
         damping_ratios: ``-Re s/|s|``.
         shapes: displacement of every station ``(modes, stations, 3)``, global axes, complex, largest component 1.
         rotations: rotation of every station (body axes), same scaling.
+        positions: of the stations about which they swing ``(stations, 3)`` [m].
     """
 
     eigenvalues: np.ndarray
@@ -55,6 +56,7 @@ class Modes:
     damping_ratios: Floats
     shapes: np.ndarray
     rotations: np.ndarray
+    positions: Floats
 
 
 def linearise(
@@ -185,7 +187,8 @@ def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, cou
     shapes, rotations = _shapes(solver, state, linear, vectors)
     size_s = np.abs(s)
     ratio = np.divide(-s.real, size_s, out=np.zeros(len(s)), where=size_s > 0.0)
-    return Modes(s, size_s / (2.0 * np.pi), ratio, shapes, rotations)
+    positions = StationReader(solver.system.problem).read(state.r, state.q, np.zeros_like(state.twist))[0]
+    return Modes(s, size_s / (2.0 * np.pi), ratio, shapes, rotations, positions)
 
 
 def _with_branches(
