@@ -139,6 +139,11 @@ def test_as_a_table():
         ),
         (lambda: straight(lambda s: 3), "Rod", "returned no section"),
         (lambda: straight("square"), "Rod.section", "a section is needed"),
+        (
+            lambda: Rod.straight((0, 0, 0), (1e-300, 0, 0), section=SQUARE, material=STEEL),
+            "Rod",
+            "no usable shape",
+        ),
         (lambda: straight(SQUARE, elements=0), "Rod.elements", "from 1"),
         (lambda: straight(SQUARE, elements=2.0), "Rod.elements", "whole number"),
         (lambda: straight(SQUARE, order=13), "Rod.order", "1 to 12"),

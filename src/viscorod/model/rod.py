@@ -16,7 +16,7 @@ from viscorod.model.constraint_words import constrained_strains, constraint_word
 from viscorod.model.described import Described, RefusedError, show
 from viscorod.model.material import Material
 from viscorod.model.profile import Piecewise, SectionProfile, Taper, section_profile
-from viscorod.model.values import OptionalDirection, choose, number, whole_number
+from viscorod.model.values import LARGEST, OptionalDirection, choose, number, whole_number
 from viscorod.typing import Floats
 
 __all__ = ["CENTRELINES", "Rod"]
@@ -285,7 +285,7 @@ class Rod(Described):
     def _finite(self) -> None:
         with np.errstate(all="ignore"):
             shape = np.concatenate([array.ravel() for array in self.frames([0.0, self.length])])
-        if not (0.0 < self.length < math.inf and np.isfinite(shape).all()):
+        if not (1.0 / LARGEST <= self.length <= LARGEST and np.isfinite(shape).all()):
             raise RefusedError(
                 f"the rod has the length {self.length:g} m and no usable shape in double precision",
                 "give lengths of a usual size in m",

@@ -97,7 +97,10 @@ def natural_frequencies(linear: Linearisation, count: int) -> Floats:
     size = linear.mass.shape[0]
     count = min(count, size)
     K = 0.5 * (linear.stiffness + linear.stiffness.T)
-    shift = 1e-10 * float(K.diagonal().sum() / linear.mass.diagonal().sum())
+    with np.errstate(all="ignore"):
+        shift = 1e-10 * float(K.diagonal().sum() / linear.mass.diagonal().sum())
+    if not np.isfinite(shift):
+        raise _beyond_precision()
     shifted = sparse.csc_array(K + shift * linear.mass)
     if size <= DENSE or count >= size - 1:
         try:
