@@ -264,8 +264,8 @@ class Workplace:
             raise InputError(
                 "no static equilibrium: nothing holds the model against "
                 f"{'; '.join(motion.text for motion in loose)}. "
-                "Add supports, or take the reference shape (initial = 'reference' of a simulation, about = 'reference' of "
-                "modes)"
+                "Add supports, or take the reference shape (initial = 'reference' of a simulation, "
+                "about = 'reference' of modes)"
             )
 
     def dataset(self, kind: str, attrs: dict[str, Any]) -> xr.Dataset:
