@@ -272,7 +272,7 @@ def _couplings(word: str, per: str, matrix: Floats, held: tuple[bool, ...]) -> d
     found: dict[str, object] = {}
     for i, first in enumerate(COMPONENTS):
         for j in range(i + 1, 6):
-            size = np.sqrt(matrix[i, i] * matrix[j, j])
+            size = np.sqrt(matrix[i, i]) * np.sqrt(matrix[j, j])
             if not (held[i] or held[j]) and abs(matrix[i, j]) > SMALL * size:
                 unit = ("N", "N m", "N m2")[(i > 2) + (j > 2)]
                 found[f"{first} & {COMPONENTS[j]} {word} [{unit}{per}]"] = float(matrix[i, j])

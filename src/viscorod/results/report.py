@@ -315,6 +315,11 @@ def _effort(result: Result) -> str:
     lines = [f"Effort: {', '.join(parts)}"] if parts else []
     if "linear_solver" in attrs:
         lines.append(f"Linear systems: {attrs['linear_solver']}")
+    if result.mesh_errors:
+        rod, error = max(result.mesh_errors.items(), key=lambda pair: pair[1])
+        lines.append(
+            f"Mesh: positions are off by about {error:.1g} of the length of rod {rod!r} (an estimate)"
+        )
     if attrs.get("smallest_step_why"):
         lines.append(
             f"Smallest step: {attrs['smallest_step']:.3g} s at t = {attrs['smallest_step_at']:.6g} s, "

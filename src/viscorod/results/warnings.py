@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from viscorod.results.result import Result
 
 _GAP = 1e-2
+_MESH = 0.01  # accepted error of positions by the mesh, as a part of the length of a rod
 _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
 _STRAIN = 0.1  # strain beyond which a linear material law for small strains is doubtful
 
@@ -24,7 +25,8 @@ def warnings_of(result: Result) -> list[str]:
     """Return the warnings stored with a result and those that its data call for.
 
     Stored ones are the JSON list of texts in the attribute ``warnings``. Added are: a remainder of the energy
-    account above 1 % of the energy that moved, steps that had to be halved, and shear, stretch or bending strain
+    account above 1 % of the energy that moved, steps that had to be halved, a mesh whose error is estimated as more
+    than 1 % of a rod's length, and shear, stretch or bending strain
     times half width beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang and Tuganov,
     section 2.2) is doubtful.
     """
@@ -53,6 +55,12 @@ def warnings_of(result: Result) -> list[str]:
             f"poses integrated in time and along the rods differ by {gap:.2g} of the model's size: "
             "the mesh is too coarse for this motion; use more elements or a higher order"
         )
+    texts += [
+        f"positions may be off by {100.0 * error:.2g} % of the length of rod {rod!r}, whose mesh is coarse for this; "
+        "use more elements or a higher order"
+        for rod, error in result.mesh_errors.items()
+        if error > _MESH
+    ]
     return texts + _strain_warnings(result)
 
 
