@@ -30,11 +30,11 @@ def mesh_errors(result: Result) -> dict[str, float]:
         Rod -> estimated error of positions over its length, the largest over all states.
     """
     data = result.data
-    if not {"strain", "station_order"} <= set(data.variables) or not data.sizes.get("point", 0):
+    if not {"strain", "point_rod", "point_weight", "station_order"} <= set(data.variables):
         return {}
     names, weight = data["point_rod"].values, np.asarray(data["point_weight"].values, dtype=float)
     order = dict(zip(data["station_rod"].values.tolist(), data["station_order"].values.tolist(), strict=True))
-    rods = {str(rod): np.flatnonzero(names == rod) for rod in dict.fromkeys(names.tolist())}
+    rods = {str(rod): np.flatnonzero(names == rod) for rod in dict.fromkeys(names.tolist()) if rod in order}
     found = dict.fromkeys(rods, 0.0)
     for block in blocks(result, "strain"):
         for rod, points in rods.items():
