@@ -52,7 +52,7 @@ def _largest(strain: Floats, weight: Floats, p: int) -> float:
     points = np.polynomial.legendre.leggauss(p)[0]
     highest = np.polynomial.legendre.legvander(points, p - 1)[:, -1] * (2 * p - 1)
     # of each element: what the last term and the whole strain amount to over its length
-    last = np.linalg.norm(np.einsum("eg,g,tegc->tec", weight, highest, strain), axis=-1) / (2 * p)
+    last = np.linalg.norm(np.einsum("eg,tegc->tec", weight * highest, strain), axis=-1) / (2 * p)
     turned = np.linalg.norm(np.einsum("eg,tegc->tec", weight, strain), axis=-1)
     whole = np.sqrt(length * np.einsum("eg,tegc->te", weight, strain**2)).sum(axis=1)
     collocation = math.factorial(p) ** 2 / (math.factorial(2 * p) * math.factorial(2 * p + 1))
