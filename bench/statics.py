@@ -21,7 +21,7 @@ import viscorod as vr
 from viscorod.analysis import Workplace
 from viscorod.case_run import as_model
 from viscorod.solve.discretise import discretise
-from viscorod.solve.modes import negative_eigenvalues
+from viscorod.solve.tangent import negative_eigenvalues
 
 CASE = Path(__file__).parents[1] / "examples" / "bend_45.toml"
 

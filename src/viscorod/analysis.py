@@ -40,6 +40,7 @@ from viscorod.solve.rigid import free_motions, undetermined
 from viscorod.solve.static import StaticPath, StaticSolver
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
+from viscorod.solve.tangent import negative_eigenvalues
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -123,7 +124,7 @@ class Workplace:
             )
             raise SolveError(message, partial)
         tangent = self.static.tangent(state, scale=factor)
-        attrs["negative_eigenvalues"] = small_motion.negative_eigenvalues(tangent)
+        attrs["negative_eigenvalues"] = negative_eigenvalues(tangent)
         return Equilibrium.later(self._later("equilibrium", attrs))
 
     def path(self, settings: PathSettings, progress: Progress | None, attrs: dict[str, Any]) -> Equilibrium:

@@ -181,7 +181,7 @@ class _Mode:
 
 def _linearised(problem: discrete.Problem) -> Linearisation:
     solver = StaticSolver(GeometricSystem(problem), SupportState(problem))
-    return linearise(solver, State.reference(problem), scale=0.0)
+    return linearise(solver, State.reference(problem), scale=0.0).unconditional()
 
 
 class _Modes:

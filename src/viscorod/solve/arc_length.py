@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.rotation import retract
-from viscorod.solve.modes import negative_eigenvalues
 from viscorod.solve.newton import (
     Convergence,
     NewtonReport,
@@ -20,6 +19,7 @@ from viscorod.solve.newton import (
 )
 from viscorod.solve.static import StaticSolver
 from viscorod.solve.system import State
+from viscorod.solve.tangent import negative_eigenvalues
 from viscorod.typing import Floats
 
 SMALLEST = 1e-6

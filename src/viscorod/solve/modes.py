@@ -7,6 +7,7 @@ stiff the fast ones are.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,12 +18,18 @@ from scipy import sparse
 from viscorod.errors import SolveError
 from viscorod.solve.history import StationReader
 from viscorod.solve.linear.matrix import Matrix
+from viscorod.solve.null_space import null_space
 from viscorod.solve.relaxing_modes import Pencil, branch_stiffness, follow
 from viscorod.solve.static import StaticSolver
 from viscorod.solve.system import State
 from viscorod.typing import Floats
 
 DENSE = 500
+"""Motions up to which full matrices are faster."""
+TOLERANCES, RESTARTS = (1e-12, 1e-8, 1e-4), 30
+"""Relative errors of eigenvalues found by iteration, and how often it starts anew for each."""
+RIGID = 6
+"""Free motions of a body."""
 
 
 @dataclass(frozen=True)
@@ -30,12 +37,40 @@ class Linearisation:
     """Matrices of small motions about an equilibrium in the motions the supports allow: ``M x'' + D x' + K x = 0``.
 
     Displacements are measured in lengths of the model; ``basis`` maps them to nodal body increments ``(6 n, free)``.
+    ``gradients`` ``(rows, free)`` are those of conditions that motions fulfil besides; None where the basis sees to it.
     """
 
     stiffness: sparse.csr_array
     damping: sparse.csr_array
     mass: sparse.csr_array
     basis: sparse.csc_array
+    gradients: sparse.csr_array | None
+
+    def unconditional(self) -> Linearisation:
+        """The same in an orthonormal basis, full, of the motions that fulfil the conditions."""
+        if self.gradients is None:
+            return self
+        Z = null_space(self.gradients)
+
+        def within(matrix: sparse.csr_array) -> sparse.csr_array:
+            return sparse.csr_array(Z.T @ (matrix @ Z))
+
+        K, D, M = (within(matrix) for matrix in (self.stiffness, self.damping, self.mass))
+        return Linearisation(K, D, M, sparse.csc_array(self.basis @ Z), None)
+
+    def solver(self, matrix: sparse.csr_array) -> Callable[[Floats], Floats]:
+        """What solves systems with a matrix like the stiffness, within the conditions.
+
+        Raises:
+            SolveError: it is singular.
+        """
+        if self.gradients is None:
+            factor = _factored(sparse.csc_array(matrix))
+            return lambda b: np.asarray(factor.solve(b))
+        held = self.gradients * float(np.abs(matrix.diagonal()).mean())
+        whole = _factored(sparse.csc_array(sparse.block_array([[matrix, held.T], [held, None]])))
+        none, size = np.zeros(held.shape[0]), matrix.shape[0]
+        return lambda b: np.asarray(whole.solve(np.concatenate([b, none]))[:size])
 
 
 @dataclass(frozen=True)
@@ -64,8 +99,8 @@ def linearise(
 ) -> Linearisation:
     """Linearise about the equilibrium ``state`` (at rest) under ``scale`` times the loads at time ``t`` [s]."""
     system, problem = solver.system, solver.system.problem
-    stiffness = solver.tangent(state, t, before=before, scale=scale)
-    basis = solver.basis(state)
+    tangent = solver.tangent(state, t, before=before, scale=scale)
+    basis = tangent.basis
     n = problem.size
     resting = State(state.r, state.q, np.zeros((n, 6)), state.multiplier)
     loads = solver.loads.at(t, before, scale)
@@ -74,26 +109,13 @@ def linearise(
     size = 6 * n  # rows of multipliers come after those of the nodes
     damping = sparse.csr_array(basis.T @ damping_matrix.sparse()[:size, :size] @ basis)
     mass = sparse.csr_array(basis.T @ sparse.block_diag(list(problem.mass), format="csr") @ basis)
-    # displacements over the length of the model are comparable with rotations, whatever the unit of length
-    constrained = system.constraints.rows > 0  # the basis takes care of that then
-    lengths = (
-        np.ones(basis.shape[1])
-        if constrained
-        else np.where(solver.supports.free_rows() % 6 < 3, problem.length, 1.0)
-    )
-    unit = sparse.diags_array(lengths)
-    return Linearisation(
-        sparse.csr_array(unit @ stiffness @ unit),
-        sparse.csr_array(unit @ damping @ unit),
-        sparse.csr_array(unit @ mass @ unit),
-        sparse.csc_array(basis @ unit),
-    )
+    found = Linearisation(tangent.stiffness, damping, mass, basis, tangent.gradients)
+    few = basis.shape[1] <= 2 * DENSE  # motions, of which about half are free
+    return found.unconditional() if few or system.relaxation is not None else found
 
 
 def natural_frequencies(linear: Linearisation, count: int) -> Floats:
     """Return the ``count`` lowest undamped angular frequencies [rad/s]; rigid and unstable motions count as 0."""
-    import scipy.sparse.linalg as spla
-
     size = linear.mass.shape[0]
     count = min(count, size)
     K = 0.5 * (linear.stiffness + linear.stiffness.T)
@@ -101,19 +123,40 @@ def natural_frequencies(linear: Linearisation, count: int) -> Floats:
         shift = 1e-10 * float(K.diagonal().sum() / linear.mass.diagonal().sum())
     if not np.isfinite(shift):
         raise _beyond_precision()
-    shifted = sparse.csc_array(K + shift * linear.mass)
-    if size <= DENSE or count >= size - 1:
+    shifted = sparse.csr_array(K + shift * linear.mass)
+    if linear.gradients is None and (size <= DENSE or count >= size - 1):
         try:
             inverse = scipy.linalg.eigh(linear.mass.toarray(), shifted.toarray(), eigvals_only=True)[::-1]
         except np.linalg.LinAlgError:
             return np.zeros(count)
     else:
-        solve = _factored(shifted).solve
-        operator = spla.LinearOperator((size, size), matvec=lambda x: solve(linear.mass @ x))
-        inverse = np.sort(np.real(spla.eigs(operator, count, return_eigenvectors=False)))[::-1]
+        solve = linear.solver(shifted)
+        inverse = np.sort(np.real(_largest(lambda x: solve(linear.mass @ x), size, count)[0]))[::-1]
     values = 1.0 / inverse[:count] - shift
     values[values < 1e-4 * shift] = 0.0
     return np.asarray(np.sqrt(np.maximum(values, 0.0)))
+
+
+def _largest(apply: Callable[[Floats], Floats], size: int, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the ``count`` largest eigenvalues of an operator in size, and their vectors.
+
+    Round-off of a long, slender rod may leave fewer digits than are asked for first, and less is asked for then. The
+    start is the same each time, lest digits depend on chance.
+
+    Raises:
+        SolveError: it leaves fewer than four.
+    """
+    import scipy.sparse.linalg as spla
+
+    operator = spla.LinearOperator((size, size), matvec=apply)
+    start = np.random.default_rng(1).standard_normal(size)
+    for tolerance in TOLERANCES:
+        try:
+            values, vectors = spla.eigs(operator, count, v0=start, tol=tolerance, maxiter=RESTARTS)
+        except spla.ArpackNoConvergence:
+            continue
+        return values, vectors
+    raise _beyond_precision()
 
 
 def _factored(matrix: sparse.csc_array) -> Any:
@@ -133,42 +176,15 @@ def _beyond_precision() -> SolveError:
     )
 
 
-def negative_eigenvalues(tangent: sparse.csc_array) -> int:
-    """Return the number of negative eigenvalues of the symmetric part of a tangent stiffness."""
-    import scipy.sparse.linalg as spla
-
-    symmetric = 0.5 * (tangent + sparse.csc_array(tangent.T))
-    # Sylvester's law of inertia: without row exchanges the signs of the pivots are those of the eigenvalues, and unlike
-    # the eigenvalues themselves they do not drown in the round-off of the stiffest directions
-    try:
-        factor = spla.splu(
-            symmetric, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
-    except RuntimeError:  # exactly singular: a neutral direction, which is not a negative one
-        return int(np.count_nonzero(scipy.linalg.eigvalsh(symmetric.toarray()) < 0.0))
-    return int(np.count_nonzero(factor.U.diagonal() < 0.0))
-
-
 def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, count: int) -> Modes:
     """Return the ``count`` slowest damped modes about ``state``."""
-    import scipy.sparse.linalg as spla
-
     size = linear.mass.shape[0]
     K, D, M = linear.stiffness, linear.damping, linear.mass
-    shift = 0.0
-    diagonal = np.abs(K.diagonal())
-    try:
-        factor = spla.splu(sparse.csc_array(K + sparse.eye_array(size) * 1e-300))
-        pivots = np.abs(factor.U.diagonal())
-    except RuntimeError:  # exactly singular
-        pivots = np.array([0.0, 1.0])
-    if pivots.min() < 1e-13 * pivots.max() * (diagonal.min() / diagonal.max()) or not pivots.min():
-        shift = 1e-3 * float(np.sqrt(diagonal.sum() / M.diagonal().sum()))
-    Ks = sparse.csc_array(K + shift * D + shift**2 * M)
+    shift = _shift(linear)
     Ds = sparse.csr_array(D + 2.0 * shift * M)
-    factor = _factored(Ks)
-    if size <= DENSE:
-        lower = np.hstack([-factor.solve(M.toarray()), -factor.solve(Ds.toarray())])
+    solve = linear.solver(sparse.csr_array(K + shift * D + shift**2 * M))
+    if size <= DENSE and linear.gradients is None:
+        lower = np.hstack([-solve(M.toarray()), -solve(Ds.toarray())])
         companion = np.vstack([np.hstack([np.zeros((size, size)), np.eye(size)]), lower])
         if not np.isfinite(companion).all():
             raise _beyond_precision()
@@ -176,10 +192,9 @@ def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, cou
     else:
 
         def apply(x: Floats) -> Floats:
-            return np.concatenate([x[size:], -factor.solve(M @ x[:size] + Ds @ x[size:])])
+            return np.concatenate([x[size:], -solve(M @ x[:size] + Ds @ x[size:])])
 
-        operator = spla.LinearOperator((2 * size, 2 * size), matvec=apply)
-        values, vectors = spla.eigs(operator, min(2 * count + 6, 2 * size - 2))
+        values, vectors = _largest(apply, 2 * size, min(2 * count + 6, 2 * size - 2))
     kept = np.flatnonzero(np.abs(values) > 1e-14 * np.abs(values).max())
     s = shift + 1.0 / values[kept]
     kept, s = kept[s.imag >= -1e-12 * np.abs(s)], s[s.imag >= -1e-12 * np.abs(s)]
@@ -192,6 +207,26 @@ def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, cou
     ratio = np.divide(-s.real, size_s, out=np.zeros(len(s)), where=size_s > 0.0)
     positions = StationReader(solver.system.problem).read(state.r, state.q, np.zeros_like(state.twist))[0]
     return Modes(s, size_s / (2.0 * np.pi), ratio, shapes, rotations, positions)
+
+
+def _shift(linear: Linearisation) -> float:
+    """Where the pencil is solved [1/s]: 0, or beside it where free motions make the stiffness singular."""
+    import scipy.sparse.linalg as spla
+
+    K, M = linear.stiffness, linear.mass
+    if linear.gradients is not None:
+        slowest = natural_frequencies(linear, 2 * RIGID)
+        vibrating = slowest[slowest > 0.0]
+        return 0.1 * float(vibrating.min()) if 0 < len(vibrating) < len(slowest) else 0.0
+    diagonal = np.abs(K.diagonal())
+    try:
+        factor = spla.splu(sparse.csc_array(K + sparse.eye_array(K.shape[0]) * 1e-300))
+        pivots = np.abs(factor.U.diagonal())
+    except RuntimeError:  # exactly singular
+        pivots = np.array([0.0, 1.0])
+    if pivots.min() < 1e-13 * pivots.max() * (diagonal.min() / diagonal.max()) or not pivots.min():
+        return 1e-3 * float(np.sqrt(diagonal.sum() / M.diagonal().sum()))
+    return 0.0
 
 
 def _with_branches(

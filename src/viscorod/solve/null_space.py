@@ -18,6 +18,15 @@ def _unit_rows(gradients: sparse.csr_array) -> tuple[Floats, Floats]:
     return rows / np.where(size > 0.0, size, 1.0)[:, None], size
 
 
+def unit_rows(gradients: sparse.csr_array) -> sparse.csr_array:
+    """Return conditions of unit length, those left out that say nothing of the free motions."""
+    size = np.sqrt(gradients.multiply(gradients).sum(axis=1))
+    kept = np.flatnonzero(size > ROUND_OFF * size.max(initial=0.0))
+    unit = sparse.csr_array(sparse.diags_array(1.0 / size[kept]) @ gradients[kept])
+    unit.eliminate_zeros()
+    return unit
+
+
 def null_space(gradients: sparse.csr_array) -> Floats:
     """Return an orthonormal basis of the motions with ``gradients motion = 0`` ``(columns, free)``.
 

@@ -18,9 +18,10 @@ from viscorod.solve.newton import (
     interruption,
     worst_node,
 )
-from viscorod.solve.null_space import null_space
+from viscorod.solve.null_space import unit_rows
 from viscorod.solve.support_state import SupportState
 from viscorod.solve.system import State, System
+from viscorod.solve.tangent import Tangent
 
 
 @dataclass
@@ -194,36 +195,19 @@ class StaticSolver:
         residual = self.system.residual()
         self.supports.impose(state, residual, self.system.matrix, tangent=False)
 
-    def tangent(
-        self, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0
-    ) -> sparse.csc_array:
-        """Return the tangent stiffness at an equilibrium, restricted to the motions of :meth:`basis`.
-
-        At an equilibrium of a conservative system it is symmetric; the number of its negative eigenvalues counts the
-        directions in which the equilibrium is unstable.
-        """
+    def tangent(self, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0) -> Tangent:
+        """Return the tangent stiffness at an equilibrium, and the conditions of joints and held strains beside it."""
         system, supports = self.system, self.supports
         self.restore(state, t, before=before, scale=scale)
         system.assemble(state, self.loads.at(t, before, scale), None, tangent=True, moving=False)
         residual = system.residual()
         supports.impose(state, residual, system.matrix, tangent=True)
-        size = 6 * system.problem.size
-        whole = system.matrix.sparse()[:size, :size]
-        stiffness = (whole @ supports.free_basis(state))[supports.free_rows()]
-        free = self._unconstrained(state)
-        return stiffness if free is None else sparse.csc_array(free.T @ stiffness @ free)
-
-    def basis(self, state: State) -> sparse.csc_array:
-        """Return a basis of the body increments that supports, joints and held strains allow ``(6 n, free)``."""
-        basis, free = self.supports.free_basis(state), self._unconstrained(state)
-        return basis if free is None else sparse.csc_array(basis @ free)
-
-    def _unconstrained(self, state: State) -> sparse.csc_array | None:
-        """Combinations of the motions that supports leave free, which constraints allow; None without constraints."""
-        constraints, supports = self.system.constraints, self.supports
-        if constraints.rows == 0:
-            return None
-        # displacements over the length of the model are comparable with rotations
-        unit = sparse.diags_array(np.where(supports.free_rows() % 6 < 3, self.system.problem.length, 1.0))
-        gradients = self.system.constraint_gradients(state) @ supports.free_basis(state) @ unit
-        return sparse.csc_array(unit @ sparse.csc_array(null_space(gradients)))
+        size, free = 6 * system.problem.size, supports.free_rows()
+        # displacements over the length of the model are comparable with rotations, whatever the unit of length
+        unit = sparse.diags_array(np.where(free % 6 < 3, system.problem.length, 1.0))
+        basis = sparse.csc_array(supports.free_basis(state) @ unit)
+        stiffness = unit @ (system.matrix.sparse()[:size, :size] @ basis)[free]
+        gradients = None
+        if system.constraints.rows:
+            gradients = unit_rows(sparse.csr_array(system.constraint_gradients(state) @ basis))
+        return Tangent(sparse.csr_array(stiffness), basis, gradients)

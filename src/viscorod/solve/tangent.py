@@ -1,0 +1,87 @@
+"""The tangent stiffness at an equilibrium, the conditions beside it, and how many of its eigenvalues are negative."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from scipy import sparse
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+__all__ = ["Tangent", "negative_eigenvalues"]
+
+NEUTRAL = 1e-13
+"""Stiffness, as a part of the mean, that a direction without any is given where it would make a pivot vanish."""
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """Stiffness against small motions that supports allow; displacements are measured in lengths of the model.
+
+    Attributes:
+        stiffness: ``(free, free)``; symmetric at an equilibrium of a conservative system.
+        basis: from these motions to body increments of the nodes ``(6 n, free)``.
+        gradients: of the conditions of joints and held strains ``(rows, free)``, each of unit length; None without.
+    """
+
+    stiffness: sparse.csr_array
+    basis: sparse.csc_array
+    gradients: sparse.csr_array | None
+
+
+def negative_eigenvalues(tangent: Tangent) -> int:
+    """Return the number of negative eigenvalues of the stiffness (its symmetric part) in the motions allowed.
+
+    It counts the directions in which an equilibrium of a conservative system is unstable.
+    """
+    symmetric = sparse.csc_array(0.5 * (tangent.stiffness + tangent.stiffness.T))
+    if tangent.gradients is not None:
+        return _beside_conditions(symmetric, tangent.gradients)
+    pivots = _pivots(symmetric, "MMD_AT_PLUS_A")
+    if pivots is None:  # exactly singular: a neutral direction, which is not a negative one
+        return int(np.count_nonzero(scipy.linalg.eigvalsh(symmetric.toarray()) < 0.0))
+    return int(np.count_nonzero(pivots < 0.0))
+
+
+def _beside_conditions(stiffness: sparse.csc_array, gradients: sparse.csr_array) -> int:
+    """Return the number of negative eigenvalues of ``stiffness`` in the motions with ``gradients motion = 0``.
+
+    The matrix ``[[K, G'], [G, 0]]`` has as many, and one for each independent row of ``G``. ``K + a G'G`` in place of
+    ``K`` changes nothing of that, and has no direction without stiffness among the held ones. Its rows are numbered
+    along the structure and each condition follows the last motion that it holds: then no pivot vanishes, and the
+    effort is that of a band.
+    """
+    scale = float(np.abs(stiffness.diagonal()).mean()) or 1.0
+    held = sparse.csr_array(gradients)
+    stiffness = sparse.csc_array(stiffness / scale + held.T @ held)
+    pattern = sparse.csr_array(abs(stiffness))
+    order = reverse_cuthill_mckee(sparse.csr_matrix(pattern), symmetric_mode=True)
+    place = np.empty(len(order))
+    place[order] = np.arange(len(order))
+    last = np.maximum.reduceat(place[held.indices], held.indptr[:-1])
+    rows = np.argsort(np.concatenate([place, last + 0.5]), kind="stable")
+    for neutral in (0.0, NEUTRAL):
+        stiffness = stiffness + neutral * sparse.eye_array(len(order))
+        whole = sparse.csc_array(sparse.block_array([[stiffness, held.T], [held, None]]))
+        pivots = _pivots(sparse.csc_array(whole[rows][:, rows]), "NATURAL")
+        if pivots is not None:
+            break
+    else:
+        pivots = scipy.linalg.eigvalsh(whole.toarray())
+    return int(np.count_nonzero(pivots < 0.0)) - int(held.shape[0])
+
+
+def _pivots(matrix: sparse.csc_array, order: str) -> np.ndarray | None:
+    """Pivots of a symmetric matrix without row exchanges; None if one vanishes.
+
+    By Sylvester's law of inertia their signs are those of the eigenvalues, and unlike the eigenvalues themselves they
+    do not drown in the round-off of the stiffest directions.
+    """
+    import scipy.sparse.linalg as spla
+
+    try:
+        factor = spla.splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError:
+        return None
+    return np.asarray(factor.U.diagonal())
