@@ -69,6 +69,7 @@ bench: $(VENV)/.stamp-test
 	$(BIN)/python bench/mesh_accuracy.py
 	$(BIN)/python bench/tolerance.py
 	$(BIN)/python bench/statics.py
+	$(BIN)/python bench/stability.py
 	$(BIN)/python bench/sweep.py
 	$(BIN)/python bench/startup.py
 

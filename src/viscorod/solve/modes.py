@@ -110,8 +110,8 @@ def linearise(
     damping = sparse.csr_array(basis.T @ damping_matrix.sparse()[:size, :size] @ basis)
     mass = sparse.csr_array(basis.T @ sparse.block_diag(list(problem.mass), format="csr") @ basis)
     found = Linearisation(tangent.stiffness, damping, mass, basis, tangent.gradients)
-    few = basis.shape[1] <= 2 * DENSE  # motions, of which about half are free
-    return found.unconditional() if few or system.relaxation is not None else found
+    full = basis.shape[1] <= DENSE or system.relaxation is not None
+    return found.unconditional() if full else found
 
 
 def natural_frequencies(linear: Linearisation, count: int) -> Floats:
@@ -217,7 +217,8 @@ def _shift(linear: Linearisation) -> float:
     if linear.gradients is not None:
         slowest = natural_frequencies(linear, 2 * RIGID)
         vibrating = slowest[slowest > 0.0]
-        return 0.1 * float(vibrating.min()) if 0 < len(vibrating) < len(slowest) else 0.0
+        # beside the multiple root 0 of free motions, and far enough for it not to drown the vibrations
+        return 3.0 * float(vibrating.min()) if 0 < len(vibrating) < len(slowest) else 0.0
     diagonal = np.abs(K.diagonal())
     try:
         factor = spla.splu(sparse.csc_array(K + sparse.eye_array(K.shape[0]) * 1e-300))
