@@ -21,6 +21,7 @@ import viscorod as vr
 from viscorod.analysis import Workplace
 from viscorod.case_run import as_model
 from viscorod.solve.discretise import discretise
+from viscorod.solve.system import State
 from viscorod.solve.tangent import negative_eigenvalues
 
 CASE = Path(__file__).parents[1] / "examples" / "bend_45.toml"
@@ -44,14 +45,16 @@ def main() -> None:
     model.equilibrium()
 
     work = Workplace.of(model)
-    state = work.reference()
+    state = State.reference(work.problem)
     work.static.solve(state)
     tangent = work.static.tangent(state)
 
     def solve() -> None:
-        work.system.assemble(work.reference(), work.static.loads.at(0.0), None, tangent=False, moving=False)
+        work.system.assemble(
+            State.reference(work.problem), work.static.loads.at(0.0), None, tangent=False, moving=False
+        )
         work.system.reset_stress()  # as in a fresh system
-        work.static.solve(work.reference())
+        work.static.solve(State.reference(work.problem))
 
     rows = {
         "model.equilibrium()": model.equilibrium,
