@@ -143,3 +143,14 @@ def test_both_ways_to_the_modes_agree():
     assert natural_frequencies(beside, 6) == pytest.approx(natural_frequencies(within, 6), rel=1e-7)
     modes = [complex_modes(work.static, state, linear, 6) for linear in (beside, within)]
     assert modes[0].eigenvalues == pytest.approx(modes[1].eigenvalues, rel=1e-7)
+
+
+def test_a_rod_that_is_held_stiff_has_its_rigid_motions_alone():
+    """Closed form: 20 elements without any strain on a hinge and a spring: a rigid bar, w^2 = k L^2/(m L^2/3)."""
+    model = cantilever(
+        20, clamped=False, constraints=("shear_1", "shear_2", "stretch", "bend_1", "bend_2", "twist")
+    )
+    model.revolute("beam.start", "ground", (0, 0, 1))
+    model.spring("beam.end", stiffness={"uy": 3.0})
+    modes = model.modes(6, about="reference")
+    assert 2 * np.pi * modes.frequencies == pytest.approx([3.0], rel=1e-5)

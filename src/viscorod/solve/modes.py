@@ -28,6 +28,10 @@ DENSE = 500
 """Motions up to which full matrices are faster."""
 TOLERANCES, RESTARTS = (1e-12, 1e-8, 1e-4), 30
 """Relative errors of eigenvalues found by iteration, and how often it starts anew for each."""
+NOTHING = 1e-14
+"""Rates of the slowest motion over those of what is no motion, but round-off."""
+NOTHING_BESIDE = 1e-7
+"""The same where conditions may leave fewer motions than are asked for: round-off has its root there."""
 RIGID = 6
 """Free motions of a body."""
 
@@ -132,6 +136,8 @@ def natural_frequencies(linear: Linearisation, count: int) -> Floats:
     else:
         solve = linear.solver(shifted)
         inverse = np.sort(np.real(_largest(lambda x: solve(linear.mass @ x), size, count)[0]))[::-1]
+        if linear.gradients is not None:
+            inverse = inverse[inverse > NOTHING_BESIDE**2 * inverse[0]]
     values = 1.0 / inverse[:count] - shift
     values[values < 1e-4 * shift] = 0.0
     return np.asarray(np.sqrt(np.maximum(values, 0.0)))
@@ -153,7 +159,7 @@ def _largest(apply: Callable[[Floats], Floats], size: int, count: int) -> tuple[
     for tolerance in TOLERANCES:
         try:
             values, vectors = spla.eigs(operator, count, v0=start, tol=tolerance, maxiter=RESTARTS)
-        except spla.ArpackNoConvergence:
+        except spla.ArpackError:
             continue
         return values, vectors
     raise _beyond_precision()
@@ -195,7 +201,8 @@ def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, cou
             return np.concatenate([x[size:], -solve(M @ x[:size] + Ds @ x[size:])])
 
         values, vectors = _largest(apply, 2 * size, min(2 * count + 6, 2 * size - 2))
-    kept = np.flatnonzero(np.abs(values) > 1e-14 * np.abs(values).max())
+    nothing = NOTHING if linear.gradients is None else NOTHING_BESIDE
+    kept = np.flatnonzero(np.abs(values) > nothing * np.abs(values).max())
     s = shift + 1.0 / values[kept]
     kept, s = kept[s.imag >= -1e-12 * np.abs(s)], s[s.imag >= -1e-12 * np.abs(s)]
     order = np.argsort(np.abs(s), kind="stable")[:count]
