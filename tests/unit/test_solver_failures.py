@@ -196,16 +196,20 @@ def loaded():
     return model
 
 
+def assert_beginning(kept, whole):
+    """What was kept of a stopped solution are the first states of the whole one, digit by digit."""
+    count = kept.load_factor.size
+    assert kept.outcome == "interrupted"
+    assert 1 <= count < whole.load_factor.size
+    np.testing.assert_array_equal(kept.data.position, whole.data.position[:count])
+
+
 def test_a_stopped_equilibrium_keeps_its_load_steps():
     """The steps that were converged are those of the search that was not stopped."""
     whole = loaded().equilibrium(load_steps=10)
     with pytest.raises(vr.SolveError, match=r"Stopped at 0\.\d+ of the loads .*: enough") as error:
         loaded().equilibrium(load_steps=10, stop=after(9))
-    kept = error.value.run
-    count = kept.load_factor.size
-    assert kept.outcome == "interrupted"
-    assert 1 <= count < whole.load_factor.size
-    np.testing.assert_array_equal(kept.data.position, whole.data.position[:count])
+    assert_beginning(error.value.run, whole)
     with pytest.raises(vr.SolveError, match="enough") as error:
         loaded().equilibrium(stop=after(1))
     assert error.value.run is None
@@ -225,11 +229,7 @@ def test_a_stopped_path_keeps_its_points():
     whole = loaded().path(load_factor=1.0)
     with pytest.raises(vr.SolveError, match=r"Stopped at .* points: enough") as error:
         loaded().path(load_factor=1.0, stop=after(12))
-    kept = error.value.run
-    count = kept.load_factor.size
-    assert kept.outcome == "interrupted"
-    assert 1 < count < whole.load_factor.size
-    np.testing.assert_array_equal(kept.data.position, whole.data.position[:count])
+    assert_beginning(error.value.run, whole)
 
 
 def test_a_steady_rotation_can_be_stopped():

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from viscorod.errors import Problem
@@ -76,16 +77,15 @@ def _problems(model: ModelDescription, settings: AnySettings) -> Iterator[Proble
         )
         return
     if isinstance(settings, PathSettings):
-        yield from _too_long("path.points", settings.points, settings.points, total, "points")
-        yield from _too_much("path.points", settings.points, settings.points, total, "points")
+        for allowed in (_TIME, _MEMORY):
+            yield from allowed.exceeded("path.points", settings.points, settings.points, total, "points")
     if isinstance(settings, SimulateSettings):
         for key in ("time_step", "output_interval"):
             interval = getattr(settings, key)
             if interval is not None:
                 count = settings.duration / interval
-                check = _too_long if key == "time_step" else _too_much
-                noun = "steps" if key == "time_step" else "stored states"
-                yield from check(f"simulate.{key}", interval, count, total, noun)
+                allowed, noun = (_TIME, "steps") if key == "time_step" else (_MEMORY, "stored states")
+                yield from allowed.exceeded(f"simulate.{key}", interval, count, total, noun)
 
 
 def _nodes(rod: Rod) -> int:
@@ -102,28 +102,6 @@ def _chosen(rod: Rod) -> int:
     return math.ceil(min(3.0 * turning / TURN, LARGEST))
 
 
-def _too_long(key: str, value: float, count: float, nodes: int, noun: str) -> Iterator[Problem]:
-    seconds = count * nodes * NODE_SECONDS
-    if seconds > LONGEST:
-        yield Problem(
-            key,
-            show(value),
-            f"{count:.3g} {noun} of {nodes} nodes would take at least {_time(seconds)}",
-            f"make {noun} fewer by a factor of {math.ceil(seconds / LONGEST):.3g}, or take fewer elements",
-        )
-
-
-def _too_much(key: str, value: float, count: float, nodes: int, noun: str) -> Iterator[Problem]:
-    size = count * nodes * STATE_BYTES
-    if size > MOST_RECORDED:
-        yield Problem(
-            key,
-            show(value),
-            f"{count:.3g} {noun} of {nodes} nodes would need about {_bytes(size)}",
-            f"make {noun} fewer by a factor of {math.ceil(size / MOST_RECORDED):.3g}, or take fewer elements",
-        )
-
-
 def _bytes(size: float) -> str:
     return f"{size / 1e9:.3g} GB of memory or disk"
 
@@ -132,3 +110,27 @@ def _time(seconds: float) -> str:
     if seconds < 86_400.0:
         return f"{seconds:.3g} s"
     return f"{seconds / 86_400.0:.3g} days"
+
+
+@dataclass(frozen=True)
+class _Allowed:
+    """What a step or state of a node costs, how much of it is allowed, and how it is told."""
+
+    each: float
+    most: float
+    verb: str
+    text: Callable[[float], str]
+
+    def exceeded(self, key: str, value: float, count: float, nodes: int, noun: str) -> Iterator[Problem]:
+        cost = count * nodes * self.each
+        if cost > self.most:
+            yield Problem(
+                key,
+                show(value),
+                f"{count:.3g} {noun} of {nodes} nodes would {self.verb} {self.text(cost)}",
+                f"make {noun} fewer by a factor of {math.ceil(cost / self.most):.3g}, or take fewer elements",
+            )
+
+
+_TIME = _Allowed(NODE_SECONDS, LONGEST, "take at least", _time)
+_MEMORY = _Allowed(STATE_BYTES, MOST_RECORDED, "need about", _bytes)

@@ -28,10 +28,6 @@ DENSE = 500
 """Motions up to which full matrices are faster."""
 TOLERANCES, RESTARTS = (1e-12, 1e-8, 1e-4), 30
 """Relative errors of eigenvalues found by iteration, and how often it starts anew for each."""
-NOTHING = 1e-14
-"""Rates of the slowest motion over those of what is no motion, but round-off."""
-NOTHING_BESIDE = 1e-7
-"""The same where conditions may leave fewer motions than are asked for: round-off has its root there."""
 RIGID = 6
 """Free motions of a body."""
 
@@ -49,6 +45,11 @@ class Linearisation:
     mass: sparse.csr_array
     basis: sparse.csc_array
     gradients: sparse.csr_array | None
+
+    @property
+    def motions(self) -> int:
+        """How many motions the conditions allow, none of which depends on others."""
+        return int(self.mass.shape[0] - (0 if self.gradients is None else self.gradients.shape[0]))
 
     def unconditional(self) -> Linearisation:
         """The same in an orthonormal basis, full, of the motions that fulfil the conditions."""
@@ -134,10 +135,8 @@ def natural_frequencies(linear: Linearisation, count: int) -> Floats:
         except np.linalg.LinAlgError:
             return np.zeros(count)
     else:
-        solve = linear.solver(shifted)
+        solve, count = linear.solver(shifted), min(count, linear.motions)
         inverse = np.sort(np.real(_largest(lambda x: solve(linear.mass @ x), size, count)[0]))[::-1]
-        if linear.gradients is not None:
-            inverse = inverse[inverse > NOTHING_BESIDE**2 * inverse[0]]
     values = 1.0 / inverse[:count] - shift
     values[values < 1e-4 * shift] = 0.0
     return np.asarray(np.sqrt(np.maximum(values, 0.0)))
@@ -200,9 +199,8 @@ def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, cou
         def apply(x: Floats) -> Floats:
             return np.concatenate([x[size:], -solve(M @ x[:size] + Ds @ x[size:])])
 
-        values, vectors = _largest(apply, 2 * size, min(2 * count + 6, 2 * size - 2))
-    nothing = NOTHING if linear.gradients is None else NOTHING_BESIDE
-    kept = np.flatnonzero(np.abs(values) > nothing * np.abs(values).max())
+        values, vectors = _largest(apply, 2 * size, min(2 * count + 6, 2 * linear.motions, 2 * size - 2))
+    kept = np.flatnonzero(np.abs(values) > 1e-14 * np.abs(values).max())
     s = shift + 1.0 / values[kept]
     kept, s = kept[s.imag >= -1e-12 * np.abs(s)], s[s.imag >= -1e-12 * np.abs(s)]
     order = np.argsort(np.abs(s), kind="stable")[:count]
