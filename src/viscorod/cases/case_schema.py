@@ -30,7 +30,7 @@ from viscorod.model.time_table import TIME_FUNCTIONS
 from viscorod.model.values import NOT_GIVEN
 from viscorod.model.velocity import InitialVelocity
 
-__all__ = ["GROUPS", "PARTS", "PYTHON_ONLY_KEYS", "REQUIRED", "case_schema"]
+__all__ = ["GROUPS", "PARTS", "PYTHON_ONLY_KEYS", "REQUIRED", "case_schema", "forms"]
 
 DRAFT = "http://json-schema.org/draft-07/schema#"
 """The draft that editors of TOML understand."""
@@ -89,7 +89,8 @@ FILE = {
 
 
 @cache
-def _built() -> Form:
+def forms() -> Form:
+    """The schema as every reading of a case shares it: not to be changed."""
     definitions: Form = {
         "quantity": {
             "type": "string",
@@ -139,7 +140,7 @@ def _built() -> Form:
 
 def case_schema() -> Form:
     """The JSON Schema of a case file (draft 7): every key with its form, unit (``x-unit``), default and meaning."""
-    return copy.deepcopy(_built())
+    return copy.deepcopy(forms())
 
 
 def _table(kind: type[Described], standard: bool = False) -> Form:

@@ -22,9 +22,9 @@ def converted(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Conversi
     """
     if not _has_quantity(data):
         return data, [], []
-    from viscorod.cases.case_schema import case_schema
+    from viscorod.cases.case_schema import forms
 
-    schema = case_schema()
+    schema = forms()
     walk = _Walk(schema["definitions"])
     return walk.table(schema, data, (), ""), walk.found, walk.problems
 
