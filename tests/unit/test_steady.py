@@ -43,6 +43,7 @@ REFUSED = {
     "two measures": (rod, {"spin": 1.0, "energy": 1.0}, "exactly one of spin, energy and momentum"),
     "spin twice": (rod, {"spin": (0, 0, 1.0), "axis": (0, 0, 1)}, "tells the axis already"),
     "no spin": (rod, {"spin": (0, 0, 0)}, "nothing turns"),
+    "hardly any spin": (rod, {"spin": (0, 0, 1e-300)}, "smaller than any quantity"),
     "backwards": (rod, {"spin": -1.0}, "give a number > 0"),
     "about": (rod, {"spin": 1.0, "about": (0, 0, 1)}, "turns about its ball joint"),
     "damping": (rod, {"spin": 1.0, "damping": "linearised"}, "full damping only"),

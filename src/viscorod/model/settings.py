@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
@@ -199,6 +200,7 @@ def _spin(value: Any) -> float | Triple:
         given = vector(value)
         if not any(given):
             raise RefusedError("nothing turns", "give an angular velocity such as [0, 0, 4.0]")
+        positive(math.hypot(*given))
         return given
     return positive(value)
 

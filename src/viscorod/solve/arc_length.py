@@ -372,7 +372,8 @@ class PathFollower:
         return None
 
     def _inner(self, a: Direction, b: Direction) -> float:
-        shape = float(np.sum(self._weights * a.increment * b.increment))
+        with np.errstate(over="ignore", invalid="ignore"):  # a singular matrix; who asks looks whether this is finite
+            shape = float(np.sum(self._weights * a.increment * b.increment))
         return shape + a.factor * b.factor / self.unit**2
 
     def _assemble(self, state: State, factor: float, *, tangent: bool) -> Floats:
