@@ -126,12 +126,19 @@ class Search:
             axis = np.array(settings.axis)
         else:
             axis = guess.own_axis(problem, state, centre)
-        J = float(axis @ inertia_about(problem.mass, state.r, state.q, centre) @ axis)
-        rate = {"spin": target, "energy": np.sqrt(2.0 * target / J), "momentum": target / J}[settings.measure]
         turning = Turning(axis, centre)
         if settings.damping == "linearised" and not settings.driven:
             self._require_own_axis(state, turning)
-        return self._equations(state, None, turning, float(rate))
+        return self._equations(state, None, turning, self._rate(state, turning, target))
+
+    def _rate(self, state: State, turning: Turning, target: float) -> float:
+        """The angular speed [rad/s] at which the given shape has the ``target``."""
+        kind = self.settings.measure
+        if kind == "spin":
+            return target
+        tensor = inertia_about(self.problem.mass, state.r, state.q, turning.centre)
+        inertia = float(turning.axis @ tensor @ turning.axis)
+        return float(np.sqrt(2.0 * target / inertia)) if kind == "energy" else target / inertia
 
     def _from_mode(self, way: float) -> tuple[GeometricSteady | IntrinsicSteady, float]:
         """Bent in the slowest elastic mode, turning about the axis of the least inertia; and the elastic energy."""
