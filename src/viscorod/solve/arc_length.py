@@ -372,7 +372,9 @@ class PathFollower:
         return None
 
     def _inner(self, a: Direction, b: Direction) -> float:
-        with np.errstate(over="ignore", invalid="ignore"):  # a singular matrix; who asks looks whether this is finite
+        with np.errstate(
+            over="ignore", invalid="ignore"
+        ):  # a singular matrix; who asks looks whether this is finite
             shape = float(np.sum(self._weights * a.increment * b.increment))
         return shape + a.factor * b.factor / self.unit**2
 
