@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -49,6 +50,9 @@ if TYPE_CHECKING:
 __all__ = ["Workplace"]
 
 Progress = Callable[[float, float], None]
+
+PATIENCE = 10.0
+"""Seconds between two words on an initial equilibrium: a motion shows no progress before it has begun."""
 
 
 @dataclass
@@ -236,7 +240,17 @@ class Workplace:
         if loads.none and not self.supports.target.any() and not strained:
             return
         self._require_held(loads)
-        path = self.static.solve(state, before=before)
+        told = time.perf_counter()
+
+        def tell(reached: float, *_: Any) -> None:
+            nonlocal told
+            if reached < 1.0 and time.perf_counter() - told > PATIENCE:
+                told = time.perf_counter()
+                logging.getLogger("viscorod").warning(
+                    "viscorod: looking for the initial equilibrium, %.3g of the loads reached", reached
+                )
+
+        path = self.static.solve(state, before=before, on_step=tell)
         if path.outcome is not Outcome.COMPLETED:
             raise SolveError(f"The initial equilibrium was not found. {self._static_failure(path)}")
 

@@ -282,9 +282,7 @@ def _couplings(word: str, per: str, matrix: Floats, held: tuple[bool, ...]) -> d
 def _rod_warnings(name: str, rod: Rod) -> list[str]:
     """Slenderness of the reference shape: half width times curvature (LLT 2.2)."""
     s = np.linspace(0.0, rod.length, 201)
-    _, frames = rod.frames(s)
-    tangents = frames[:, :, 2]
-    curvature = np.linalg.norm(np.diff(tangents, axis=0), axis=1) / np.diff(s)
+    curvature = np.linalg.norm(rod.centreline.curvature(s), axis=1)
     warnings = []
     section = rod.section_at(0.0)
     half = section.half_width

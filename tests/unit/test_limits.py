@@ -75,6 +75,13 @@ def test_a_coil_of_a_million_turns(case):
     refused_at_once(case, f"rods.{name}", "turns so often", "3e+06 elements")
 
 
+def test_a_ribbon_of_a_million_turns(case):
+    name = next(iter(case["rods"]))
+    rod_of(case).pop("elements", None)
+    rod_of(case)["twist"] = 2e6 * np.pi
+    refused_at_once(case, f"rods.{name}", "turns so often", "3e+06 elements")
+
+
 def test_too_many_states_and_steps(case):
     rod_of(case).update(elements=100, order=5)
     case["simulate"] |= {"duration": 1.0, "output_interval": 1e-7}

@@ -253,6 +253,21 @@ def test_an_interrupted_initial_equilibrium_is_told(monkeypatch, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_a_long_search_for_the_initial_equilibrium_is_told(monkeypatch, caplog):
+    """A motion has no progress before it begins; what its initial equilibrium has reached is said instead, rising."""
+    monkeypatch.setattr("viscorod.analysis.PATIENCE", 0.0)
+    model = model_of(("ux", "uy", "uz", "rx", "ry", "rz"))
+    model.force("beam.end", (0, 500.0, 0))  # more than one load step: the first of them fails
+    model.simulate(0.01, time_step=0.01)
+    reached = [record.args[0] for record in caplog.records if "initial equilibrium" in record.message]
+    assert reached
+    assert reached == sorted(reached)
+    assert 0.0 < reached[-1] < 1.0
+    caplog.clear()
+    model_of(("ux", "uy", "uz", "rx", "ry", "rz")).simulate(0.01, time_step=0.01)
+    assert not caplog.records
+
+
 def propped(scale):
     """Tip displacement over length of a cantilever on a roller."""
     model = vr.Model()

@@ -19,19 +19,12 @@ from viscorod.limits import (
     NODE_SECONDS,
     STATE_BYTES,
 )
-from viscorod.model.centreline import Arc, Helix
 from viscorod.model.described import path_text, show
 from viscorod.model.description import ModelDescription
-from viscorod.model.rod import Rod
+from viscorod.model.rod import DEFAULT_ORDER, Rod
 from viscorod.model.settings import AnySettings, PathSettings, SimulateSettings
-from viscorod.model.values import LARGEST
 
 __all__ = ["size_problems", "too_deep"]
-
-LEAST_NODES = 10
-"""Nodes of a rod whose mesh the program chooses; bent ones get three elements per turn."""
-ORDER = 5
-TURN = 2.0 * math.pi
 
 
 def too_deep(value: Any, path: tuple[str | int, ...] = ()) -> str | None:
@@ -51,12 +44,12 @@ def size_problems(model: ModelDescription, settings: AnySettings) -> list[Proble
 
 def _problems(model: ModelDescription, settings: AnySettings) -> Iterator[Problem]:
     for name, rod in model.rods.items():
-        if rod.elements is None and _chosen(rod) > MOST_CHOSEN:
+        if rod.elements is None and rod.chosen_elements(0.0, rod.length) > MOST_CHOSEN:
             yield Problem(
                 f"rods.{name}",
                 "",
-                f"its centre line turns so often that {_chosen(rod):.3g} elements would be needed",
-                f"check angle or turns; give elements if more than {MOST_CHOSEN} are meant",
+                f"it turns so often that {rod.chosen_elements(0.0, rod.length):.3g} elements would be needed",
+                f"check angle, turns or twist; give elements if more than {MOST_CHOSEN} are meant",
             )
             return
     nodes = {name: _nodes(rod) for name, rod in model.rods.items()}
@@ -89,17 +82,8 @@ def _problems(model: ModelDescription, settings: AnySettings) -> Iterator[Proble
 
 
 def _nodes(rod: Rod) -> int:
-    order = rod.order or ORDER
-    if rod.elements is not None:
-        return rod.elements * order + 1
-    return max(LEAST_NODES, _chosen(rod) * order + 1)
-
-
-def _chosen(rod: Rod) -> int:
-    """Elements that the program takes for the turning of the centre line."""
-    line = rod.centreline
-    turning = line.angle if isinstance(line, Arc) else TURN * line.turns if isinstance(line, Helix) else 0.0
-    return math.ceil(min(3.0 * turning / TURN, LARGEST))
+    elements = rod.elements or rod.chosen_elements(0.0, rod.length)
+    return elements * (rod.order or DEFAULT_ORDER) + 1
 
 
 def _bytes(size: float) -> str:

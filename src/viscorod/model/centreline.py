@@ -85,7 +85,7 @@ class Centreline(Described):
         position, natural = self.bishop(stations)
         start = self.bishop(np.zeros(1))[1][0]
         wanted = start_axis(start[:, 2], d1)
-        angle = math.atan2(float(wanted @ start[:, 1]), float(wanted @ start[:, 0])) + self._twist(
+        angle = math.atan2(float(wanted @ start[:, 1]), float(wanted @ start[:, 0])) + self.twisted(
             stations, twist
         )
         c, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
@@ -93,7 +93,8 @@ class Centreline(Described):
         second = c * natural[:, :, 1] - sine * natural[:, :, 0]
         return position, np.stack([first, second, natural[:, :, 2]], axis=2)
 
-    def _twist(self, s: Floats, twist: Twist) -> Floats:
+    def twisted(self, s: Floats, twist: Twist) -> Floats:
+        """Angle (n,) of the section about d3 relative to the rotation-minimising frame at `s`, rad."""
         if callable(twist):
             return np.array([_angle(twist, float(station)) for station in s])
         return twist * s / self.length

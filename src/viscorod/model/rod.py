@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Annotated, Any, Self, TypeAlias
 
 import numpy as np
@@ -33,6 +34,15 @@ CENTRELINES: dict[str, type[Described]] = {
 Point: TypeAlias = Sequence[float]
 MOST_ELEMENTS = 100_000
 HIGHEST_ORDER = 12
+DEFAULT_ORDER = 5
+TURN_PER_NODE = 2.0 * math.pi / 15.0
+"""Bending and twisting of the reference shape from node to node: an element of the default order, which turns by a
+third of a circle then, follows it to 4e-7 of its length."""
+NODES_PER_ROD = 10
+SAMPLES, MOST_SAMPLES = 64, 4096
+"""Pieces of a rod in which it is measured how far the reference shape turns."""
+FINE = 0.5
+"""Turning of a piece that needs no smaller ones, rad."""
 
 
 def _material(value: Any) -> Material | None:
@@ -248,6 +258,42 @@ class Rod(Described):
     def frames(self, s: Floats | Sequence[float]) -> tuple[Floats, Floats]:
         """Positions (n, 3) and frames (n, 3, 3; columns d1, d2, d3) of the reference shape, global axes."""
         return self.centreline.frames(s, self.d1, self.twist)
+
+    def chosen_elements(self, start: float, end: float) -> int:
+        """Elements that the program takes from `start` to `end` [m]: for ten nodes along the rod, and for its turns.
+
+        From node to node the reference shape turns by a fifteenth of a circle then, on average.
+        """
+        order = self.order or DEFAULT_ORDER
+        turning = float(np.diff(self.turned([start, end]))[0])
+        nodes = NODES_PER_ROD * (end - start) / self.length
+        return max(1, math.ceil(turning / (TURN_PER_NODE * order) - 1e-6), round(nodes / order))
+
+    def turned(self, s: Floats | Sequence[float]) -> Floats:
+        """Angles (n,) by which the frame of the reference shape has turned from the start to `s`, rad.
+
+        Bending and twist, whole turns included, all ways added up.
+        """
+        stations, angles = self._turning
+        return np.asarray(np.interp(s, stations, angles))
+
+    @cached_property
+    def _turning(self) -> tuple[Floats, Floats]:
+        """Stations, and how far the frame has turned there: what frames show, or curvature if that is more.
+
+        Frames know what lies between two stations, but nothing of whole turns.
+        """
+        count = SAMPLES
+        while True:
+            s = np.linspace(0.0, self.length, count + 1)
+            frames = self.frames(s)[1]
+            trace = np.einsum("nij,nij->n", frames[:-1], frames[1:])
+            seen = np.arccos(np.clip(0.5 * (trace - 1.0), -1.0, 1.0))
+            bent = np.linalg.norm(self.centreline.curvature(0.5 * (s[:-1] + s[1:])), axis=1) * np.diff(s)
+            step = np.maximum(seen, np.hypot(bent, np.diff(self.centreline.twisted(s, self.twist))))
+            if step.max() < FINE or count >= MOST_SAMPLES:
+                return s, np.concatenate([[0.0], np.cumsum(step)])
+            count *= 8
 
     def _sections(self) -> list[tuple[float, AnySection]]:
         """Sections that stand for all of them, with a station of each."""

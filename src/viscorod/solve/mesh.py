@@ -16,15 +16,10 @@ from viscorod.mechanics.basis import gauss, gauss_table, lobatto
 from viscorod.mechanics.quaternion import conjugate, from_matrices, matrices, product
 from viscorod.model.any_body import AnyBody
 from viscorod.model.any_section import AnySection
-from viscorod.model.rod import Rod
+from viscorod.model.rod import DEFAULT_ORDER, Rod
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem import ElementSet, Stations
 from viscorod.typing import Floats, Integers
-
-DEFAULT_ORDER = 5
-TURN_PER_ELEMENT = 2.0 * np.pi / 3.0
-"""Bending and twisting of the reference shape that one element of the default order follows to 4e-7 of its length."""
-NODES_PER_ROD = 10
 
 
 @dataclass(frozen=True)
@@ -76,17 +71,17 @@ def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> Rod
 
     Elements end at ``breaks`` (sections change, supports, attachments); if the program chooses their number, at
     ``wishes``
-    (point loads) too. The chosen mesh turns at most a third of a circle per element.
+    (point loads) too. The chosen mesh turns by a fifteenth of a circle from node to node, on average.
 
     Raises:
-        InputError: the user's number of elements is too small for the breaks.
+        InputError: there are too few elements for the breaks, or for the turns of the reference shape.
     """
     order = rod.order or DEFAULT_ORDER
     length = rod.length
     corners = _distinct([0.0, *breaks, *(wishes if rod.elements is None else []), length], length)
     spans = np.diff(corners)
     if rod.elements is None:
-        counts = np.array([_chosen(rod, a, b, order) for a, b in pairwise(corners)])
+        counts = np.array([rod.chosen_elements(a, b) for a, b in pairwise(corners)])
         if len(counts) == 1:
             counts[0] = max(counts[0], 2)
     elif rod.elements < len(spans):
@@ -112,6 +107,7 @@ def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> Rod
     inner = 0.5 * (lobatto(order)[0] + 1.0)
     s = (ends[:-1, None] + np.diff(ends)[:, None] * inner[None, :-1]).ravel()
     s = np.append(s, length)
+    _require_turns(name, rod, s, len(ends) - 1)
     positions, frames = rod.frames(s)
     return RodMesh(name, rod, order, ends, s, positions, from_matrices(frames))
 
@@ -121,20 +117,22 @@ def _distinct(stations: list[float], length: float) -> Floats:
     return np.asarray(ordered[np.concatenate([[True], np.diff(ordered) > 1e-9 * length])])
 
 
-def _chosen(rod: Rod, a: float, b: float, order: int) -> int:
-    """Elements between two corners: enough for the turning of the reference shape and for ten nodes along the rod."""
-    samples = np.linspace(a, b, 65)
-    for _ in range(3):
-        _, frames = rod.frames(samples)
-        cosine = (
-            np.clip(np.einsum("nii->n", np.swapaxes(frames[:-1], 1, 2) @ frames[1:]) - 1.0, -2.0, 2.0) / 2.0
+def _require_turns(name: str, rod: Rod, s: Floats, count: int) -> None:
+    """Refuse nodes between which the frame turns so far that it might as well have turned the other way."""
+    turning = np.diff(rod.turned(s))
+    worst = int(np.argmax(turning))
+    if turning[worst] >= np.pi:
+        needed = int(np.ceil(count * turning[worst]))
+        given = rod.elements is not None
+        raise InputError(
+            Fault(
+                f"rods.{name}.elements",
+                str(rod.elements) if given else "",
+                f"too few: between the nodes at s = {s[worst]:.6g} and {s[worst + 1]:.6g} m the reference shape turns "
+                f"by {turning[worst]:.3g} rad, and beyond half a turn an element cannot tell which way",
+                f"give at least {needed}{', or leave it out' if given else ''}",
+            )
         )
-        angles = np.arccos(cosine)
-        if angles.max() < 0.5:
-            break
-        samples = np.linspace(a, b, 8 * (len(samples) - 1) + 1)
-    nodes = NODES_PER_ROD * (b - a) / rod.length
-    return int(max(1, np.ceil(angles.sum() / TURN_PER_ELEMENT - 1e-6), np.round(nodes / order)))
 
 
 def _distribute(spans: Floats, total: int) -> Integers:
