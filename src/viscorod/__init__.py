@@ -18,17 +18,18 @@ if TYPE_CHECKING:
     from viscorod.model.body import Body
     from viscorod.model.body_shapes import Box, Cylinder, Sphere
     from viscorod.model.body_velocity import BodyVelocity
-    from viscorod.model.centreline import Arc, Curve, Helix, Points, Straight
     from viscorod.model.complex_moduli import ComplexModuli, ModulusTable
     from viscorod.model.composite import Composite, Region
     from viscorod.model.event import Crossing, Decayed, SteadyState
     from viscorod.model.initial_strain import InitialStrain
     from viscorod.model.joint import Ball, Joint, Rigid, Universal
+    from viscorod.model.line_shapes import Arc, Helix, Straight
     from viscorod.model.load import DistributedForce, DistributedMoment, Force, Gravity, Moment, MovingForce
     from viscorod.model.loss_factor import LossFactor
     from viscorod.model.material import KelvinVoigt, Material
     from viscorod.model.modal import ModalDamping
     from viscorod.model.outline import Outline
+    from viscorod.model.parametric_lines import Curve, Points
     from viscorod.model.profile import Piecewise, Taper
     from viscorod.model.prony import Prony
     from viscorod.model.relaxation import Relaxation
@@ -58,7 +59,8 @@ if TYPE_CHECKING:
 _HOMES = {
     "cases.case": ("load_case",),
     "front": ("Model",),
-    "model.centreline": ("Arc", "Curve", "Helix", "Points", "Straight"),
+    "model.line_shapes": ("Arc", "Helix", "Straight"),
+    "model.parametric_lines": ("Curve", "Points"),
     "model.body": ("Body",),
     "model.body_shapes": ("Box", "Cylinder", "Sphere"),
     "model.event": ("Crossing", "Decayed", "SteadyState"),

@@ -16,7 +16,9 @@ from scipy.interpolate import CubicSpline
 
 from viscorod.damping.blade_text import Lines
 from viscorod.errors import InputError, Problem
-from viscorod.model.centreline import Centreline, Points, Straight
+from viscorod.model.centreline import Centreline
+from viscorod.model.line_shapes import Straight
+from viscorod.model.parametric_lines import Points
 from viscorod.model.rod import Rod
 from viscorod.typing import Floats
 

@@ -7,7 +7,8 @@ import numpy as np
 from viscorod.damping.gxbeam_assembly import section_turn
 from viscorod.damping.matrices import symmetric_part
 from viscorod.errors import InputError, Problem
-from viscorod.model.centreline import Points, Straight
+from viscorod.model.line_shapes import Straight
+from viscorod.model.parametric_lines import Points
 from viscorod.model.rod import Rod
 from viscorod.typing import Floats
 

@@ -23,7 +23,8 @@ from viscorod.damping.branches import refuse_branches
 from viscorod.damping.matrices import symmetric_part
 from viscorod.damping.times import component_times, six_times, symmetric_damping
 from viscorod.errors import InputError, Problem
-from viscorod.model.centreline import Points, Straight
+from viscorod.model.line_shapes import Straight
+from viscorod.model.parametric_lines import Points
 from viscorod.model.profile import Piecewise
 from viscorod.model.rod import Rod
 from viscorod.model.stiffness_section import StiffnessSection

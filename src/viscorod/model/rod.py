@@ -12,10 +12,12 @@ from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.errors import InputError
 from viscorod.model.any_section import AnySection, Branches, Matrices
-from viscorod.model.centreline import Arc, Centreline, Curve, Helix, Points, Straight, Twist
+from viscorod.model.centreline import Centreline, Twist
 from viscorod.model.constraint_words import constrained_strains, constraint_words
 from viscorod.model.described import Described, RefusedError, show
+from viscorod.model.line_shapes import Arc, Helix, Straight
 from viscorod.model.material import Material
+from viscorod.model.parametric_lines import Curve, Points
 from viscorod.model.profile import Piecewise, SectionProfile, Taper, section_profile
 from viscorod.model.values import LARGEST, OptionalDirection, choose, number, whole_number
 from viscorod.typing import Floats
