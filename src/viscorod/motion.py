@@ -218,7 +218,7 @@ def _chosen_tolerance(work: Workplace, state: State, duration: float) -> float:
     later = any(0.0 < t < duration for t in problem.breakpoints) or problem.periods
     if not loads.none or later or work.supports.moving or problem.joints.motions or state.twist.any():
         return TOLERANCE
-    moved = float(np.abs(state.r - problem.positions).max()) / problem.length
+    moved = float(np.linalg.norm(state.r - problem.positions, axis=1).max()) / problem.length
     if moved < ROUND_OFF:
         return TOLERANCE
     return min(TOLERANCE, max(PART_OF_MOTION * moved, LEAST_TOLERANCE))

@@ -374,8 +374,14 @@ class _Picture:
         )
         start = (1.12, 0.17)
         if float(np.linalg.norm(direction)) < _SIDEWAYS:
+            towards = float(np.cross(*self.view.projection) @ self.gravity) > 0.0
             axes.annotate(
-                "into the paper", start, xycoords="axes fraction", ha="center", va="top", fontsize=SMALL
+                "out of the paper" if towards else "into the paper",
+                start,
+                xycoords="axes fraction",
+                ha="center",
+                va="top",
+                fontsize=SMALL,
             )
             return
         middle = (1.12, 0.09)
