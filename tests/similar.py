@@ -1,10 +1,13 @@
-"""Case contents turned and moved as a whole: what is said in global axes turns along."""
+"""Case contents turned in space, or measured in other units: the results are known then, from those of the cases."""
 
 import copy
 
 import numpy as np
+import pint
 
 from viscorod.cases.case import case_from_dict
+from viscorod.cases.case_schema import forms
+from viscorod.cases.conversion import _Walk
 from viscorod.model.motion_words import MOTIONS
 
 
@@ -95,3 +98,54 @@ def _phase(helix, rod, Q):
     sign = 1.0 if helix.handedness == "right" else -1.0
     outward = Q @ helix._polar(np.zeros(1))[0][0]
     return float(np.arctan2(sign * outward @ side[0], outward @ e1[0]))
+
+
+def scaled(content, length, mass, time):
+    """The case in units of which ``length`` make a metre, ``mass`` a kilogram and ``time`` a second.
+
+    The schema tells the unit of every number; places in words ("rod@0.5") are lengths too.
+    """
+    content = copy.deepcopy(content)
+    for load in content.get("loads", []):
+        if load["kind"] == "gravity":
+            load.setdefault("acceleration", [0.0, 0.0, -9.81])
+    walk = _Scaling(forms()["definitions"])
+    walk.factors = {"[length]": length, "[mass]": mass, "[time]": time}
+    return _numbers(walk.table(forms(), _texts(content), (), ""), length)
+
+
+UNITS = pint.UnitRegistry()
+
+
+class _Scaling(_Walk):
+    """Meets every number as a text, with its unit."""
+
+    def number(self, text, unit, path):
+        value = float(text.removesuffix(" q"))
+        dimensions = UNITS.parse_units(unit.replace("^", "**")).dimensionality if unit != "1" else {}
+        factor = 1.0
+        for name, power in dimensions.items():
+            factor *= self.factors[name] ** float(power)
+        return value * factor if factor != 1.0 else text
+
+
+def _texts(node):
+    if isinstance(node, dict):
+        return {key: _texts(item) for key, item in node.items()}
+    if isinstance(node, list):
+        return [_texts(item) for item in node]
+    return f"{node!r} q" if isinstance(node, int | float) and not isinstance(node, bool) else node
+
+
+def _numbers(node, length):
+    if isinstance(node, dict):
+        return {key: _numbers(item, length) for key, item in node.items()}
+    if isinstance(node, list):
+        return [_numbers(item, length) for item in node]
+    if isinstance(node, str) and node.endswith(" q"):
+        text = node.removesuffix(" q")
+        return int(text) if text.lstrip("-").isdigit() else float(text)
+    if isinstance(node, str) and "@" in node:
+        rod, s = node.split("@")
+        return f"{rod}@{float(s) * length!r}"
+    return node
