@@ -177,7 +177,8 @@ def test_stations_are_ordered_by_arc_length_whatever_their_numbers():
     ("place", "message"),
     [
         ("baem.end", r"no rod is called 'baem'; did you mean 'beam'\?"),
-        ("beam", "is no place; write beam.start"),
+        ("beam", "is a rod, not a place on it; write beam.start"),
+        ("boom", "is no place; write beam.start"),
         ("beam.middle", "is no place"),
         ("beam@", "is no place"),
         ("beam@half", "'half' is no arc length"),

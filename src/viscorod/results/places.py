@@ -115,9 +115,10 @@ class Sites:
             near = difflib.get_close_matches(place, self._known(), n=1) or self.bodies
             raise InputError(f"{place!r}: there is no such place; did you mean {near[0]!r}?")
         if match is None:
-            example = self.rods[0]
+            whole = place in self._stations
+            example = place if whole else self.rods[0]
             raise InputError(
-                f"{place!r} is no place; write {example}.start, {example}.end, "
+                f"{place!r} is {'a rod, not a place on it' if whole else 'no place'}; write {example}.start, {example}.end, "
                 f"{example}@s with the arc length s in m, or the number of a station"
             )
         if rod not in self._stations:
