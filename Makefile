@@ -65,6 +65,7 @@ bench: $(VENV)/.stamp-test
 	$(BIN)/python bench/newton_iteration.py
 	$(BIN)/python bench/model_sizes.py
 	$(BIN)/python bench/linear_solvers.py
+	$(BIN)/python bench/formulations.py
 	$(BIN)/python bench/assemblies.py
 	$(BIN)/python bench/mesh_accuracy.py
 	$(BIN)/python bench/tolerance.py

@@ -53,6 +53,8 @@ def short(case, analysis="own"):
     for rod in case["rods"].values():
         rod.pop("elements", None)
         rod["order"] = 2
+        if "turns" in rod:
+            rod["turns"] = min(rod["turns"], 1.0)
     if "simulate" in case:
         part = case["simulate"]
         part["duration"] = part["duration"] / 200.0

@@ -116,10 +116,10 @@ class Sites:
             raise InputError(f"{place!r}: there is no such place; did you mean {near[0]!r}?")
         if match is None:
             whole = place in self._stations
-            example = place if whole else self.rods[0]
+            rod = place if whole else self.rods[0]
             raise InputError(
-                f"{place!r} is {'a rod, not a place on it' if whole else 'no place'}; write {example}.start, {example}.end, "
-                f"{example}@s with the arc length s in m, or the number of a station"
+                f"{place!r} is {'a rod, not a place on it' if whole else 'no place'}; "
+                f"write {rod}.start, {rod}.end, {rod}@s with the arc length s in m, or the number of a station"
             )
         if rod not in self._stations:
             near = difflib.get_close_matches(rod, self.rods, n=1) or self.rods

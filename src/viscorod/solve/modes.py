@@ -24,8 +24,8 @@ from viscorod.solve.static import StaticSolver
 from viscorod.solve.system import State
 from viscorod.typing import Floats
 
-DENSE = 500
-"""Motions up to which full matrices are faster."""
+DENSE, DENSE_DAMPED = 500, 200
+"""Motions up to which full matrices are faster, without and with damping."""
 TOLERANCES, RESTARTS = (1e-12, 1e-8, 1e-4), 30
 """Relative errors of eigenvalues found by iteration, and how often it starts anew for each."""
 RIGID = 6
@@ -81,6 +81,9 @@ class Linearisation:
 @dataclass(frozen=True)
 class Modes:
     """Modes in order of frequency.
+
+    Motions that the material overdamps creep back at rates that crowd near one over its retardation time. In models of
+    more than some hundred motions they cannot be told apart, and are left out.
 
     Attributes:
         eigenvalues: s in ``exp(s t)`` [1/s], one of each conjugate pair (Im >= 0); overdamped modes give two real ones.
@@ -142,25 +145,46 @@ def natural_frequencies(linear: Linearisation, count: int) -> Floats:
     return np.asarray(np.sqrt(np.maximum(values, 0.0)))
 
 
-def _largest(apply: Callable[[Floats], Floats], size: int, count: int) -> tuple[np.ndarray, np.ndarray]:
+def _largest(
+    apply: Callable[[Floats], Floats], size: int, count: int, least: int | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the ``count`` largest eigenvalues of an operator in size, and their vectors.
 
-    Round-off of a long, slender rod may leave fewer digits than are asked for first, and less is asked for then. The
+    Round-off of a long, slender rod may leave fewer digits than are asked for first, and less is asked for then. Before
+    many digits are given up, fewer eigenvalues are: those that crowd cannot be told apart (see :class:`Modes`). The
     start is the same each time, lest digits depend on chance.
 
+    Args:
+        apply: the operator; size: of its vectors; count: of eigenvalues; least: how many of them will do.
+
     Raises:
-        SolveError: it leaves fewer than four.
+        SolveError: it leaves fewer than four digits.
     """
     import scipy.sparse.linalg as spla
 
     operator = spla.LinearOperator((size, size), matvec=apply)
     start = np.random.default_rng(1).standard_normal(size)
-    for tolerance in TOLERANCES:
+    space = min(size, max(2 * count + 1, 20))
+
+    def search(wanted: int, tolerance: float) -> tuple[np.ndarray, np.ndarray] | int:
+        """Eigenvalues and vectors, or the number of those that were found."""
         try:
-            values, vectors = spla.eigs(operator, count, v0=start, tol=tolerance, maxiter=RESTARTS)
+            values, vectors = spla.eigs(
+                operator, wanted, ncv=space, v0=start, tol=tolerance, maxiter=RESTARTS
+            )
+        except spla.ArpackNoConvergence as error:
+            return len(error.eigenvalues)
         except spla.ArpackError:
-            continue
+            return 0
         return values, vectors
+
+    for tolerance in TOLERANCES:
+        found = search(count, tolerance)
+        if least is not None and isinstance(found, int) and tolerance == TOLERANCES[1]:
+            while isinstance(found, int) and found >= least:
+                found = search(found, tolerance)
+        if not isinstance(found, int):
+            return found
     raise _beyond_precision()
 
 
@@ -188,7 +212,7 @@ def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, cou
     shift = _shift(linear)
     Ds = sparse.csr_array(D + 2.0 * shift * M)
     solve = linear.solver(sparse.csr_array(K + shift * D + shift**2 * M))
-    if size <= DENSE and linear.gradients is None:
+    if size <= DENSE_DAMPED and linear.gradients is None:
         lower = np.hstack([-solve(M.toarray()), -solve(Ds.toarray())])
         companion = np.vstack([np.hstack([np.zeros((size, size)), np.eye(size)]), lower])
         if not np.isfinite(companion).all():
@@ -199,7 +223,8 @@ def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, cou
         def apply(x: Floats) -> Floats:
             return np.concatenate([x[size:], -solve(M @ x[:size] + Ds @ x[size:])])
 
-        values, vectors = _largest(apply, 2 * size, min(2 * count + 6, 2 * linear.motions, 2 * size - 2))
+        wanted = min(2 * count + 6, 2 * linear.motions, 2 * size - 2)
+        values, vectors = _largest(apply, 2 * size, wanted, least=min(count, wanted))
     kept = np.flatnonzero(np.abs(values) > 1e-14 * np.abs(values).max())
     s = shift + 1.0 / values[kept]
     kept, s = kept[s.imag >= -1e-12 * np.abs(s)], s[s.imag >= -1e-12 * np.abs(s)]

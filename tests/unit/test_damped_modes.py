@@ -1,0 +1,63 @@
+"""Damped modes of larger models, by iteration: those of full matrices, and of a coarser mesh."""
+
+import copy
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+from damage import CASES
+from viscorod.cases.case import case_from_dict
+from viscorod.check import check
+from viscorod.solve import modes
+
+
+def finer(name, times):
+    content = copy.deepcopy(CASES[name])
+    for rod in content["rods"].values():
+        rod["elements"] = times * rod.get("elements", 2)
+    return case_from_dict(content).description
+
+
+def vibrations(description):
+    report = check(description)
+    kept = report.damping_ratios < 0.999
+    return report.frequencies[kept], report.damping_ratios[kept]
+
+
+@pytest.mark.parametrize(
+    ("name", "times", "count"),
+    [("soft_arm", 2, 3), ("four_bar", 2, 6), ("cantilever_swing", 4, 4), ("bend_45", 4, 6)],
+)
+def test_iteration_finds_what_full_matrices_have(name, times, count, monkeypatch):
+    """Creeping motions crowd beside the vibrations in all but the last; double frequencies are both found."""
+    description = finer(name, times)
+    monkeypatch.setattr(modes, "DENSE_DAMPED", 10**6)
+    full = vibrations(description)
+    monkeypatch.setattr(modes, "DENSE_DAMPED", 0)
+    found = vibrations(description)
+    assert len(full[0]) == count
+    np.testing.assert_allclose(found[0], full[0], rtol=1e-7)
+    np.testing.assert_allclose(found[1], full[1], atol=1e-8)
+
+
+def test_vibrations_of_a_fine_mesh_beside_creep():
+    """Heavily damped, with so many creeping motions that not one of them can be told from the others."""
+    coarse, fine = vibrations(finer("soft_arm", 1)), vibrations(finer("soft_arm", 4))
+    np.testing.assert_allclose(fine[0], coarse[0], rtol=1e-6)
+    np.testing.assert_allclose(fine[1], coarse[1], rtol=1e-6)
+
+
+def test_no_mode_is_made_up():
+    """Damping in proportion to stiffness: half the angular frequency times the retardation time, in every mode."""
+    times = vr.KelvinVoigt(extensional_time=1e-5, shear_time=1e-5)
+    material = vr.Material(2e11, poissons_ratio=0.3, density=7800.0, damping=times)
+    model = vr.Model()
+    rod = vr.Rod.straight(
+        (0, 0, 0), (1, 0, 0), section=vr.Rectangle(0.01, 0.03), material=material, elements=12, order=5
+    )
+    model.add("beam", rod)
+    model.clamp("beam.start")
+    found = model.modes(8, about="reference")
+    expected = 0.5 * 2.0 * np.pi * found.frequencies * 1e-5
+    np.testing.assert_allclose(found.damping_ratios, expected, rtol=1e-6)
