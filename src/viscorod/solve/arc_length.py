@@ -372,9 +372,8 @@ class PathFollower:
         return None
 
     def _inner(self, a: Direction, b: Direction) -> float:
-        with np.errstate(
-            over="ignore", invalid="ignore"
-        ):  # a singular matrix; who asks looks whether this is finite
+        # next to singular matrices this overflows; who asks looks whether it is finite
+        with np.errstate(over="ignore", invalid="ignore"):
             shape = float(np.sum(self._weights * a.increment * b.increment))
         return shape + a.factor * b.factor / self.unit**2
 

@@ -178,11 +178,14 @@ def _largest(
             return 0
         return values, vectors
 
-    for tolerance in TOLERANCES:
+    fine, usual, coarse = TOLERANCES
+    attempts = [(count, fine), (count, usual), (count, coarse)]
+    if least is not None:
+        attempts[2:] = [(least, usual), (count, coarse), (1, usual)]
+    for enough, tolerance in attempts:
         found = search(count, tolerance)
-        if least is not None and isinstance(found, int) and tolerance == TOLERANCES[1]:
-            while isinstance(found, int) and found >= least:
-                found = search(found, tolerance)
+        while isinstance(found, int) and found >= enough:  # fewer each time
+            found = search(found, tolerance)
         if not isinstance(found, int):
             return found
     raise _beyond_precision()
