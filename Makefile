@@ -14,7 +14,7 @@ help:
 	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
 	@echo "make test   all checks and all tests"
 	@echo "make search property tests with new random examples"
-	@echo "make fuzz   10 000 damaged versions of every shipped case, checked and computed for some steps (a night)"
+	@echo "make fuzz   10 000 damaged versions of every shipped case, checked and computed for some steps (hours)"
 	@echo "make check  ruff, mypy, import contracts, documentation with warnings as errors"
 	@echo "make docs   documentation in docs/_build/html"
 	@echo "make figures  draw the pictures of the documentation again and print its tables"
