@@ -166,27 +166,29 @@ def _largest(
     start = np.random.default_rng(1).standard_normal(size)
     space = min(size, max(2 * count + 1, 20))
 
-    def search(wanted: int, tolerance: float) -> tuple[np.ndarray, np.ndarray] | int:
-        """Eigenvalues and vectors, or the number of those that were found."""
+    def search(wanted: int, tolerance: float) -> tuple[tuple[np.ndarray, np.ndarray] | None, int]:
+        """Eigenvalues and vectors if all were found, and how many were."""
         try:
-            values, vectors = spla.eigs(
-                operator, wanted, ncv=space, v0=start, tol=tolerance, maxiter=RESTARTS
-            )
+            found = spla.eigs(operator, wanted, ncv=space, v0=start, tol=tolerance, maxiter=RESTARTS)
         except spla.ArpackNoConvergence as error:
-            return len(error.eigenvalues)
+            return None, len(error.eigenvalues)
         except spla.ArpackError:
-            return 0
-        return values, vectors
+            return None, 0
+        return found, wanted
 
     fine, usual, coarse = TOLERANCES
-    attempts = [(count, fine), (count, usual), (count, coarse)]
-    if least is not None:
-        attempts[2:] = [(least, usual), (count, coarse), (1, usual)]
-    for enough, tolerance in attempts:
-        found = search(count, tolerance)
-        while isinstance(found, int) and found >= enough:  # fewer each time
-            found = search(found, tolerance)
-        if not isinstance(found, int):
+    fewer = 0
+    for tolerance in (fine, usual):
+        found, fewer = search(count, tolerance)
+        if found is not None:
+            return found
+    fewer = min(fewer, count - 1)
+    attempts = [(count, coarse)]
+    if least is not None and fewer > 0:
+        attempts.insert(0 if fewer >= least else 1, (fewer, usual))
+    for wanted, tolerance in attempts:
+        found, _ = search(wanted, tolerance)
+        if found is not None:
             return found
     raise _beyond_precision()
 
