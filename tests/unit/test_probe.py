@@ -278,7 +278,7 @@ def test_bodies_have_motion_only():
         (lambda run: run.probe("rod.end", np.nan), "lies outside the run"),
         (lambda run: run.probe("rod.end", []), "give one time"),
         (lambda run: run.probe([]), "at least one place"),
-        (lambda run: run.probe("rod"), "is no place"),
+        (lambda run: run.probe("rod"), "not a place on it"),
         (lambda run: run.probe("rod.end", s=[0.1]), "arc lengths go with one rod"),
         (lambda run: run.probe("rod", s=[2.0]), "lies outside the rod"),
         (lambda run: run.probe("rod", s=[]), "give one arc length"),

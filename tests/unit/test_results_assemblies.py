@@ -90,7 +90,7 @@ def test_velocities_on_bodies_are_those_of_a_rigid_motion(run):
         ("plaet", r"no such place; did you mean 'plate'\?"),
         ("plate@0.1", r"no such place; did you mean 'plate"),
         ("c.end", r"no such place; did you mean '.\.end'\?"),
-        ("a", "is no place; write a.start"),
+        ("a", "a rod, not a place on it; write a.start"),
     ],
 )
 def test_wrong_places(run, place, message):
