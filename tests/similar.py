@@ -11,20 +11,16 @@ from viscorod.cases.conversion import _Walk
 from viscorod.model.motion_words import MOTIONS
 
 
-def turned(content, Q, shift=(0.0, 0.0, 0.0)):
-    """The case turned by the rotation ``Q (3, 3)`` about the origin, then moved by ``shift`` [m].
+def turned(content, Q):
+    """The case turned by the rotation ``Q (3, 3)`` about the origin.
 
     Rods that leave their first axis to the program, and helices, whose start depends on global axes, get them told.
     """
     known = case_from_dict(copy.deepcopy(content)).description.rods
     content = copy.deepcopy(content)
-    shift = np.asarray(shift)
 
     def direction(v):
         return (Q @ np.asarray(v, dtype=float)).tolist()
-
-    def point(v):
-        return (Q @ np.asarray(v, dtype=float) + shift).tolist()
 
     for name, rod in content["rods"].items():
         for key in ("tangent", "normal", "axis"):
@@ -32,24 +28,24 @@ def turned(content, Q, shift=(0.0, 0.0, 0.0)):
                 rod[key] = direction(rod[key])
         for key in ("start", "end"):
             if key in rod:
-                rod[key] = point(rod[key])
+                rod[key] = direction(rod[key])
         if "points" in rod:
-            rod["points"] = [point(p) for p in rod["points"]]
+            rod["points"] = [direction(p) for p in rod["points"]]
         frame = known[name].frames([0.0])[1][0]
         twist = known[name].centreline.twisted(np.zeros(1), known[name].twist)[0]
         first = np.cos(twist) * frame[:, 0] - np.sin(twist) * frame[:, 1]  # as d1 is given, before the twist
         rod["d1"] = direction(first)
         if rod["shape"] == "helix":
-            rod["centre"] = point(rod.get("centre", (0.0, 0.0, 0.0)))
+            rod["centre"] = direction(rod.get("centre", (0.0, 0.0, 0.0)))
             rod.setdefault("axis", direction((0.0, 0.0, 1.0)))
             rod["phase"] = _phase(known[name].centreline, rod, Q)
     for body in content.get("bodies", {}).values():
-        body["centre"] = point(body.get("centre", (0.0, 0.0, 0.0)))
+        body["centre"] = direction(body.get("centre", (0.0, 0.0, 0.0)))
         if body.get("shape") == "cylinder":
             body["axis"] = direction(body.get("axis", (0.0, 0.0, 1.0)))
         else:
             body["axes"] = [direction(v) for v in body.get("axes", ((1, 0, 0), (0, 1, 0)))[:2]]
-        body["points"] = {name: point(p) for name, p in body.get("points", {}).items()}
+        body["points"] = {name: direction(p) for name, p in body.get("points", {}).items()}
     for support in content.get("supports", []):
         if support.get("frame") == "node" or support.get("kind") == "body_velocity":
             continue
@@ -76,7 +72,7 @@ def turned(content, Q, shift=(0.0, 0.0, 0.0)):
             joint["axes"] = [direction(v) for v in joint["axes"][:2]]
     for spring in content.get("springs", []):
         if isinstance(spring.get("to"), list):
-            spring["to"] = point(spring["to"])
+            spring["to"] = direction(spring["to"])
         if spring.get("kind", "bushing") == "bushing":
             spring["axes"] = [direction(v) for v in spring.get("axes", ((1, 0, 0), (0, 1, 0)))[:2]]
     steady = content.get("steady", {})
@@ -84,7 +80,7 @@ def turned(content, Q, shift=(0.0, 0.0, 0.0)):
         if isinstance(steady.get(key), list):
             steady[key] = direction(steady[key])
     if isinstance(steady.get("spin"), list):
-        steady["about"] = point(steady.get("about", (0.0, 0.0, 0.0)))
+        steady["about"] = direction(steady.get("about", (0.0, 0.0, 0.0)))
     return content
 
 

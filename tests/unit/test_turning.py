@@ -77,7 +77,7 @@ def test_a_curve_without_closed_form():
 @pytest.mark.parametrize("order", [2, 5, 8])
 def test_chosen_meshes_turn_by_a_fifteenth_of_a_circle_from_node_to_node(turns, order):
     for rod in (straight(turns * TURN, order=order), arc(turns * TURN, order=order)):
-        elements = rod.chosen_elements(0.0, 1.0 * rod.length)
+        elements = rod.chosen_elements(0.0, rod.length)
         assert elements >= 10 // order
         if turns >= 1.0:
             assert elements * order == pytest.approx(15 * turns, abs=order)
