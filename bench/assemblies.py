@@ -26,15 +26,15 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 from scipy.spatial import cKDTree
 
 import viscorod as vr
-from viscorod.mechanics.rotation import retract
-from viscorod.solve.discretise import discretise
-from viscorod.solve.geometric_system import GeometricSystem
-from viscorod.solve.integrators import Radau
+from viscorod.mechanics.rotations.rotation import retract
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.plan import plans
-from viscorod.solve.problem import Problem
-from viscorod.solve.static import StaticSolver
-from viscorod.solve.support_state import SupportState
-from viscorod.solve.system import State
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.problem.problem import Problem
+from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.solve.transient.integrators import Radau
 from viscorod.typing import Floats, Integers
 
 ROUNDS, STEPS, STEP = 5, 20, 1e-3

@@ -21,13 +21,13 @@ import numpy as np
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
 import viscorod as vr
-from viscorod.solve.discretise import discretise
-from viscorod.solve.formulations import FORMULATIONS
-from viscorod.solve.integrators import Midpoint, Radau
-from viscorod.solve.integrators.collocation import Collocation
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.registry import FORMULATIONS
+from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.plan import plans
-from viscorod.solve.support_state import SupportState
-from viscorod.solve.system import State
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.transient.integrators import Midpoint, Radau
+from viscorod.solve.transient.integrators.collocation import Collocation
 
 NAMES = ("geometric", "intrinsic")
 

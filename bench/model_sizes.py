@@ -17,13 +17,13 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 import viscorod as vr
-from viscorod.solve.discretise import discretise
-from viscorod.solve.geometric_system import GeometricSystem
-from viscorod.solve.integrators import Radau
-from viscorod.solve.step_control import FixedSteps
-from viscorod.solve.support_state import SupportState
-from viscorod.solve.system import State
-from viscorod.solve.transient import Transient
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.transient.integrators import Radau
+from viscorod.solve.transient.step_control import FixedSteps
+from viscorod.solve.transient.transient_solver import Transient
 
 STEPS = 25
 SIZES = ((1, 1), (1, 10), (1, 50), (1, 100), (1, 300), (1, 1000), (1, 3000), (1, 10_000), (1000, 10_000))

@@ -21,13 +21,13 @@ import numpy as np
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
 import viscorod as vr
-from viscorod.solve.discretise import discretise
-from viscorod.solve.geometric_system import GeometricSystem
-from viscorod.solve.integrators.generalized_alpha import GeneralizedAlpha, Relation
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.linear.plan import plans
-from viscorod.solve.support_state import SupportState
-from viscorod.solve.system import State
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.transient.integrators.generalized_alpha import GeneralizedAlpha, Relation
 
 
 def integrator_of(elements: int, order: int, rods: int = 1) -> GeneralizedAlpha:

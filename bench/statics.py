@@ -18,11 +18,11 @@ from statistics import median
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import viscorod as vr
-from viscorod.analysis import Workplace
-from viscorod.case_run import as_model
-from viscorod.solve.discretise import discretise
-from viscorod.solve.system import State
-from viscorod.solve.tangent import negative_eigenvalues
+from viscorod.analyses.case_run import as_model
+from viscorod.analyses.discrete import Workplace
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.statics.tangent import negative_eigenvalues
 
 CASE = Path(__file__).parents[1] / "examples" / "bend_45.toml"
 

@@ -9,13 +9,13 @@ import inspect
 from sphinx.util import logging
 from sphinx.util.docutils import SphinxDirective
 
-from viscorod.cases import schema
-from viscorod.cases.case_schema import GROUPS, PARTS, PYTHON_ONLY_KEYS, REQUIRED
-from viscorod.cases.meanings import meanings
-from viscorod.model.composite import SIMPLE
-from viscorod.model.motion_words import MOTIONS, VELOCITIES
-from viscorod.model.profile import SECTIONS
+from viscorod.casefile import case_reader as schema
+from viscorod.casefile.json_schema import GROUPS, PARTS, PYTHON_ONLY_KEYS, REQUIRED
+from viscorod.casefile.meanings import meanings
+from viscorod.model.connections.motion_words import MOTIONS, VELOCITIES
 from viscorod.model.rod import Rod
+from viscorod.model.sections.composite import SIMPLE
+from viscorod.model.sections.section_profile import SECTIONS
 
 SECTION = "name of a section in quotes, or a table with `shape`"
 FILE = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from sphinx.util.docutils import SphinxDirective
 
-from viscorod.results.schema import DIMENSION, DIMENSIONS, FRAMES, PLACES, STATES, VARIABLES
+from viscorod.results.data_schema import DIMENSION, DIMENSIONS, FRAMES, PLACES, STATES, VARIABLES
 
 
 def variable_rows():

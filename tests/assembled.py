@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.rotation import inverse_motion_tangent, retract
-from viscorod.solve.discretise import discretise
-from viscorod.solve.geometric_system import GeometricSystem
-from viscorod.solve.integrators.generalized_alpha import GeneralizedAlpha, Relation
-from viscorod.solve.loads import ExternalLoads
-from viscorod.solve.support_state import SupportState
-from viscorod.solve.system import State
+from viscorod.mechanics.rotations.rotation import inverse_motion_tangent, retract
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.problem.external_loads import ExternalLoads
+from viscorod.solve.transient.integrators.generalized_alpha import GeneralizedAlpha, Relation
 
 TIME = 0.3
 

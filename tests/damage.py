@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hypothesis import strategies as st
 
-from viscorod.cases.shipped import shipped_cases
+from viscorod.casefile.shipped import shipped_cases
 
 FILES = {**shipped_cases(), "everything": Path(__file__).with_name("property") / "everything.toml"}
 TEXTS = {name: path.read_text(encoding="utf-8") for name, path in FILES.items()}

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 import viscorod as vr
-from viscorod.mechanics.rotation import retract
-from viscorod.solve.discretise import discretise
-from viscorod.solve.geometric_system import GeometricSystem
-from viscorod.solve.support_state import SupportState
-from viscorod.solve.system import State
+from viscorod.mechanics.rotations.rotation import retract
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.discretise import discretise
 
 
 def section(damping=0.05):

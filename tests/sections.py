@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.model.material import KelvinVoigt, Material
+from viscorod.model.materials.material import KelvinVoigt, Material
 
 
 def material(E, nu=0.0, shear=0.0, bulk=0.0, density=1.0):

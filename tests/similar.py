@@ -5,10 +5,10 @@ import copy
 import numpy as np
 import pint
 
-from viscorod.cases.case import case_from_dict
-from viscorod.cases.case_schema import forms
-from viscorod.cases.conversion import _Walk
-from viscorod.model.motion_words import MOTIONS
+from viscorod.casefile.case import case_from_dict
+from viscorod.casefile.json_schema import forms
+from viscorod.casefile.unit_conversion import _Walk
+from viscorod.model.connections.motion_words import MOTIONS
 
 
 def turned(content, Q):
@@ -86,7 +86,7 @@ def turned(content, Q):
 
 def _phase(helix, rod, Q):
     """The angle at which the turned helix begins, from the direction of its turned start."""
-    from viscorod.model.line_shapes import Helix
+    from viscorod.model.centrelines.line_shapes import Helix
 
     keys = ("radius", "pitch", "turns", "centre", "axis", "handedness")
     plain = Helix(**{key: rod[key] for key in keys if key in rod}, phase=0.0)

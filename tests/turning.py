@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from synthetic import COMPONENTS
-from viscorod.mechanics.basis import gauss, lobatto
+from viscorod.mechanics.elements.basis import gauss, lobatto
 
 LENGTH = 0.8
 

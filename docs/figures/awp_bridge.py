@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 import viscorod as vr
-from viscorod.results.style import BLUE, GREEN, RED, clean, heading
+from viscorod.pictures.style import BLUE, GREEN, RED, clean, heading
 
 LENGTH, MASS, AREA, YOUNG, SECOND_MOMENT = 30.0, 1500.0, 0.36, 35e9, 0.0243
 EA, EI = YOUNG * AREA, YOUNG * SECOND_MOMENT

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 import viscorod as vr
-from viscorod.case_run import as_model
-from viscorod.cases.case import load_case
-from viscorod.cases.shipped import shipped_cases
-from viscorod.front import Model
+from viscorod.analyses.case_run import as_model
+from viscorod.analyses.model import Model
+from viscorod.casefile.case import load_case
+from viscorod.casefile.shipped import shipped_cases
 
 UM = 1e-6
 TARGET = Path(__file__).parents[1] / "images" / "comb_resonator.png"

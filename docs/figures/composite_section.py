@@ -12,7 +12,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 
 import viscorod as vr
-from viscorod.results.style import BLUE, GREY, INK, LIGHT, ORANGE, RED, SMALL, TEXT, figure, write
+from viscorod.pictures.style import BLUE, GREY, INK, LIGHT, ORANGE, RED, SMALL, TEXT, figure, write
 
 TARGET = Path(__file__).parents[1] / "images" / "composite_section.png"
 MM = 1e3

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 import viscorod as vr
-from viscorod.cases.case import load_case
-from viscorod.cases.shipped import shipped_case
+from viscorod.casefile.case import load_case
+from viscorod.casefile.shipped import shipped_case
 
 TARGET = Path(__file__).parents[1] / "images" / "energy_account.png"
 

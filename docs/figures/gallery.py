@@ -17,13 +17,13 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import viscorod as vr
-from viscorod.case_run import run_case
-from viscorod.cases.case import load_case
-from viscorod.cases.shipped import shipped_case, shipped_cases
-from viscorod.results.assemblies import Assembly
-from viscorod.results.plot_shape import draw_shapes
-from viscorod.results.shapes import Curves, View, draw_reference, mark_supports
-from viscorod.results.style import (
+from viscorod.analyses.case_run import run_case
+from viscorod.casefile.case import load_case
+from viscorod.casefile.shipped import shipped_case, shipped_cases
+from viscorod.pictures.plots.assemblies import Assembly
+from viscorod.pictures.plots.plot_shape import draw_shapes
+from viscorod.pictures.plots.projection_view import Curves, View, draw_reference, mark_supports
+from viscorod.pictures.style import (
     BLUE,
     GREEN,
     ORANGE,

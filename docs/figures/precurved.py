@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 
 import viscorod as vr
-from viscorod.results.style import BLUE, INK, RED, SKY, figure, heading, write
+from viscorod.pictures.style import BLUE, INK, RED, SKY, figure, heading, write
 
 TARGET = Path(__file__).parents[1] / "images" / "precurved.png"
 EYE = np.array([[0.866, 0.5, 0.0], [-0.211, 0.366, 0.906]])  # right and up on paper

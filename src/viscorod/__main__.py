@@ -1,5 +1,5 @@
 """``python -m viscorod``: the command line."""
 
-from viscorod.cli import main
+from viscorod.cli.app import main
 
 main()

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from viscorod.solve.discretise import discretise
-from viscorod.solve.geometric_system import GeometricSystem
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
 from viscorod.solve.history import StationReader
-from viscorod.solve.integrators import GeneralizedAlpha, Midpoint, Radau
-from viscorod.solve.newton import Outcome
-from viscorod.solve.static import StaticSolver
-from viscorod.solve.step_control import FixedSteps
-from viscorod.solve.support_state import SupportState
-from viscorod.solve.system import State
-from viscorod.solve.transient import Transient
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.solve.transient.integrators import GeneralizedAlpha, Midpoint, Radau
+from viscorod.solve.transient.step_control import FixedSteps
+from viscorod.solve.transient.transient_solver import Transient
 
 TIGHT = 2.5e-8
 """Tolerance of radau with fixed steps, for which only the error left by Newton's method matters: 1e-12."""

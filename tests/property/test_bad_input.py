@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from damage import CASES, FILES, TEXTS, damage, toml
-from viscorod.cases.case import case_from_dict, load_case
+from viscorod.casefile.case import case_from_dict, load_case
 from viscorod.errors import InputError
 
 

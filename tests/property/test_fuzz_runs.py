@@ -15,9 +15,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from damage import CASES, VALUES, damage, spots
-from viscorod.case_run import run_case
-from viscorod.cases.case import case_from_dict
-from viscorod.check import check
+from viscorod.analyses.case_run import run_case
+from viscorod.analyses.check import check
+from viscorod.casefile.case import case_from_dict
 from viscorod.errors import InputError, SolveError
 
 EXAMPLES = settings.default.max_examples if settings.default.max_examples > 1000 else 4

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import viscorod as vr
-from viscorod.mechanics.quaternion import matrices
+from viscorod.mechanics.rotations.quaternion import matrices
 
 
 class Motion:

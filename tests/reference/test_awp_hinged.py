@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import KroghInterpolator
 
 import viscorod as vr
-from viscorod.mechanics.quaternion import matrices
+from viscorod.mechanics.rotations.quaternion import matrices
 
 STIFFNESS = np.array([5e3, 5e3, 1e5, 1.0, 2.0, 1.0])
 INERTIA = np.array([1.0, 1.0, 1.0, 2e-4, 2e-4, 4e-4])

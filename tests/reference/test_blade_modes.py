@@ -7,9 +7,9 @@ import pytest
 
 import viscorod as vr
 from blades import PRIMARY, blade_text
-from viscorod import damping as vd
-from viscorod.cases.case import parse_case
-from viscorod.check import check
+from viscorod import programs as vd
+from viscorod.analyses.check import check
+from viscorod.casefile.case import parse_case
 from viscorod.model.settings import EquilibriumSettings
 
 MU = 2e-4

@@ -3,7 +3,7 @@
 import pytest
 from typer.testing import CliRunner
 
-from viscorod.cli import app
+from viscorod.cli.app import app
 
 from .test_examples import ROOT, blocks, write_tables
 

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk
 
 import viscorod as vr
-from viscorod import motion
+from viscorod.analyses import transient as motion
 
 from .cases import slope, stiff
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from viscorod.check import check
+from viscorod.analyses.check import check
 
 
 @pytest.mark.parametrize("origin", ["centroid", "given"])

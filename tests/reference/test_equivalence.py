@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from viscorod.mechanics.quaternion import matrices
+from viscorod.mechanics.rotations.quaternion import matrices
 
 from .cases import methods
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from viscorod.case_run import run_case
-from viscorod.cases.case import load_case
-from viscorod.cases.schema import ANALYSES
-from viscorod.cases.shipped import shipped_cases
+from viscorod.analyses.case_run import run_case
+from viscorod.casefile.case import load_case
+from viscorod.casefile.case_reader import ANALYSES
+from viscorod.casefile.shipped import shipped_cases
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]

@@ -10,9 +10,9 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
-from viscorod.cases.case import load_case
-from viscorod.cases.shipped import shipped_case, shipped_cases
-from viscorod.cli import app
+from viscorod.casefile.case import load_case
+from viscorod.casefile.shipped import shipped_case, shipped_cases
+from viscorod.cli.app import app
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "gallery.md").read_text(encoding="utf-8")

@@ -19,12 +19,13 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
-from viscorod import run_commands, streaming
-from viscorod.case_run import as_model
-from viscorod.cases.shipped import shipped_case
-from viscorod.cli import app
-from viscorod.results import journal, storage
-from viscorod.results.journal import FOLDER, Journal, checkpoint, contents
+from viscorod.analyses.case_run import as_model
+from viscorod.casefile.shipped import shipped_case
+from viscorod.cli import run_commands
+from viscorod.cli.app import app
+from viscorod.results.files import journal, storage
+from viscorod.results.files import stream as streaming
+from viscorod.results.files.journal import FOLDER, Journal, checkpoint, contents
 
 from .cases import cantilever
 

@@ -7,13 +7,13 @@ import pytest
 from scipy.linalg import expm
 
 import viscorod as vr
-from viscorod.mechanics.relaxation import add_section_stiffness
-from viscorod.model.prony import Prony
-from viscorod.solve.discretise import discretise
-from viscorod.solve.geometric_system import GeometricSystem
-from viscorod.solve.integrators.radau import Radau
-from viscorod.solve.support_state import SupportState
-from viscorod.solve.system import State
+from viscorod.mechanics.elements.maxwell_branches import add_section_stiffness
+from viscorod.model.materials.prony import Prony
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.transient.integrators.radau import Radau
 
 from .cases import cantilever, methods, slope
 

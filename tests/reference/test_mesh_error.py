@@ -12,7 +12,7 @@ from numpy.polynomial import legendre
 
 import viscorod as vr
 from viscorod.results.mesh_error import mesh_errors
-from viscorod.results.warnings import warnings_of
+from viscorod.results.result_warnings import warnings_of
 
 from .cases import slope
 from .test_examples import ROOT

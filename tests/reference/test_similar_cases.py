@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from damage import CASES
 from similar import scaled, turned
-from viscorod.case_run import run_case
-from viscorod.cases.case import case_from_dict
+from viscorod.analyses.case_run import run_case
+from viscorod.casefile.case import case_from_dict
 from viscorod.errors import SolveError
 
 STEPS = 12

@@ -274,11 +274,11 @@ def test_whirling_rod_is_all_but_stable():
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_whirling_rod_keeps_whirling(formulation):
     """Solvers against each other: a transient that starts from the steady rotation keeps its strains for 3 turns."""
-    from viscorod.analysis import Workplace
+    from viscorod.analyses.discrete import Workplace
+    from viscorod.analyses.transient import stepping
     from viscorod.model.settings import SimulateSettings, SteadySettings
-    from viscorod.motion import stepping
     from viscorod.solve.steady.search import Search
-    from viscorod.solve.transient import Transient
+    from viscorod.solve.transient.transient_solver import Transient
 
     model = hinged(4, 4)
     work = Workplace.of(model, formulation)

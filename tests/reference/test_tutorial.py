@@ -8,7 +8,7 @@ import shlex
 import pytest
 from typer.testing import CliRunner
 
-from viscorod.cli import app
+from viscorod.cli.app import app
 
 from .test_examples import ROOT
 

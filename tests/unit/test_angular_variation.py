@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from viscorod.mechanics.basis import gauss, lagrange
-from viscorod.solve.discretise import discretise
-from viscorod.solve.geometric_system import GeometricSystem
-from viscorod.solve.system import State
+from viscorod.mechanics.elements.basis import gauss, lagrange
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.discretise import discretise
 
 STEP = 1e-30  # of complex steps, which have no cancellation
 

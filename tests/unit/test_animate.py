@@ -9,8 +9,8 @@ from typer.testing import CliRunner
 
 import viscorod as vr
 from synthetic import oscillator, rolled_up, swing
-from viscorod.cli import app
-from viscorod.results.animation import Film, Pace, write_film
+from viscorod.cli.app import app
+from viscorod.pictures.animation import Film, Pace, write_film
 from viscorod.results.run import Equilibrium, Run
 
 

@@ -8,11 +8,11 @@ import pytest
 
 import viscorod as vr
 from blades import HEAD, MODAL, MU, PRIMARY, assembly, blade_text, matrices
-from viscorod import damping as vd
-from viscorod.cases.case import parse_case
-from viscorod.damping.beamdyn_line import beamdyn_axis
-from viscorod.damping.blade_rod import BladeSections
+from viscorod import programs as vd
+from viscorod.casefile.case import parse_case
 from viscorod.errors import InputError
+from viscorod.programs.blades.beamdyn_line import beamdyn_axis
+from viscorod.programs.blades.blade_rod import BladeSections
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viscorod.mechanics.callback import Callback, call
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compilation.callback import Callback, call
+from viscorod.mechanics.compilation.compiled import kernel
 
 
 @kernel

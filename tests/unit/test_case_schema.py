@@ -11,8 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 from damage import CASES, FILES, spots
-from viscorod.cases.case_schema import case_schema
-from viscorod.cli import app
+from viscorod.casefile.json_schema import case_schema
+from viscorod.cli.app import app
 
 DOCS = Path(__file__).parents[2] / "docs"
 SCHEMA = case_schema()

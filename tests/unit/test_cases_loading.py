@@ -5,18 +5,18 @@ import tomllib
 
 import pytest
 
-from viscorod.cases.case import Case, case_from_dict, load_case, parse_case
-from viscorod.cases.shipped import shipped_case, shipped_cases
+from viscorod.casefile.case import Case, case_from_dict, load_case, parse_case
+from viscorod.casefile.shipped import shipped_case, shipped_cases
 from viscorod.errors import InputError
-from viscorod.model.body import Body
-from viscorod.model.description import ModelDescription
-from viscorod.model.material import KelvinVoigt, Material
-from viscorod.model.place import Place
-from viscorod.model.profile import Piecewise, Taper
+from viscorod.model.actions.time_function import Ramp
+from viscorod.model.bodies.body import Body
+from viscorod.model.connections.place import Place
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.rod import Rod
+from viscorod.model.sections.section_profile import Piecewise, Taper
+from viscorod.model.sections.section_shapes import Circle, Rectangle
 from viscorod.model.settings import EquilibriumSettings, SimulateSettings
-from viscorod.model.shapes import Circle, Rectangle
-from viscorod.model.time_function import Ramp
 
 GOOD = """
 [materials.rubber]

@@ -4,13 +4,13 @@ import math
 
 import pytest
 
-from viscorod.cases.case import case_from_dict, load_case, parse_case
-from viscorod.cases.case_schema import case_schema
-from viscorod.cases.conversion import converted
-from viscorod.cases.units import si_value
-from viscorod.cli import _column
+from viscorod.analyses.sweep import _contents
+from viscorod.casefile.case import case_from_dict, load_case, parse_case
+from viscorod.casefile.json_schema import case_schema
+from viscorod.casefile.unit_conversion import converted
+from viscorod.casefile.units import si_value
+from viscorod.cli.app import _column
 from viscorod.errors import InputError
-from viscorod.sweeps import _contents
 
 PLAIN = """
 [materials.rubber]

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from viscorod.check import check
-from viscorod.drawing.assembly import draw_assembly
+from viscorod.analyses.check import check
+from viscorod.pictures.drawing.model_drawing import draw_assembly
 
 STEEL = {"material": vr.Material(2e11, 0.3, 7850.0), "section": vr.Circle(0.01)}
 
@@ -94,7 +94,7 @@ def test_following_load_is_turned_with_its_section():
     model.clamp("beam.start")
     model.force("beam.end", (0, 0, 1), following=True)
     assert "1 N, follows" in texts(draw_assembly(model))
-    from viscorod.drawing.loads import arrows
+    from viscorod.pictures.drawing.load_arrows import arrows
 
     (load,) = arrows(model)
     assert load.values[0] == pytest.approx([1, 0, 0])  # d3 is the tangent

@@ -4,8 +4,8 @@ import threading
 
 import pytest
 
-from viscorod.mechanics import claims
-from viscorod.mechanics.claims import ClaimedCache
+from viscorod.mechanics.compilation import claims
+from viscorod.mechanics.compilation.claims import ClaimedCache
 
 
 class Disk:

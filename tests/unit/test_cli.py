@@ -8,15 +8,15 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
-import viscorod.case_run
-import viscorod.cases.case
-import viscorod.check
+import viscorod.analyses.case_run
+import viscorod.analyses.check
+import viscorod.casefile.case
 from synthetic import rolled_up, swing
-from viscorod.cases.shipped import shipped_case
-from viscorod.cases.units import Conversion
-from viscorod.cli import app
+from viscorod.casefile.shipped import shipped_case
+from viscorod.casefile.units import Conversion
+from viscorod.cli.app import app
+from viscorod.cli.progress import reporting
 from viscorod.model.settings import EquilibriumSettings, SimulateSettings
-from viscorod.progress import reporting
 from viscorod.results.run import Equilibrium, Run
 
 REPORT = SimpleNamespace(
@@ -68,11 +68,13 @@ def solving(monkeypatch):
 
         given = [Conversion("rods.beam.twist", "30 deg", 0.5235987755982989, "rad")]
         case = SimpleNamespace(description=None, settings=settings, title="A case", conversions=given)
-        monkeypatch.setattr(viscorod.cases.case, "load_case", lambda path: case)
-        monkeypatch.setattr(viscorod.check, "check", lambda model, settings: REPORT)
-        monkeypatch.setattr(viscorod.check, "doubts", lambda model, settled: ["the rod is thick"])
-        monkeypatch.setattr(viscorod.case_run, "run_case", run_case)
-        monkeypatch.setattr(viscorod.case_run, "as_model", lambda description: SimpleNamespace(draw=draw))
+        monkeypatch.setattr(viscorod.casefile.case, "load_case", lambda path: case)
+        monkeypatch.setattr(viscorod.analyses.check, "check", lambda model, settings: REPORT)
+        monkeypatch.setattr(viscorod.analyses.check, "doubts", lambda model, settled: ["the rod is thick"])
+        monkeypatch.setattr(viscorod.analyses.case_run, "run_case", run_case)
+        monkeypatch.setattr(
+            viscorod.analyses.case_run, "as_model", lambda description: SimpleNamespace(draw=draw)
+        )
 
     return prepare
 

@@ -7,10 +7,10 @@ import pytest
 from typer.testing import CliRunner
 
 from blades import PRIMARY, assembly, blade_text
-from viscorod import damping as vd
-from viscorod.cases.case import load_case
-from viscorod.cases.shipped import shipped_case
-from viscorod.cli import app
+from viscorod import programs as vd
+from viscorod.casefile.case import load_case
+from viscorod.casefile.shipped import shipped_case
+from viscorod.cli.app import app
 
 MATERIAL = ("--youngs-modulus", "1e6", "--poissons-ratio", "0.3")
 

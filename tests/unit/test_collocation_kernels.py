@@ -9,14 +9,20 @@ import viscorod as vr
 from derivatives import slope_of
 from frames import Moved, adjoint, closed, dense, frame
 from parts import from_python
-from viscorod.mechanics import inertia
-from viscorod.mechanics import supports as support_kernels
-from viscorod.mechanics.internal_force import ElementWork, Points, conserve_energy, energies, internal_forces
-from viscorod.mechanics.linearised import Operators, add_frozen_forces, carry_stress
-from viscorod.solve.integrators import jacobian
+from viscorod.mechanics.elements.internal_force import (
+    ElementWork,
+    Points,
+    conserve_energy,
+    energies,
+    internal_forces,
+)
+from viscorod.mechanics.elements.linearised import Operators, add_frozen_forces, carry_stress
+from viscorod.mechanics.nodes import inertia
+from viscorod.mechanics.nodes import support_rows as support_kernels
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.plan import Plan
-from viscorod.solve.loads import ExternalLoads
+from viscorod.solve.problem.external_loads import ExternalLoads
+from viscorod.solve.transient.integrators import jacobian
 
 FRAMES = {
     "orders 2 and 3": lambda: Moved(frame()),

@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 
 from sections import material, scaled
-from viscorod.cases.case import case_from_dict
+from viscorod.casefile.case import case_from_dict
 from viscorod.errors import InputError
-from viscorod.model.any_section import AnySection
-from viscorod.model.composite import Composite, Region
-from viscorod.model.material import KelvinVoigt, Material
-from viscorod.model.modal import ModalDamping
-from viscorod.model.outline import Outline
-from viscorod.model.profile import Piecewise, Taper
-from viscorod.model.prony import Prony
+from viscorod.model.materials.material import KelvinVoigt, Material
+from viscorod.model.materials.measured_damping import ModalDamping
+from viscorod.model.materials.prony import Prony
 from viscorod.model.rod import Rod
-from viscorod.model.saint_venant import _once
-from viscorod.model.section import Section
-from viscorod.model.shapes import Annulus, Circle, Rectangle, SquareTube
+from viscorod.model.sections.composite import Composite, Region
+from viscorod.model.sections.isotropic_section import Section
+from viscorod.model.sections.outline import Outline
+from viscorod.model.sections.saint_venant import _once
+from viscorod.model.sections.section_base import AnySection
+from viscorod.model.sections.section_profile import Piecewise, Taper
+from viscorod.model.sections.section_shapes import Annulus, Circle, Rectangle, SquareTube
 
 SQUARE = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
 

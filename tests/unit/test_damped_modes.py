@@ -7,9 +7,9 @@ import pytest
 
 import viscorod as vr
 from damage import CASES
-from viscorod.cases.case import case_from_dict
-from viscorod.check import check
-from viscorod.solve import modes
+from viscorod.analyses.check import check
+from viscorod.casefile.case import case_from_dict
+from viscorod.solve.modes import vibrations as modes
 
 
 def finer(name, times):

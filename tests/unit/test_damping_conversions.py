@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.optimize import minimize
 
 import viscorod as vr
-from viscorod import damping as vd
+from viscorod import programs as vd
 from viscorod.errors import InputError
 
 ratios = st.floats(1e-6, 0.99)

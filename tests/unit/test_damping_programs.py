@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import viscorod as vr
-from viscorod import damping as vd
+from viscorod import programs as vd
 from viscorod.errors import InputError
 
 OPTIONS = {"segment_length": 0.025, "frequency": 0.57}

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import viscorod as vr
-from viscorod.results.schema import DIMENSION, DIMENSIONS, FRAMES, PLACES, STATES, VARIABLES
+from viscorod.results.data_schema import DIMENSION, DIMENSIONS, FRAMES, PLACES, STATES, VARIABLES
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "data.md"
 STIFFNESS = [50.0, 50.0, 90.0, 1.0, 2.0, 1.0]

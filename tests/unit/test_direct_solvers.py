@@ -10,7 +10,7 @@ import numba
 import numpy as np
 import pytest
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compilation.compiled import kernel
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.elimination import Elimination
 from viscorod.solve.linear.ordering import cuthill_mckee, reach

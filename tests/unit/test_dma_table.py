@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from viscorod.errors import InputError
-from viscorod.model.dma_table import read_dma_table
+from viscorod.model.materials.dma_table import read_dma_table
 
 FREQUENCY, STORAGE, LOSS = [0.1, 1.0, 10.0], [1.0e6, 1.5e6, 2.0e6], [1.0e5, 3.0e5, 5.0e5]
 
@@ -148,6 +148,6 @@ def test_files_that_are_none(tmp_path, monkeypatch):
         read_dma_table("\0")
     with pytest.raises(InputError, match=r"no such file|cannot be read"):
         read_dma_table("y" * 5000)
-    monkeypatch.setattr("viscorod.model.dma_table.LARGEST_TABLE", 10)
+    monkeypatch.setattr("viscorod.model.materials.dma_table.LARGEST_TABLE", 10)
     with pytest.raises(InputError, match="larger than any table"):
         read_dma_table(written(tmp_path, PLAIN))

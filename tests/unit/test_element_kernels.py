@@ -7,10 +7,11 @@ import pytest
 
 from derivatives import slope_of
 from frames import dense
-from viscorod.mechanics import geometric, loading
-from viscorod.mechanics.basis import gauss, lagrange
-from viscorod.mechanics.lanes import LANES
-from viscorod.mechanics.rotation import inverse_motion_tangent, retract
+from viscorod.mechanics.elements import geometric_element as geometric
+from viscorod.mechanics.elements.basis import gauss, lagrange
+from viscorod.mechanics.elements.lanes import LANES
+from viscorod.mechanics.nodes import applied_loads as loading
+from viscorod.mechanics.rotations.rotation import inverse_motion_tangent, retract
 from viscorod.solve.linear.pattern import Pattern
 
 rng = np.random.default_rng(7)

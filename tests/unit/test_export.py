@@ -12,10 +12,10 @@ import viscorod as vr
 from synthetic import LENGTH as ARC
 from synthetic import rolled_up, swing
 from turning import LENGTH, along, director, rigid, tumbling, with_body
-from viscorod.cli import app
-from viscorod.mechanics.quaternion import matrices
-from viscorod.results import csv_text
-from viscorod.results.paraview import write_paraview
+from viscorod.cli.app import app
+from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.results.files import csv_text
+from viscorod.results.files.paraview import write_paraview
 from viscorod.results.run import Equilibrium, Run
 
 

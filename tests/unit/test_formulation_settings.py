@@ -4,8 +4,8 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
-from viscorod.check import check
-from viscorod.cli import app
+from viscorod.analyses.check import check
+from viscorod.cli.app import app
 from viscorod.model.settings import SimulateSettings
 
 SECTION = vr.StiffnessSection([1e3, 1e3, 1e3, 1, 1, 1], [1, 1, 1, 1e-3, 1e-3, 2e-3])

@@ -9,11 +9,11 @@ from scipy.linalg import expm
 from derivatives import slope_of
 from frames import Moved, adjoint, closed, dense, frame
 from parts import from_python
-from viscorod.mechanics.internal_force import ElementWork, Points, internal_forces
-from viscorod.mechanics.intrinsic import StrainMotion, advance_strains, forces_at
-from viscorod.mechanics.intrinsic_linearised import linearise_intrinsic
-from viscorod.mechanics.linearised import Operators
-from viscorod.solve.integrators.tableau import MIDPOINT, RADAU
+from viscorod.mechanics.elements.internal_force import ElementWork, Points, internal_forces
+from viscorod.mechanics.elements.intrinsic_element import StrainMotion, advance_strains, forces_at
+from viscorod.mechanics.elements.intrinsic_linearised import linearise_intrinsic
+from viscorod.mechanics.elements.linearised import Operators
+from viscorod.solve.transient.integrators.tableau import MIDPOINT, RADAU
 
 FRAMES = {
     "orders 2 and 3": lambda: Moved(frame()),

@@ -8,8 +8,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from derivatives import slope_of
-from viscorod.mechanics import joint_coordinates as jc
-from viscorod.mechanics.rotation import retract
+from viscorod.mechanics.joints import joint_coordinates as jc
+from viscorod.mechanics.rotations.rotation import retract
 
 KINDS = [jc.TRANSLATION, jc.ALIGNMENT, jc.ANGLE, jc.ROTATION, jc.DISTANCE]
 coordinate, add_turning, place_of = jc.coordinate, jc.add_turning, jc.place_of

@@ -6,6 +6,7 @@ from scipy.optimize import minimize
 
 import viscorod as vr
 from viscorod.errors import InputError
+from viscorod.pictures.plots.plot_kelvin_voigt_fit import draw_fit
 
 ZENER = vr.Relaxation(1e6, (5e5,), (0.1,))
 PRONY = vr.Prony(
@@ -132,7 +133,7 @@ def test_default_band_covers_the_relaxation():
 def test_picture_and_words(tmp_path):
     fit = vr.kelvin_voigt_fit(MATERIAL, (1.0, 50.0))
     assert fit.plot(tmp_path / "fit.png").stat().st_size > 10_000
-    figure = fit.draw()
+    figure = draw_fit(fit)
     lines = {line.get_label(): line for line in figure.axes[0].get_lines()}
     np.testing.assert_allclose(lines["storage, material"].get_ydata(), fit.exact.real)
     np.testing.assert_allclose(lines["loss, Kelvin-Voigt"].get_ydata(), fit.fitted.imag)

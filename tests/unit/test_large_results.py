@@ -9,10 +9,11 @@ import xarray as xr
 
 import pages
 import viscorod as vr
-from viscorod.results import pieces, storage
-from viscorod.results.pieces import blocks, in_states
+from viscorod.pictures.viewer import view
+from viscorod.results import array_pieces as pieces
+from viscorod.results.array_pieces import blocks, in_states
+from viscorod.results.files import storage
 from viscorod.results.run import Run
-from viscorod.viewer import view
 
 FRAMES, STATIONS = 2000, 201
 FIELD = FRAMES * STATIONS * 3 * 8

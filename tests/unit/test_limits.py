@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from damage import CASES
-from viscorod.cases.case import case_from_dict, load_case
-from viscorod.check import check
+from viscorod.analyses.check import check
+from viscorod.casefile.case import case_from_dict, load_case
 from viscorod.errors import InputError, SolveError
 from viscorod.limits import DEEPEST_NESTING
-from viscorod.model.dma_table import read_dma_table
-from viscorod.results.journal import checkpoint, fields_of
-from viscorod.results.storage import load
+from viscorod.model.materials.dma_table import read_dma_table
+from viscorod.results.files.journal import checkpoint, fields_of
+from viscorod.results.files.storage import load
 
 
 @pytest.fixture
@@ -116,7 +116,7 @@ def test_deep_nesting_and_large_files(case, tmp_path, monkeypatch):
         case_from_dict(case)
     path = tmp_path / "large.toml"
     path.write_text("a = 1\n" * 20, encoding="utf-8")
-    monkeypatch.setattr("viscorod.cases.case.LARGEST_CASE", 100)
+    monkeypatch.setattr("viscorod.casefile.case.LARGEST_CASE", 100)
     with pytest.raises(InputError, match="larger than any case file"):
         load_case(path)
 
@@ -137,7 +137,7 @@ def test_checkpoints_hold_no_objects(tmp_path):
 
 @pytest.mark.parametrize("fields", [[["a", "O", []]], [], [["a", "not a type", []]], 3])
 def test_journals_hold_no_objects(fields, tmp_path, monkeypatch):
-    monkeypatch.setattr("viscorod.results.journal._FIELDS", "fields.json")
+    monkeypatch.setattr("viscorod.results.files.journal._FIELDS", "fields.json")
     (tmp_path / "fields.json").write_text(json.dumps({"fields": fields}), encoding="utf-8")
     with pytest.raises(InputError, match="plain numbers"):
         fields_of(tmp_path)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from viscorod.check import check, doubts
+from viscorod.analyses.check import check, doubts
 from viscorod.errors import InputError
-from viscorod.model.modal import ModalDamping
+from viscorod.model.materials.measured_damping import ModalDamping
 
 
 def material(**damping) -> vr.Material:

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from viscorod.errors import InputError
-from viscorod.model.body import Body, one_body
-from viscorod.model.body_shapes import Box, Cylinder, Sphere
-from viscorod.model.description import ModelDescription
-from viscorod.model.place import BodyPlace, Place, find_place
+from viscorod.model.bodies.body import Body, one_body
+from viscorod.model.bodies.body_shapes import Box, Cylinder, Sphere
+from viscorod.model.connections.place import BodyPlace, Place, find_place
+from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.rod import Rod
-from viscorod.model.stiffness_section import StiffnessSection
+from viscorod.model.sections.stiffness_section import StiffnessSection
 
 MATRIX = StiffnessSection((1,) * 6, (1,) * 6)
 

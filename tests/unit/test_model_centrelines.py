@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from viscorod.errors import InputError
-from viscorod.model.line_shapes import Arc, Helix, Straight
-from viscorod.model.parametric_lines import Curve, Points
+from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
+from viscorod.model.centrelines.parametric_lines import Curve, Points
 
 HELIX = Helix(0.1, 0.05, 3.3, centre=(1.0, 2.0, 3.0), axis=(1.0, 2.0, 2.0), phase=0.4)
 LEFT = Helix(0.1, 0.05, 3.3, handedness="left")

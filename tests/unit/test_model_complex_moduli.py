@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
-from viscorod.cases.case import case_from_dict, load_case
+from viscorod.casefile.case import case_from_dict, load_case
 from viscorod.errors import InputError
-from viscorod.model.complex_moduli import ComplexModuli, ModulusTable
-from viscorod.model.kelvin_voigt import KelvinVoigt
-from viscorod.model.loss_factor import LossFactor
-from viscorod.model.material import Material
-from viscorod.model.relaxation import Relaxation
+from viscorod.model.materials.complex_moduli import ComplexModuli, ModulusTable
+from viscorod.model.materials.kelvin_voigt import KelvinVoigt
+from viscorod.model.materials.loss_factor import LossFactor
+from viscorod.model.materials.material import Material
+from viscorod.model.materials.relaxation_modulus import Relaxation
 
 HERTZ = np.geomspace(0.01, 100.0, 41)
 OMEGA = 2.0 * np.pi * HERTZ

@@ -4,9 +4,9 @@ import pytest
 from pydantic import Field
 
 from viscorod.errors import InputError, Problem
-from viscorod.model.described import Described, nearest, path_text, show, some_of
+from viscorod.model.fields.definition import Described, nearest, path_text, show, some_of
+from viscorod.model.fields.values import Number, Positive
 from viscorod.model.settings import EquilibriumSettings, SimulateSettings
-from viscorod.model.values import Number, Positive
 
 
 class Inner(Described):

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from viscorod.errors import InputError
-from viscorod.model.description import ModelDescription
-from viscorod.model.place import Place
-from viscorod.model.profile import Piecewise
+from viscorod.model.actions.time_function import Ramp
+from viscorod.model.connections.place import Place
+from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.rod import Rod
-from viscorod.model.stiffness_section import StiffnessSection
-from viscorod.model.time_function import Ramp
+from viscorod.model.sections.section_profile import Piecewise
+from viscorod.model.sections.stiffness_section import StiffnessSection
 
 MATRIX = StiffnessSection((1,) * 6, (1,) * 6)
 

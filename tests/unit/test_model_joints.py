@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 
 from viscorod.errors import InputError
-from viscorod.model.axis_joint import Cylindrical, Planar, Prismatic, Revolute
-from viscorod.model.body import Body
-from viscorod.model.description import ModelDescription
-from viscorod.model.fit import require_fit, unfit_for_steady
-from viscorod.model.joint import JOINTS, Ball, Joint, Rigid, Universal, joint
-from viscorod.model.motion_words import MOTIONS
-from viscorod.model.place import BodyPlace, Place
+from viscorod.model.actions.time_function import Ramp, Until
+from viscorod.model.bodies.body import Body
+from viscorod.model.connections.axis_joint import Cylindrical, Planar, Prismatic, Revolute
+from viscorod.model.connections.joint import JOINTS, Ball, Joint, Rigid, Universal, joint
+from viscorod.model.connections.motion_words import MOTIONS
+from viscorod.model.connections.place import BodyPlace, Place
+from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.rod import Rod
+from viscorod.model.sections.stiffness_section import StiffnessSection
 from viscorod.model.settings import SimulateSettings
-from viscorod.model.stiffness_section import StiffnessSection
-from viscorod.model.time_function import Ramp, Until
+from viscorod.model.settings_checks import require_fit, unfit_for_steady
 
 MATRIX = StiffnessSection((1,) * 6, (1,) * 6)
 AXIS = (0, 3, 4)

@@ -5,10 +5,10 @@ import pytest
 from pydantic import ValidationError
 
 from viscorod.errors import InputError
-from viscorod.model.load import DistributedForce, Force, Gravity, Moment, MovingForce, load
-from viscorod.model.time_function import Ramp, Until
-from viscorod.model.time_table import Table
-from viscorod.model.velocity import InitialVelocity
+from viscorod.model.actions.initial_velocity import InitialVelocity
+from viscorod.model.actions.load import DistributedForce, Force, Gravity, Moment, MovingForce, load
+from viscorod.model.actions.time_function import Ramp, Until
+from viscorod.model.actions.time_table import Table
 
 
 def test_factor_is_one_without_a_function_of_time():

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from viscorod.errors import InputError
-from viscorod.model.material import KelvinVoigt, Material
+from viscorod.model.materials.material import KelvinVoigt, Material
 
 RATIOS = st.floats(-0.99, 0.5)
 TIMES = st.floats(0.0, 10.0)

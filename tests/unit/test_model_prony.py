@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from viscorod.errors import InputError
-from viscorod.model.material import Material
-from viscorod.model.prony import Prony
+from viscorod.model.materials.material import Material
+from viscorod.model.materials.prony import Prony
 
 OMEGA = np.logspace(-6, 6, 61)
 RATIOS = st.floats(-0.9, 0.5)

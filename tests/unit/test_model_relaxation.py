@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from viscorod.errors import InputError
-from viscorod.model.relaxation import Relaxation, extension_of
+from viscorod.model.materials.relaxation_modulus import Relaxation, extension_of
 
 OMEGA = np.logspace(-6, 6, 121)
 MODULI = st.floats(1e-3, 1e3)

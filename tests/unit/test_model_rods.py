@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from viscorod.errors import InputError
-from viscorod.model.material import KelvinVoigt, Material
-from viscorod.model.profile import Piecewise, Taper
+from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.rod import Rod
-from viscorod.model.section import Section
-from viscorod.model.shapes import Circle, Ellipse, Rectangle
-from viscorod.model.stiffness_section import StiffnessSection
+from viscorod.model.sections.isotropic_section import Section
+from viscorod.model.sections.section_profile import Piecewise, Taper
+from viscorod.model.sections.section_shapes import Circle, Ellipse, Rectangle
+from viscorod.model.sections.stiffness_section import StiffnessSection
 
 STEEL = Material(2.1e11, 0.3, 7850.0)
 SQUARE = Rectangle(0.01, 0.01)

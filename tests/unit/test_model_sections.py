@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from viscorod.errors import InputError
-from viscorod.model.material import KelvinVoigt, Material
-from viscorod.model.section import Section
-from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
+from viscorod.model.materials.material import KelvinVoigt, Material
+from viscorod.model.sections.isotropic_section import Section
+from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
 
 SHAPES = [
     Circle(0.7),

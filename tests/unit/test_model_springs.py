@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from viscorod.errors import InputError
-from viscorod.model.body import Body
-from viscorod.model.description import ModelDescription
-from viscorod.model.laws import law_value
-from viscorod.model.place import BodyPlace, Place
+from viscorod.model.bodies.body import Body
+from viscorod.model.connections.place import BodyPlace, Place
+from viscorod.model.connections.spring import LineSpring, Spring, spring
+from viscorod.model.connections.spring_laws import law_value
+from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.rod import Rod
-from viscorod.model.spring import LineSpring, Spring, spring
-from viscorod.model.stiffness_section import StiffnessSection
+from viscorod.model.sections.stiffness_section import StiffnessSection
 
 MATRIX = StiffnessSection((1,) * 6, (1,) * 6)
 

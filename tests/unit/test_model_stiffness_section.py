@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from viscorod.errors import InputError
-from viscorod.model.stiffness_section import StiffnessSection
+from viscorod.model.sections.stiffness_section import StiffnessSection
 
 ONES = (1.0,) * 6
 

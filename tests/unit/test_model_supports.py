@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from viscorod.errors import InputError
-from viscorod.model.motion_words import MOTIONS
-from viscorod.model.place import Place
-from viscorod.model.support import Clamp, Guide, Pin, Roller, Support, support
-from viscorod.model.time_function import Ramp, Until
+from viscorod.model.actions.time_function import Ramp, Until
+from viscorod.model.connections.motion_words import MOTIONS
+from viscorod.model.connections.place import Place
+from viscorod.model.connections.support import Clamp, Guide, Pin, Roller, Support, support
 
 NODE = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 """Frame of a rod along x: d1 = y, d2 = z, d3 = x."""

@@ -7,8 +7,8 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from viscorod.errors import InputError
-from viscorod.model.time_function import Constant, Ramp, Sine, SpinUp, Until
-from viscorod.model.time_table import Function, Table, time_function
+from viscorod.model.actions.time_function import Constant, Ramp, Sine, SpinUp, Until
+from viscorod.model.actions.time_table import Function, Table, time_function
 
 WAVY = ([0.0, 0.5, 1.2, 2.0, 3.0], [1.0, -1.0, 2.0, 0.5, 0.0])
 FUNCTIONS = [

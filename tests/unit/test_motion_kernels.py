@@ -7,10 +7,16 @@ import pytest
 from scipy.linalg import expm
 
 from parts import from_python
-from viscorod.mechanics.interpolation import hermite, interpolate
-from viscorod.mechanics.motion import coordinate_rates, coordinates, extrapolate, place, versine_slopes
-from viscorod.mechanics.quaternion import matrices
-from viscorod.mechanics.rotation import versine_coefficients
+from viscorod.mechanics.rotations.nodal_motion import (
+    coordinate_rates,
+    coordinates,
+    extrapolate,
+    place,
+    versine_slopes,
+)
+from viscorod.mechanics.rotations.pose_interpolation import hermite, interpolate
+from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.mechanics.rotations.rotation import versine_coefficients
 
 ANGLES = [0.0, 1e-9, 1e-3, 0.19, 0.21, 1.0, 2.5]
 

@@ -6,12 +6,12 @@ import warnings
 import numpy as np
 import pytest
 
-from viscorod.model.composite import Composite, Region
-from viscorod.model.material import KelvinVoigt, Material
-from viscorod.model.meshed_section import moved
-from viscorod.model.outline import Outline
-from viscorod.model.polygons import polygon_of
-from viscorod.model.shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
+from viscorod.model.materials.material import KelvinVoigt, Material
+from viscorod.model.sections.composite import Composite, Region
+from viscorod.model.sections.meshed_section import moved
+from viscorod.model.sections.outline import Outline
+from viscorod.model.sections.polygons import polygon_of
+from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
 
 L_SHAPE = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.1), (0.1, 0.1), (0.1, 1.4), (0.0, 1.4)]
 SHAPES = [Circle(0.7), Annulus(1.0, 0.6), Rectangle(0.4, 1.3), Ellipse(0.5, 1.2), Rectangle(1.0, 0.1)]

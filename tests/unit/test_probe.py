@@ -10,13 +10,13 @@ import viscorod as vr
 from synthetic import LENGTH as ARC
 from synthetic import rolled_up
 from turning import LENGTH, along, director, rigid, tumbling, with_body
-from viscorod.case_run import run_case
-from viscorod.cases.case import case_from_dict
-from viscorod.cases.shipped import shipped_cases
-from viscorod.mechanics.basis import gauss, lobatto
-from viscorod.mechanics.quaternion import matrices
-from viscorod.results import storage
+from viscorod.analyses.case_run import run_case
+from viscorod.casefile.case import case_from_dict
+from viscorod.casefile.shipped import shipped_cases
+from viscorod.mechanics.elements.basis import gauss, lobatto
+from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.results.between_records import Instants, step_ends
+from viscorod.results.files import storage
 from viscorod.results.run import Equilibrium, Run
 
 RNG = np.random.default_rng(5)

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from viscorod import progress
+from viscorod.cli import progress
 
 
 def test_time_left_is_that_of_equal_steps(monkeypatch, capsys):

@@ -12,15 +12,10 @@ HEAVY = ("xarray", "pandas", "numba", "scipy", "pydantic", "matplotlib", "rich",
 
 def test_every_public_name_can_be_imported():
     for name in viscorod.__all__:
-        assert getattr(viscorod, name).__name__ == name
+        assert getattr(viscorod, name).__name__.removeprefix("viscorod.") == name
         assert name in dir(viscorod)
     with pytest.raises(AttributeError, match="no attribute 'Rood'"):
         _ = viscorod.Rood
-
-
-def test_lists_of_names_agree():
-    lazy = {name for names in viscorod._HOMES.values() for name in names}
-    assert lazy | {"InputError", "SolveError"} == set(viscorod.__all__)
 
 
 BUILDING = """viscorod
@@ -34,7 +29,7 @@ model.force("beam.end", (0, 1, 0))"""
 
 @pytest.mark.parametrize(
     ("module", "allowed"),
-    [("viscorod", ()), ("viscorod.cli", ("typer", "rich")), (BUILDING, ("pydantic",))],
+    [("viscorod", ()), ("viscorod.cli.app", ("typer", "rich")), (BUILDING, ("pydantic",))],
     ids=["package", "command line", "model"],
 )
 def test_import_is_light(module, allowed):

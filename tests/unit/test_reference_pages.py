@@ -11,8 +11,8 @@ import pytest
 import typer
 
 import viscorod
-import viscorod.damping
-from viscorod.cli import app
+import viscorod.programs
+from viscorod.cli.app import app
 
 PAGES = Path(__file__).parents[2] / "docs" / "reference"
 DIRECTIVE = re.compile(
@@ -46,7 +46,7 @@ def documented():
     return {id(value) for value in shown().values()}
 
 
-@pytest.mark.parametrize("package", [viscorod, viscorod.damping], ids=lambda package: package.__name__)
+@pytest.mark.parametrize("package", [viscorod, viscorod.programs], ids=lambda package: package.__name__)
 def test_every_public_name_is_in_the_reference(package, documented):
     missing = [name for name in package.__all__ if id(getattr(package, name)) not in documented]
     assert missing == []

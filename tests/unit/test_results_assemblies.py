@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from viscorod.results.plot import draw_motion
-from viscorod.results.plot_shape import draw_shape
-from viscorod.solve.discretise import discretise
-from viscorod.solve.geometric_system import GeometricSystem
+from viscorod.pictures.plots.plot_motion import draw_motion
+from viscorod.pictures.plots.plot_shape import draw_shape
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.problem.discretise import discretise
 
 STIFFNESS, DAMPING = 20.0, 0.5
 SHAPE = {"section": vr.Rectangle(0.03, 0.03), "elements": 2, "order": 3}

@@ -10,15 +10,15 @@ import viscorod as vr
 from synthetic import LENGTH as ARC
 from synthetic import oscillator, rolled_up, swing
 from turning import LENGTH, along, rigid
-from viscorod.cli import app
+from viscorod.cli.app import app
+from viscorod.pictures.plots.plot_modes import draw_modes
+from viscorod.pictures.plots.plot_motion import draw_tip
+from viscorod.pictures.plots.plot_phase import draw_phase
+from viscorod.pictures.plots.plot_strain import draw_space_time, draw_strain
+from viscorod.results.array_pieces import extremes, largest
 from viscorod.results.components import chosen_component
-from viscorod.results.pieces import extremes, largest
-from viscorod.results.plot import draw_tip
-from viscorod.results.plot_modes import draw_modes
-from viscorod.results.plot_phase import draw_phase
-from viscorod.results.plot_strain import draw_space_time, draw_strain
 from viscorod.results.run import Equilibrium, Run
-from viscorod.solve.modes import Modes
+from viscorod.solve.modes.vibrations import Modes
 
 
 def test_tip_is_the_history_alone():

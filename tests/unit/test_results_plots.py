@@ -5,12 +5,12 @@ import pytest
 
 from synthetic import rolled_up, swing
 from viscorod import InputError
-from viscorod.results.plot import draw_motion
-from viscorod.results.plot_energy import draw_energy
-from viscorod.results.plot_shape import draw_shape
+from viscorod.pictures.plots.plot_energy import draw_energy
+from viscorod.pictures.plots.plot_motion import draw_motion
+from viscorod.pictures.plots.plot_shape import draw_shape
+from viscorod.pictures.plots.projection_view import View
+from viscorod.pictures.style import scaled
 from viscorod.results.run import Equilibrium, Run
-from viscorod.results.shapes import View
-from viscorod.results.style import scaled
 
 
 def texts(figure):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from synthetic import rolled_up, swing
+from viscorod.results.result_warnings import warnings_of
 from viscorod.results.run import Equilibrium, Run
-from viscorod.results.warnings import warnings_of
 
 
 def test_run_report_says_what_the_user_asks():

@@ -9,7 +9,7 @@ import xarray as xr
 
 import viscorod as vr
 from synthetic import LENGTH, oscillator, rolled_up, swing
-from viscorod.results.plot import draw_motion
+from viscorod.pictures.plots.plot_motion import draw_motion
 from viscorod.results.run import Equilibrium, Run
 
 

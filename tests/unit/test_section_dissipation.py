@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sections import material, scaled
-from viscorod.model.composite import Composite, Region
-from viscorod.model.material import KelvinVoigt, Material
-from viscorod.model.outline import Outline
-from viscorod.model.saint_venant import shear_shares
-from viscorod.model.section import Section
-from viscorod.model.section_mesh import triangulate
-from viscorod.model.shapes import Rectangle
+from viscorod.model.materials.material import KelvinVoigt, Material
+from viscorod.model.sections.composite import Composite, Region
+from viscorod.model.sections.isotropic_section import Section
+from viscorod.model.sections.outline import Outline
+from viscorod.model.sections.saint_venant import shear_shares
+from viscorod.model.sections.section_mesh import triangulate
+from viscorod.model.sections.section_shapes import Rectangle
 
 L_SHAPE = [(0.0, 0.0), (0.05, 0.0), (0.05, 0.01), (0.02, 0.01), (0.02, 0.04), (0.0, 0.04)]
 L_BOXES = [((0.0, 0.05), (0.0, 0.01)), ((0.0, 0.02), (0.01, 0.04))]

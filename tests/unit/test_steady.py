@@ -7,18 +7,18 @@ import pytest
 
 import viscorod as vr
 from frames import Moved, frame
-from viscorod.case_run import run_case
-from viscorod.cases.case import case_from_dict, parse_case
-from viscorod.mechanics.intrinsic import StrainMotion, forces_at
+from viscorod.analyses.case_run import run_case
+from viscorod.casefile.case import case_from_dict, parse_case
+from viscorod.mechanics.elements.intrinsic_element import StrainMotion, forces_at
 from viscorod.model.settings import SteadySettings
-from viscorod.solve.discretise import discretise
-from viscorod.solve.loads import ExternalLoads
-from viscorod.solve.steady.geometric import GeometricSteady
-from viscorod.solve.steady.intrinsic import IntrinsicSteady
-from viscorod.solve.steady.poses import lay_out
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.problem.external_loads import ExternalLoads
+from viscorod.solve.steady.geometric_steady import GeometricSteady
+from viscorod.solve.steady.intrinsic_steady import IntrinsicSteady
+from viscorod.solve.steady.rigid_rotation import Turning, inertia_about, mass_centre, mean_spin, rigid_twists
+from viscorod.solve.steady.steady_poses import lay_out
 from viscorod.solve.steady.strain_rates import StrainRates
-from viscorod.solve.steady.turning import Turning, inertia_about, mass_centre, mean_spin, rigid_twists
-from viscorod.solve.system import State
 
 MEASURES = ("spin", "energy", "momentum", "elastic")
 AXIS = np.array([0.6, 0.48, 0.64])

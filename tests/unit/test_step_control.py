@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viscorod.solve.integrators.contract import StepReport
-from viscorod.solve.newton import Outcome
-from viscorod.solve.step_control import HALVINGS, PATIENCE, ErrorControl, FixedSteps
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.step_control import HALVINGS, PATIENCE, ErrorControl, FixedSteps
 
 
 def report(error=1.0, outcome=Outcome.CONVERGED, iterations=3):

@@ -10,10 +10,10 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
-import viscorod.sweeps
-from viscorod.case_run import run_case
-from viscorod.cases.case import case_from_dict
-from viscorod.cli import app
+import viscorod.analyses.sweep
+from viscorod.analyses.case_run import run_case
+from viscorod.casefile.case import case_from_dict
+from viscorod.cli.app import app
 from viscorod.results.run import Equilibrium, Run
 
 SWING = """
@@ -158,7 +158,7 @@ def test_a_failing_member_leaves_the_others_alone(case, monkeypatch, tmp_path):
             raise ZeroDivisionError("a defect")
         return run
 
-    monkeypatch.setattr(viscorod.sweeps, "run_case", fails_in_the_middle)
+    monkeypatch.setattr(viscorod.analyses.sweep, "run_case", fails_in_the_middle)
     fresh = vr.sweep(case, {SHEAR: [0.01, 0.02, 0.03, 0.04, 0.05]}, workers=1)
     for sweep in (fresh, vr.load(fresh.save(tmp_path / "sweep.nc"))):
         assert [m.outcome for m in sweep.members] == ["completed", "slow", "refused", "failed", "completed"]
@@ -213,7 +213,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("values", "words"), WRONG)
 def test_wrong_keys_and_values_are_refused_before_anything_runs(case, values, words, monkeypatch):
-    monkeypatch.setattr(viscorod.sweeps, "run_case", lambda *_, **__: pytest.fail("computed"))
+    monkeypatch.setattr(viscorod.analyses.sweep, "run_case", lambda *_, **__: pytest.fail("computed"))
     given = copy.deepcopy(values)
     with pytest.raises(vr.InputError) as caught:
         vr.sweep(case, values, workers=1)

@@ -8,7 +8,7 @@ import pytest
 import viscorod as vr
 from assembled import Workplace
 from derivatives import slope_of
-from viscorod.mechanics import supports as kernels
+from viscorod.mechanics.nodes import support_rows as kernels
 from viscorod.solve.linear.matrix import Matrix
 
 
@@ -132,7 +132,7 @@ def test_work_of_all_forces_matches_the_change_of_energy():
 
 def test_coefficients_of_the_method():
     """Trapezoidal rule for a spectral radius of 1; second-order condition of Jansen et al. (2000) for all."""
-    from viscorod.solve.integrators.generalized_alpha import Coefficients
+    from viscorod.solve.transient.integrators.generalized_alpha import Coefficients
 
     c = Coefficients.of(1.0)
     assert (c.mass, c.force, c.gamma) == (0.5, 0.5, 0.5)

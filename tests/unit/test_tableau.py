@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from viscorod.solve.integrators.tableau import MIDPOINT, RADAU
+from viscorod.solve.transient.integrators.tableau import MIDPOINT, RADAU
 
 R6 = np.sqrt(6.0)
 MATRIX = np.array(

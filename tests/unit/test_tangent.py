@@ -7,11 +7,11 @@ import pytest
 import scipy.linalg
 
 import viscorod as vr
-from viscorod.analysis import Workplace
-from viscorod.solve.modes import complex_modes, linearise, natural_frequencies
-from viscorod.solve.null_space import null_space
-from viscorod.solve.system import State
-from viscorod.solve.tangent import negative_eigenvalues
+from viscorod.analyses.discrete import Workplace
+from viscorod.solve.constraints.null_space import null_space
+from viscorod.solve.formulations.system import State
+from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
+from viscorod.solve.statics.tangent import negative_eigenvalues
 
 
 def section(wide=1.0):

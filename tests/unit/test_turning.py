@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from viscorod.check import check
+from viscorod.analyses.check import check
 from viscorod.errors import InputError
-from viscorod.solve.discretise import discretise
+from viscorod.solve.problem.discretise import discretise
 
 STEEL = vr.Material(2.1e11, poissons_ratio=0.3, density=7850.0)
 THIN = vr.Circle(0.002)

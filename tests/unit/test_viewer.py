@@ -15,13 +15,13 @@ from typer.testing import CliRunner
 import pages
 import synthetic
 import viscorod
-from viscorod.cli import app
+from viscorod.cli.app import app
 from viscorod.errors import InputError
+from viscorod.pictures.viewer import view
+from viscorod.pictures.viewer.frames import Frames
+from viscorod.pictures.viewer.packing import LEVELS
 from viscorod.results.run import Equilibrium, Run
-from viscorod.results.steady import Steady
-from viscorod.viewer import view
-from viscorod.viewer.frames import Frames
-from viscorod.viewer.packing import LEVELS
+from viscorod.results.steady_result import Steady
 
 
 @pytest.fixture
@@ -374,7 +374,7 @@ def test_only_the_pages_own_scripts_may_run(page):
 
 
 def test_vendored_scripts_are_those_that_are_documented():
-    folder = files("viscorod.viewer") / "static" / "vendor"
+    folder = files("viscorod.pictures.viewer") / "static" / "vendor"
     told = (folder / "README.md").read_text(encoding="utf-8")
     for name in ("three.min.js", "uplot.min.js", "uplot.min.css"):
         assert hashlib.sha256((folder / name).read_bytes()).hexdigest() in told

@@ -9,8 +9,8 @@ import pytest
 import browser
 import pages
 import synthetic
+from viscorod.pictures.viewer import view
 from viscorod.results.run import Equilibrium, Run
-from viscorod.viewer import view
 
 pytestmark = pytest.mark.skipif(
     browser.find() is None, reason=f"no browser: none of {', '.join(browser.NAMES)} is on the PATH"

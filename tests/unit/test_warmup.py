@@ -6,8 +6,8 @@ import subprocess
 import sys
 
 CHECK = """
-from viscorod.mechanics.compiled import on_disk
-from viscorod.warmup import kernels
+from viscorod.mechanics.compilation.compiled import on_disk
+from viscorod.analyses.warmup import kernels
 print(*[kernel.py_func.__name__ for kernel in kernels() if not on_disk(kernel)])
 """
 

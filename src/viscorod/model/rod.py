@@ -11,15 +11,15 @@ import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.errors import InputError
-from viscorod.model.any_section import AnySection, Branches, Matrices
-from viscorod.model.centreline import Centreline, Twist
-from viscorod.model.constraint_words import constrained_strains, constraint_words
-from viscorod.model.described import Described, RefusedError, show
-from viscorod.model.line_shapes import Arc, Helix, Straight
-from viscorod.model.material import Material
-from viscorod.model.parametric_lines import Curve, Points
-from viscorod.model.profile import Piecewise, SectionProfile, Taper, section_profile
-from viscorod.model.values import LARGEST, OptionalDirection, choose, number, whole_number
+from viscorod.model.centrelines.centreline import Centreline, Twist
+from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
+from viscorod.model.centrelines.parametric_lines import Curve, Points
+from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.values import LARGEST, OptionalDirection, choose, number, whole_number
+from viscorod.model.materials.material import Material
+from viscorod.model.sections.section_base import AnySection, Branches, Matrices
+from viscorod.model.sections.section_profile import Piecewise, SectionProfile, Taper, section_profile
+from viscorod.model.strain_constraints import constrained_strains, constraint_words
 from viscorod.typing import Floats
 
 __all__ = ["CENTRELINES", "Rod"]

@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal, Self, TypeAlias
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
-from viscorod.model.described import Described, RefusedError, show
-from viscorod.model.event import Events
-from viscorod.model.values import (
+from viscorod.model.actions.event import Events
+from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.values import (
     OptionalDirection,
     OptionalNumber,
     OptionalPositive,

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.mechanics.quaternion import conjugate, product
+from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.results.extremes import hermite
 from viscorod.typing import Floats, Integers
 

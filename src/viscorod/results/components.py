@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results.pieces import extremes
+from viscorod.results.array_pieces import extremes
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:

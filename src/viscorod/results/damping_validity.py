@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results.pieces import blocks
+from viscorod.results.array_pieces import blocks
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.mechanics import inertia
-from viscorod.results.connections import bodies_of_stations, connections, unique
-from viscorod.results.schema import AXES, DIMENSION
-from viscorod.solve.constraints import JointState
+from viscorod.mechanics.nodes import inertia
+from viscorod.results.data_schema import AXES, DIMENSION
+from viscorod.results.joint_histories import bodies_of_stations, connections, unique
+from viscorod.solve.constraints.constraints import JointState
+from viscorod.solve.formulations.system import GaussPositions
 from viscorod.solve.history import History, StationReader
-from viscorod.solve.problem import Problem
-from viscorod.solve.system import GaussPositions
+from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:

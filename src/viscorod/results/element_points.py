@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.mechanics.quaternion import conjugate, product
-from viscorod.results.places import lagrange_weights
+from viscorod.mechanics.rotations.quaternion import conjugate, product
+from viscorod.results.result_places import lagrange_weights
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from viscorod.results.places import Site, Sites
+    from viscorod.results.result_places import Site, Sites
 
 
 @dataclass(frozen=True)

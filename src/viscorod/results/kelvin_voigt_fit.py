@@ -2,24 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
-from viscorod.results.style import BLUE, GREY, INK, ORANGE, TEXT, clean, figure, heading, legend_above, write
 from viscorod.typing import Floats
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
 __all__ = ["KelvinVoigtFit"]
-
-MOST = 1000.0
-"""Relative error up to which the picture goes, in per cent."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,47 +88,7 @@ class KelvinVoigtFit:
 
     def plot(self, path: str | Path) -> Path:
         """Draw storage and loss modulus of both over frequency, and the relative errors; returns the path."""
-        return write(self.draw(), path)
+        from viscorod.pictures.plots.plot_kelvin_voigt_fit import draw_fit
+        from viscorod.pictures.style import write
 
-    def draw(self) -> Figure:
-        """The figure of :meth:`plot`."""
-        picture = figure(10.0, 7.2)
-        picture.suptitle(
-            f"Kelvin-Voigt in {self.strain}, {self.method.replace('_', ' ')} fit",
-            fontsize=TEXT + 2.0,
-            x=0.01,
-            ha="left",
-        )
-        upper, lower = picture.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
-        clean(upper, "", "modulus [Pa]")
-        for colour, name, exact, fitted in (
-            (BLUE, "storage", self.exact.real, self.fitted.real),
-            (ORANGE, "loss", self.exact.imag, self.fitted.imag),
-        ):
-            upper.plot(self.frequency, exact, color=colour, linewidth=2.0, label=f"{name}, material")
-            upper.plot(
-                self.frequency,
-                fitted,
-                color=colour,
-                linewidth=1.6,
-                linestyle="--",
-                label=f"{name}, Kelvin-Voigt",
-            )
-        upper.set(xscale="log", yscale="log")
-        legend_above(upper, 4)
-        clean(lower, "frequency [Hz]", "relative error [%]")
-        lower.plot(self.frequency, 100.0 * self.storage_error, color=BLUE, linewidth=1.6)
-        lower.plot(self.frequency, 100.0 * self.loss_error, color=ORANGE, linewidth=1.6)
-        lower.axhline(0.0, color=INK, linewidth=0.8)
-        largest = 100.0 * max(float(np.abs(e).max()) for e in (self.storage_error, self.loss_error))
-        if largest > 100.0:
-            lower.set_yscale("symlog", linthresh=10.0)
-            lower.set_ylim(-150.0, min(1.5 * largest, MOST))
-            for value in (-10.0, 10.0):
-                lower.axhline(value, color=GREY, linewidth=0.6, linestyle=":")
-        elif largest > 0.0:
-            lower.set_ylim(-1.1 * largest, 1.1 * largest)
-        heading(lower, f"Kelvin-Voigt minus material{f' (up to {MOST:.0f} %)' if largest > MOST else ''}")
-        if math.isfinite(self.band[1]):
-            lower.set_xlim(*self.band)
-        return picture
+        return write(draw_fit(self), path)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.results.pieces import blocks
+from viscorod.results.array_pieces import blocks
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.mechanics.quaternion import matrices
+from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.results.array_pieces import in_states
 from viscorod.results.between_records import Instants
+from viscorod.results.data_schema import AXES, VARIABLES
 from viscorod.results.element_points import Poses, Stencil
-from viscorod.results.pieces import in_states
-from viscorod.results.places import Site
-from viscorod.results.schema import AXES, VARIABLES
+from viscorod.results.result_places import Site
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:

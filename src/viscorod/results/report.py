@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results.schema import COUNTERS
-from viscorod.results.text import table
-from viscorod.results.warnings import warnings_of
+from viscorod.results.data_schema import COUNTERS
+from viscorod.results.result_warnings import warnings_of
+from viscorod.results.text_table import table
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
-    from viscorod.results.places import Site
     from viscorod.results.result import Result
+    from viscorod.results.result_places import Site
     from viscorod.results.run import Equilibrium, Run
-    from viscorod.results.steady import Steady
+    from viscorod.results.steady_result import Steady
 
 _WORKING = 0.01  # more work of the loads than this part of what moved, meanwhile, makes it no free decay
 _MOST_EVENTS = 20

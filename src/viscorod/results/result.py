@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.results.array_pieces import extremes
+from viscorod.results.data_schema import AXES, DIMENSION, annotated
 from viscorod.results.mesh_error import mesh_errors
-from viscorod.results.pieces import extremes
-from viscorod.results.places import Site, Sites
-from viscorod.results.schema import AXES, DIMENSION, annotated
+from viscorod.results.result_places import Site, Sites
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ class Result(ABC):
 
     @cached_property
     def data(self) -> xr.Dataset:
-        """The ``xarray.Dataset`` behind everything; names and units are in ``viscorod.results.schema``."""
+        """The ``xarray.Dataset`` behind everything; names and units are in ``viscorod.results.data_schema``."""
         data = annotated(self._build(), self.kind)
         del self._build
         return data
@@ -231,7 +231,7 @@ class Result(ABC):
 
     def save(self, path: str | Path) -> Path:
         """Write everything to a netCDF4 file, for ``viscorod.load`` and any HDF5 tool; returns the path."""
-        from viscorod.results.storage import write
+        from viscorod.results.files.storage import write
 
         return write(self.data, path)
 
@@ -244,7 +244,7 @@ class Result(ABC):
         Returns:
             The collection ``run.pvd``, to be opened in ParaView.
         """
-        from viscorod.results.paraview import write_paraview
+        from viscorod.results.files.paraview import write_paraview
 
         return write_paraview(self, folder)
 

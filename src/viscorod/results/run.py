@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.mechanics.quaternion import conjugate, product, rotation_vector
+from viscorod.mechanics.rotations.quaternion import conjugate, product, rotation_vector
 from viscorod.results.between_records import step_ends
+from viscorod.results.data_schema import AXES
 from viscorod.results.decrement import Decrement, decrement
 from viscorod.results.energy import Energy
 from viscorod.results.extremes import resting_value
-from viscorod.results.places import Site
 from viscorod.results.result import Result
-from viscorod.results.schema import AXES
+from viscorod.results.result_places import Site
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -196,15 +196,15 @@ class Run(Result):
         Returns:
             The path.
         """
-        from viscorod.results.plot import draw_motion
-        from viscorod.results.style import write
+        from viscorod.pictures.plots.plot_motion import draw_motion
+        from viscorod.pictures.style import write
 
         return write(draw_motion(self, place, axis), path)
 
     def plot_energy(self, path: str | Path) -> Path:
         """Draw the energy account over time; returns the path."""
-        from viscorod.results.plot_energy import draw_energy
-        from viscorod.results.style import write
+        from viscorod.pictures.plots.plot_energy import draw_energy
+        from viscorod.pictures.style import write
 
         return write(draw_energy(self), path)
 
@@ -223,7 +223,7 @@ class Run(Result):
         Raises:
             InputError: the suffix is unknown, ffmpeg is missing, or there would be too many frames.
         """
-        from viscorod.results.animation import write_film
+        from viscorod.pictures.animation import write_film
 
         return write_film(self, path, fps=fps, speed=speed)
 
@@ -310,9 +310,9 @@ class Equilibrium(Result):
 
         Returns the path of the picture.
         """
-        from viscorod.results.plot_path import draw_path
-        from viscorod.results.plot_shape import draw_shape
-        from viscorod.results.style import write
+        from viscorod.pictures.plots.plot_path import draw_path
+        from viscorod.pictures.plots.plot_shape import draw_shape
+        from viscorod.pictures.style import write
 
         return write(draw_path(self) if self.is_path else draw_shape(self), path)
 

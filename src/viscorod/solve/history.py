@@ -7,14 +7,14 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from viscorod.mechanics.attachment import link_map
-from viscorod.mechanics.inertia import kinetic_energy
-from viscorod.mechanics.quaternion import product
-from viscorod.mechanics.rotation import rotate_rows
-from viscorod.solve.constraints import JointState
-from viscorod.solve.problem import Problem
-from viscorod.solve.support_state import SupportState
-from viscorod.solve.system import State, System
+from viscorod.mechanics.nodes.attached_poses import link_map
+from viscorod.mechanics.nodes.inertia import kinetic_energy
+from viscorod.mechanics.rotations.quaternion import product
+from viscorod.mechanics.rotations.rotation import rotate_rows
+from viscorod.solve.constraints.constraints import JointState
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.system import State, System
+from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
 
 

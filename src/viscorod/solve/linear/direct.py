@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 from scipy import sparse
 
-from viscorod.mechanics.callback import Callback
+from viscorod.mechanics.compilation.callback import Callback
 from viscorod.solve.linear.factors import GROWN, Factors, reduce
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.linear.singular import SingularMatrixError

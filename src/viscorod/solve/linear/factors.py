@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from viscorod.mechanics.compiled import kernel, part
+from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.linear.routines import LETTERS, gbtrf, gemm, getrf, trsm
 from viscorod.typing import Floats, Integers

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from viscorod.mechanics.compiled import kernel
+from viscorod.mechanics.compilation.compiled import kernel
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from viscorod.mechanics.callback import call
-from viscorod.mechanics.compiled import kernel, part
+from viscorod.mechanics.compilation.callback import call
+from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.solve.linear.factors import HEAD, Factors
 from viscorod.typing import Floats, Integers
 

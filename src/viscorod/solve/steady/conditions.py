@@ -9,14 +9,14 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.errors import Problem as Fault
-from viscorod.model.description import ModelDescription
-from viscorod.model.fit import unfit_for_steady
-from viscorod.model.load import AnyLoad, MovingForce
+from viscorod.model.actions.load import AnyLoad, MovingForce
+from viscorod.model.actions.time_function import Constant
+from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.settings import SteadySettings
-from viscorod.model.time_function import Constant
-from viscorod.solve.loads import LoadState
-from viscorod.solve.problem import Problem
-from viscorod.solve.rigid import free_motions
+from viscorod.model.settings_checks import unfit_for_steady
+from viscorod.solve.constraints.rigid_motions import free_motions
+from viscorod.solve.problem.external_loads import LoadState
+from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
 
 LARGEST = 3000

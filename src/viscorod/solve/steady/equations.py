@@ -8,7 +8,7 @@ from typing import Literal, Protocol, TypeAlias
 import numpy as np
 import scipy.linalg
 
-from viscorod.solve.system import State
+from viscorod.solve.formulations.system import State
 from viscorod.typing import Floats
 
 Measure: TypeAlias = Literal["spin", "energy", "momentum", "elastic"]

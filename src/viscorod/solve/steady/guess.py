@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import scipy.linalg
 
-from viscorod.mechanics.internal_force import Elements
-from viscorod.solve import modes
-from viscorod.solve.problem import Problem
-from viscorod.solve.rigid import free_motions
-from viscorod.solve.static import StaticSolver
-from viscorod.solve.steady.poses import lay_out
+from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.solve.constraints.rigid_motions import free_motions
+from viscorod.solve.formulations.system import State
+from viscorod.solve.modes import vibrations as modes
+from viscorod.solve.problem.problem import Problem
+from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.solve.steady.rigid_rotation import inertia_about
+from viscorod.solve.steady.steady_poses import lay_out
 from viscorod.solve.steady.strain_rates import StrainRates
-from viscorod.solve.steady.turning import inertia_about
-from viscorod.solve.system import State
 from viscorod.typing import Floats
 
 DEFLECTION = 0.02

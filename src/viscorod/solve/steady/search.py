@@ -6,17 +6,18 @@ import numpy as np
 
 from viscorod.errors import InputError, SolveError
 from viscorod.model.settings import SteadySettings
-from viscorod.solve.loads import LoadState
-from viscorod.solve.newton import Outcome
-from viscorod.solve.problem import Problem
-from viscorod.solve.static import StaticSolver
-from viscorod.solve.steady import guess, path
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.external_loads import LoadState
+from viscorod.solve.problem.problem import Problem
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.solve.steady import continuation as path
+from viscorod.solve.steady import guess
 from viscorod.solve.steady.conditions import Holding, holding, no_loads
 from viscorod.solve.steady.equations import Measure
-from viscorod.solve.steady.geometric import GeometricSteady
-from viscorod.solve.steady.intrinsic import IntrinsicSteady
-from viscorod.solve.steady.rotation import SteadyRotation, described
-from viscorod.solve.steady.turning import (
+from viscorod.solve.steady.geometric_steady import GeometricSteady
+from viscorod.solve.steady.intrinsic_steady import IntrinsicSteady
+from viscorod.solve.steady.rigid_rotation import (
     Turning,
     coriolis,
     inertia_about,
@@ -25,7 +26,7 @@ from viscorod.solve.steady.turning import (
     rigid_twists,
     spatial_momenta,
 )
-from viscorod.solve.system import State
+from viscorod.solve.steady.steady_rotation import SteadyRotation, described
 from viscorod.typing import Floats
 
 STILL = 1e-9

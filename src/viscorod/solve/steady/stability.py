@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.linalg
 
-from viscorod.solve.steady.geometric import Small
-from viscorod.solve.steady.intrinsic import FirstOrder
-from viscorod.solve.steady.turning import Turning, rigid_twists
-from viscorod.solve.support_state import SupportState
-from viscorod.solve.system import State
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.system import State
+from viscorod.solve.steady.geometric_steady import Small
+from viscorod.solve.steady.intrinsic_steady import FirstOrder
+from viscorod.solve.steady.rigid_rotation import Turning, rigid_twists
 from viscorod.typing import Floats
 
 SLOW = 1e-4

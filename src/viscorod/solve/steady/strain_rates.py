@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.attachment import link_map
-from viscorod.mechanics.internal_force import Elements
-from viscorod.solve.rigid import skew
+from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.mechanics.nodes.attached_poses import link_map
+from viscorod.solve.constraints.rigid_motions import skew
 from viscorod.typing import Floats
 
 

@@ -1,0 +1,1 @@
+"""Put the solvers together: from a model and settings to a result, one module per analysis."""

@@ -1,0 +1,320 @@
+"""What a model is before it is solved: sizes, stiffness and damping, first modes, doubts about validity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from viscorod.analyses.modal_damping import with_known_times
+from viscorod.mechanics.compilation.compiled import announce_compilation
+from viscorod.mechanics.elements import geometric_element as geometric
+from viscorod.model.bodies.body_base import AnyBody
+from viscorod.model.connections.joint_base import AnyJoint, ResolvedJoint
+from viscorod.model.connections.spring import AnySpring, ResolvedSpring
+from viscorod.model.connections.spring_laws import Laws
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.model.fields.definition import some_of
+from viscorod.model.rod import Rod
+from viscorod.model.settings import AnySettings, SimulateSettings, SteadySettings
+from viscorod.model.settings_checks import require_fit
+from viscorod.solve.constraints.rigid_motions import free_motions
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
+from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.problem.problem import Problem
+from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.solve.steady.conditions import require as require_steady
+from viscorod.typing import Floats
+
+MODES = 6
+THICK = 0.1
+"""Half width times curvature above which a rod is no slender rod any more (LLT 2.2: much smaller than 1)."""
+QUICK = 0.5
+"""First angular frequency times retardation time above which Kelvin-Voigt is doubtful (LLT 2.6)."""
+
+SMALL = 1e-4
+"""Couplings of a section smaller than this fraction of the root of their diagonal entries are not shown."""
+
+COMPONENTS = ("shear 1", "shear 2", "stretch", "bend 1", "bend 2", "twist")
+
+
+@dataclass(frozen=True)
+class CheckReport:
+    """The model in tables.
+
+    Attributes:
+        rods: name, length [m], mass [kg], elements, order of every rod.
+        sections: stiffness [N, N m^2] and retardation time [s] of every strain, at the start of every rod and
+            where it changes; "held" in place of the stiffness of strains that the rod holds; couplings of strains
+            in stiffness and damping, and the mass centre [m], where they are not zero.
+        bodies: name, mass [kg], principal inertia [kg m^2] of every rigid body.
+        joints: name, kind, places, motions that are free or driven, where it is and its gap [m] in the reference shape.
+        springs: name, kind, places, motions with stiffness and damping.
+        frequencies: of the first small vibrations about the unloaded shape [Hz]; damping_ratios: of the same.
+        warnings: doubts, one sentence each.
+        nodes, unknowns: size of the discretised model; conditions: number of those that joints and held strains make.
+        linear_solver: how its linear systems are factorised.
+        materials: moduli [Pa], retardation times [s] and number of Maxwell branches of the rods with a material.
+        assumptions: what was assumed of their damping, one sentence each.
+    """
+
+    rods: list[dict[str, object]]
+    sections: list[dict[str, object]]
+    frequencies: Floats
+    damping_ratios: Floats
+    warnings: list[str]
+    nodes: int
+    unknowns: int
+    linear_solver: str
+    bodies: list[dict[str, object]] = field(default_factory=list)
+    joints: list[dict[str, object]] = field(default_factory=list)
+    springs: list[dict[str, object]] = field(default_factory=list)
+    conditions: int = 0
+    materials: list[dict[str, object]] = field(default_factory=list)
+    assumptions: list[str] = field(default_factory=list)
+
+
+def check(model: ModelDescription, settings: AnySettings | None = None) -> CheckReport:
+    """Validate a model, and the settings of an analysis of it, and describe it.
+
+    Raises:
+        InputError: the model is inconsistent, or the analysis cannot be made of it.
+    """
+    if isinstance(settings, SimulateSettings):
+        require_fit(model, settings)
+    model = with_known_times(model)
+    problem, solver, state = _prepared(model)
+    if isinstance(settings, SteadySettings):
+        require_steady(model, problem, settings)
+    n = problem.size
+    linear = linearise(solver, state, scale=0.0)
+    undamped = natural_frequencies(linear, 4 * MODES)
+    rigid = int(np.count_nonzero(undamped == 0.0))
+    modes = complex_modes(
+        solver, state, linear, MODES + 2 * rigid
+    )  # a rigid motion is two modes of frequency 0
+    lowest = float(undamped[undamped > 0.0].min(initial=np.inf)) / (2.0 * np.pi)
+    moving = modes.frequencies > 1e-3 * lowest
+    frequencies, ratios = modes.frequencies[moving][:MODES], modes.damping_ratios[moving][:MODES]
+    return CheckReport(
+        rods=[_rod_row(problem, name, rod) for name, rod in model.rods.items()],
+        sections=[row for name, rod in model.rods.items() for row in _section_rows(name, rod)],
+        frequencies=frequencies,
+        damping_ratios=ratios,
+        warnings=_doubts(model, problem, frequencies, settled=True),
+        nodes=n,
+        unknowns=6 * n - int(problem.supports.fixed.sum()),
+        bodies=[_body_row(name, body) for name, body in model.bodies.items()],
+        joints=[
+            _joint_row(joint, given)
+            for joint, given in zip(model.resolved_joints(), model.joints, strict=True)
+        ],
+        springs=[
+            _spring_row(spring, given)
+            for spring, given in zip(model.resolved_springs(), model.springs, strict=True)
+        ],
+        conditions=solver.system.constraints.rows,
+        linear_solver=problem.plan.description,
+        materials=_material_rows(model),
+        assumptions=_assumptions(model),
+    )
+
+
+def doubts(model: ModelDescription, *, settled: bool) -> list[str]:
+    """Return the warnings of :func:`check` without the rest, quickly.
+
+    Args:
+        model: the model.
+        settled: whether a static equilibrium is wanted, so that motions which nothing holds matter.
+
+    Raises:
+        InputError: the model is inconsistent.
+    """
+    model = with_known_times(model)
+    problem, solver, state = _prepared(model)
+    linear = linearise(solver, state, scale=0.0)
+    frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
+    return _doubts(model, problem, frequencies[frequencies > 0.0], settled=settled)
+
+
+def _prepared(model: ModelDescription) -> tuple[Problem, StaticSolver, State]:
+    problem = discretise(model)
+    announce_compilation(geometric.assemble)
+    solver = StaticSolver(GeometricSystem(problem), SupportState(problem))
+    return problem, solver, State.reference(problem)
+
+
+def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, settled: bool) -> list[str]:
+    """Doubts about the rods, and about motions of the given frequencies [Hz, increasing]."""
+    warnings = [text for name, rod in model.rods.items() for text in _rod_warnings(name, rod)]
+    free = free_motions(problem) if settled else []
+    if free:
+        motions = "; ".join(motion.text for motion in free)
+        warnings.append(
+            f"nothing holds the model against {motions}: no static equilibrium under loads that drive them"
+        )
+    return warnings + _speed_warnings(model, frequencies)
+
+
+def _material_rows(model: ModelDescription) -> list[dict[str, object]]:
+    """Materials of the rods; times are those of slow motion."""
+    return [
+        {
+            "material of rod": name,
+            "Young's modulus [Pa]": rod.material.youngs_modulus,
+            "Poisson's ratio": rod.material.poissons_ratio,
+            "extensional time [s]": rod.material.extensional_time,
+            "shear time [s]": rod.material.shear_time,
+            "bulk time [s]": rod.material.bulk_time,
+            "Maxwell branches": len(rod.material.branches),
+        }
+        for name, rod in model.rods.items()
+        if rod.material is not None
+    ]
+
+
+def _assumptions(model: ModelDescription) -> list[str]:
+    """What was assumed of the damping; the same of several rods once."""
+    rods: dict[str, list[str]] = {}
+    for name, rod in model.rods.items():
+        for text in rod.material.assumptions if rod.material is not None else ():
+            rods.setdefault(text, []).append(name)
+    return [
+        f"{'rod' if len(names) == 1 else 'rods'} {some_of(names)}: {text}" for text, names in rods.items()
+    ]
+
+
+def _rod_row(problem: Problem, name: str, rod: Rod) -> dict[str, object]:
+    index = problem.rods.index(name)
+    part = next(s for s in problem.sets if (s.rod == index).any())
+    elements = int(np.count_nonzero(part.rod == index))
+    return {
+        "rod": name,
+        "length [m]": rod.length,
+        "mass [kg]": rod.mass,
+        "elements": elements,
+        "order": part.order,
+    }
+
+
+def _body_row(name: str, body: AnyBody) -> dict[str, object]:
+    principal = np.linalg.eigvalsh(body.inertia_matrix())
+    return {
+        "body": name,
+        "mass [kg]": body.total_mass(),
+        **{f"inertia {k} [kg m2]": float(value) for k, value in enumerate(principal, 1)},
+        "points": ", ".join(body.points),
+    }
+
+
+def _joint_row(joint: ResolvedJoint, given: AnyJoint) -> dict[str, object]:
+    motions = [f"{word}(t)" if word in joint.motion else word for word in joint.free]
+    return {
+        "joint": given.name or "",
+        "kind": joint.kind,
+        "a - b": f"{given.a} - {given.b}",
+        "free or driven": ", ".join(motions) or "none",
+        "where [m]": _point(joint.at_a),
+        "gap [m]": float(np.linalg.norm(joint.gap)),
+    }
+
+
+def _spring_row(spring: ResolvedSpring, given: AnySpring) -> dict[str, object]:
+    # the motion word of a line only says that it acts along itself
+    def text(laws: Laws) -> str:
+        shown = [(word, "function" if callable(law) else f"{law:.6g}") for word, law in laws.items()]
+        return ", ".join(value if spring.kind == "line" else f"{word} {value}" for word, value in shown)
+
+    return {
+        "spring": given.name or "",
+        "kind": spring.kind,
+        "places": " - ".join(given.ends),
+        "stiffness [N/m, N m/rad]": text(spring.stiffness),
+        "damping [N s/m, N m s/rad]": text(spring.damping),
+    }
+
+
+def _point(position: Floats) -> str:
+    return f"({', '.join(f'{value + 0.0:.4g}' for value in position)})"
+
+
+def _section_rows(name: str, rod: Rod) -> list[dict[str, object]]:
+    rows = []
+    for s in (0.0, *rod.section_breaks):
+        C, D, M = rod.matrices_at(s)
+        row: dict[str, object] = {"section": f"{name}@{s:.6g}", "mass per length [kg/m]": float(M[0, 0])}
+        held = rod.constrained_strains
+        for i, component in enumerate(COMPONENTS):
+            row[f"{component} stiffness [{'N' if i < 3 else 'N m2'}]"] = "held" if held[i] else float(C[i, i])
+        branches = rod.branches_at(s)[1]
+        if len(branches):  # what is in motion much faster than all relaxation times
+            fast = C + branches.sum(axis=0)
+            for i, component in enumerate(COMPONENTS):
+                unit = "N" if i < 3 else "N m2"
+                row[f"{component} stiffness in fast motion [{unit}]"] = "" if held[i] else float(fast[i, i])
+        if D.any() or not len(branches):
+            for i, component in enumerate(COMPONENTS):
+                row[f"{component} time [s]"] = "" if held[i] else float(D[i, i] / C[i, i])
+        row |= _couplings("coupling", "", C, held) | _couplings("viscous coupling", " s", D, held)
+        offset = np.array([M[1, 5], -M[0, 5]]) / M[0, 0]
+        if np.hypot(*offset) > SMALL * np.sqrt(M[5, 5] / M[0, 0]):
+            x, y = np.where(np.abs(offset) > 1e-9 * np.abs(offset).max(), offset, 0.0)
+            row["mass centre [m]"] = f"({x:.4g}, {y:.4g})"
+        rows.append(row)
+    return rows
+
+
+def _couplings(word: str, per: str, matrix: Floats, held: tuple[bool, ...]) -> dict[str, object]:
+    """The entries beside the diagonal that are not small against those on it, of strains that are free."""
+    found: dict[str, object] = {}
+    for i, first in enumerate(COMPONENTS):
+        for j in range(i + 1, 6):
+            size = np.sqrt(matrix[i, i]) * np.sqrt(matrix[j, j])
+            if not (held[i] or held[j]) and abs(matrix[i, j]) > SMALL * size:
+                unit = ("N", "N m", "N m2")[(i > 2) + (j > 2)]
+                found[f"{first} & {COMPONENTS[j]} {word} [{unit}{per}]"] = float(matrix[i, j])
+    return found
+
+
+def _rod_warnings(name: str, rod: Rod) -> list[str]:
+    """Slenderness of the reference shape: half width times curvature (LLT 2.2)."""
+    s = np.linspace(0.0, rod.length, 201)
+    curvature = np.linalg.norm(rod.centreline.curvature(s), axis=1)
+    warnings = []
+    section = rod.section_at(0.0)
+    half = section.half_width
+    if half is not None:
+        worst = float(half * curvature.max())
+        if worst > THICK:
+            warnings.append(
+                f"rod {name}: half width times curvature of the reference shape is {worst:.2g}; "
+                "a rod model is meant for values much smaller than 1"
+            )
+        if half > 0.1 * rod.length:
+            warnings.append(
+                f"rod {name}: its half width is {half / rod.length:.2g} of its length; "
+                "a rod model is meant for slender bodies"
+            )
+    warnings.extend(f"rod {name}: {remark}" for remark in section.remarks())
+    return warnings
+
+
+def _speed_warnings(model: ModelDescription, frequencies: Floats) -> list[str]:
+    """Retardation times against the slowest motion (LLT 2.6)."""
+    if not len(frequencies):
+        return []
+    omega = 2 * np.pi * float(frequencies[0])
+    warnings = []
+    for name, rod in model.rods.items():
+        C, D, _ = rod.matrices_at(0.0)
+        free = ~np.array(rod.constrained_strains)
+        time = float(np.max((np.diag(D) / np.diag(C))[free], initial=0.0))
+        if omega * time > QUICK:
+            warnings.append(
+                f"rod {name}: first angular frequency times longest retardation time is {omega * time:.2g}; "
+                "Kelvin-Voigt damping is meant for motions much slower than the material's relaxation"
+            )
+    return warnings

@@ -1,0 +1,216 @@
+"""A model that another program moves step by step: forces in, motion out, and back to an earlier state on request."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from viscorod.analyses.discrete import Workplace
+from viscorod.analyses.transient import TOLERANCE, described, initial_state, stepping
+from viscorod.errors import InputError, SolveError
+from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.model.actions.time_table import Function
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.model.settings import SimulateSettings
+from viscorod.model.settings_checks import require_fit
+from viscorod.results.result_places import Site
+from viscorod.results.run import Run
+from viscorod.solve.history import StationReader
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.saved_state import Tree
+from viscorod.solve.transient.step_control import ErrorControl
+from viscorod.solve.transient.transient_solver import Transient
+from viscorod.typing import Floats
+
+__all__ = ["System"]
+
+LONGEST = 1e6
+"""Simulated time [s] for which settings are checked; a coupled run has no end of its own."""
+
+
+class System:
+    """A model between two steps of a coupled simulation.
+
+    At each step, forces and moments at the ports are constant; the model's own loads and prescribed motions go on as
+    they are. Within a step the integrator takes steps of its own.
+
+    Args:
+        model: what is computed.
+        ports: places of it where the other program acts, such as "beam.end".
+        attrs: attributes of the result; settings: as of ``Model.simulate``, without a duration.
+
+    Raises:
+        InputError: the model or a setting is wrong, or a port is no place.
+
+    Attributes:
+        time: reached so far [s].
+    """
+
+    def __init__(
+        self,
+        model: ModelDescription,
+        ports: Sequence[str] = (),
+        *,
+        attrs: dict[str, Any] | None = None,
+        **settings: Any,
+    ) -> None:
+        self._values = {port: np.zeros(6) for port in ports}
+        coupled = type(model).of(**model.parts())
+        coupled.loads = list(model.loads)
+        for port in ports:
+            for component in range(3):
+                axis = tuple(float(k == component) for k in range(3))
+                coupled.force(port, axis, time=Function(self._component(port, component)))
+                coupled.moment(port, axis, time=Function(self._component(port, 3 + component)))
+        if settings.get("integrator", "radau") == "radau":
+            settings = {"tolerance": TOLERANCE, **settings}
+        self.settings = SimulateSettings(duration=LONGEST, **settings)
+        require_fit(coupled, self.settings)
+        self._work = work = Workplace.of(coupled, self.settings.formulation, self.settings.damping)
+        self._attrs = attrs or {}
+        state = initial_state(work, self.settings)
+        integrator, control, self._chosen = stepping(work, self.settings, state)
+        self._transient = Transient(work.problem, integrator, control, work.system.worst_place)
+        self._reader = StationReader(work.problem)
+        self._sites: dict[str, Site] = {}
+        self._changed = False
+        self._transient.begin(state)
+        self._state: tuple[Floats, ...] | None = None
+
+    def _component(self, port: str, component: int) -> Any:
+        values = self._values[port]
+        return lambda _: float(values[component])
+
+    @property
+    def time(self) -> float:
+        """Time reached so far [s]."""
+        return float(self._transient.integrator.t)
+
+    # --- in
+
+    def apply(
+        self,
+        port: str,
+        force: Sequence[float] | Floats = (0.0, 0.0, 0.0),
+        moment: Sequence[float] | Floats = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Let a force [N] and a moment [N m], global axes, act at a port from now on.
+
+        Raises:
+            InputError: no such port, or no three finite numbers.
+        """
+        if port not in self._values:
+            known = ", ".join(self._values) or "none was named"
+            raise InputError(f"{port!r} is no port of this system; the ports are: {known}")
+        try:
+            wrench = np.concatenate([np.asarray(force, dtype=float), np.asarray(moment, dtype=float)])
+        except (TypeError, ValueError):
+            wrench = np.zeros(0)
+        if wrench.shape != (6,) or not np.isfinite(wrench).all():
+            raise InputError(
+                f"force = {force!r}, moment = {moment!r} at {port}: give three finite numbers each, N and N m"
+            )
+        self._changed = self._changed or not np.array_equal(wrench, self._values[port])
+        self._values[port][:] = wrench
+
+    # --- on
+
+    def step(self, duration: float) -> None:
+        """Go on by ``duration`` [s] > 0.
+
+        Raises:
+            InputError: no such duration. SolveError: the motion could not be followed; ``run`` holds it up to there.
+        """
+        if not (isinstance(duration, int | float | np.number) and 0.0 < duration < math.inf):
+            raise InputError(f"duration = {duration!r}: give a time > 0, s")
+        transient, control = self._transient, self._transient.control
+        if isinstance(control, ErrorControl):
+            control.duration = float(duration)  # of which the smallest step is a part
+        corners, jumps = transient.corners(self.time, self.time + float(duration))
+        for corner in corners:
+            if self._changed or self.time in jumps:
+                transient.restart(self.time)
+                self._changed = False
+            begun = transient.effort.steps > 0
+            control.begin(
+                self.time, corner, first=None if begun else transient.integrator.first_step(float(duration))
+            )
+            self._state = None
+            if not transient.reach(corner):
+                self._fail()
+
+    def _fail(self) -> None:
+        result = self._transient.result
+        assert result.report is not None
+        message = (
+            f"The motion could not be followed beyond t = {self.time:.6g} s: {result.outcome.value}."
+            f"{self._work.where(result.report)} What to try: {result.outcome.advice(static=False)}."
+        )
+        raise SolveError(message, self._run(result.outcome, message))
+
+    # --- out
+
+    def position(self, place: str) -> Floats:
+        """Position of a place (3,) [m], global axes."""
+        return self._at(place, 0)
+
+    def velocity(self, place: str) -> Floats:
+        """Velocity of a place (3,) [m/s], global axes."""
+        return self._at(place, 2)
+
+    def frame(self, place: str) -> Floats:
+        """Directions d1, d2, d3 of a place (columns) in global axes (3, 3)."""
+        quaternions = self._fields()[1]
+        return np.asarray(matrices(self._site(place).rotation(quaternions)[None])[0])
+
+    def angular_velocity(self, place: str) -> Floats:
+        """Angular velocity of a place (3,) [rad/s], global axes."""
+        return np.asarray(self.frame(place) @ self._at(place, 3))
+
+    def _at(self, place: str, field: int) -> Floats:
+        return self._site(place).of(self._fields()[field])
+
+    def _site(self, place: str) -> Site:
+        if place not in self._sites:
+            self._sites[place] = self._work.site(place)
+        return self._sites[place]
+
+    def _fields(self) -> tuple[Floats, ...]:
+        if self._state is None:
+            state = self._transient.integrator.state
+            self._state = self._reader.read(state.r, state.q, state.twist)
+        return self._state
+
+    # --- back
+
+    def saved(self) -> Tree:
+        """Return the present state, to come back to it: a step of an implicit coupling is taken again and again."""
+        values = {port: wrench.copy() for port, wrench in self._values.items()}
+        history = self._transient.result.history
+        return self._transient.saved(), values, self._changed, history.count
+
+    def restore(self, state: Tree) -> None:
+        """Come back to a state that :meth:`saved` returned; what was recorded since then is forgotten."""
+        tree, values, self._changed, count = state
+        self._transient.resume(tree)
+        for port, wrench in values.items():
+            self._values[port][:] = wrench
+        self._transient.result.history.forget(count)
+        self._state = None
+
+    # --- the end
+
+    def run(self) -> Run:
+        """Return the motion so far."""
+        return self._run(Outcome.COMPLETED, "")
+
+    def _run(self, outcome: Outcome, message: str) -> Run:
+        self._transient.count()
+        work = self._work
+        work.history = self._transient.result.history
+        attrs = self._attrs | self._chosen | {"message": message}
+        attrs |= described(work, self._transient, self.settings, outcome, attrs)
+        return Run(work.dataset("simulate", attrs))

@@ -1,0 +1,147 @@
+"""Kelvin-Voigt materials in place of Prony series and measured moduli, and how far they are off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from viscorod.errors import InputError, Problem
+from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.values import numbers
+from viscorod.model.materials.complex_moduli import ComplexModuli
+from viscorod.model.materials.material import Material
+from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, nearest_kelvin_voigt
+from viscorod.model.materials.relaxation_modulus import Complexes, Relaxation
+from viscorod.results.kelvin_voigt_fit import KelvinVoigtFit
+from viscorod.typing import Floats
+
+__all__ = ["kelvin_voigt_fit"]
+
+OUTSIDE = 100.0
+"""How far beyond the relaxation times a comparison goes if no band is given."""
+
+
+def kelvin_voigt_fit(
+    material: Material | Relaxation,
+    band: Sequence[float] | None = None,
+    *,
+    strain: str = "extension",
+    fit: str = "best",
+    keep_modulus: bool = False,
+) -> KelvinVoigtFit:
+    """Fit a Kelvin-Voigt solid to a material and compare the two over a band.
+
+    "low_frequency" is the limit of slow motion, M = M_inf and eta = sum M_j tau_j (Linn, Lang and Tuganov 2013,
+    section 2.6), of a table its rows up to twice the lowest frequency. "best" has the least mean square of
+    ``|M* - fit|/|M*|`` over the logarithm of the frequency: M is the mean of the storage modulus, eta the slope of the
+    loss modulus, both weighted with ``1/|M*|^2``.
+
+    Args:
+        material: with a Prony series or a table of complex moduli; or a relaxation modulus.
+        band: lowest and highest frequency, Hz. Left out, all rows of a table; of a Prony series, from a hundredth of
+            the slowest to a hundred times the fastest relaxation.
+        strain: "extension" or "shear".
+        fit: "best" or "low_frequency".
+        keep_modulus: keep the modulus in equilibrium, and fit the viscosity alone.
+
+    Raises:
+        InputError: the material has no Prony series or table, or a word or the band is wrong.
+    """
+    for key, word, words in (
+        ("strain", strain, ("extension", "shear")),
+        ("fit", fit, ("best", "low_frequency")),
+    ):
+        if word not in words:
+            raise InputError(
+                Problem(key, show(word), "no such word", f"give one of {', '.join(map(repr, words))}")
+            )
+    source = _source(material, strain)
+    if isinstance(source, Relaxation):
+        omega = band_of(_checked(band) or _around(source))
+        modulus = source.complex_modulus(omega)
+        slow = Viscous(source.equilibrium, source.viscosity)
+    else:
+        omega, modulus = source
+        lowest = omega <= 2.0 * omega[0]
+        slow = nearest_kelvin_voigt(omega[lowest], modulus[lowest])
+        if (given := _checked(band)) is not None:
+            inside = (omega >= 2.0 * math.pi * given[0] * (1 - 1e-9)) & (
+                omega <= 2.0 * math.pi * given[1] * (1 + 1e-9)
+            )
+            if np.count_nonzero(inside) < 2:
+                found = f"{np.count_nonzero(inside)} rows of the table are there"
+                raise InputError(Problem("band", show(list(given)), found, "give a wider band"))
+            omega, modulus = omega[inside], modulus[inside]
+    found_fit = slow if fit == "low_frequency" else nearest_kelvin_voigt(omega, modulus)
+    if keep_modulus:
+        found_fit = Viscous(_equilibrium(material, strain, slow), found_fit.viscosity)
+    return KelvinVoigtFit(
+        strain, fit, found_fit.modulus, found_fit.viscosity, omega / (2.0 * math.pi), modulus
+    )
+
+
+def _source(material: Any, strain: str) -> Relaxation | tuple[Floats, Complexes]:
+    """What is known of the modulus in a strain."""
+    if isinstance(material, Relaxation):
+        return material
+    if not isinstance(material, Material):
+        raise InputError(
+            Problem("material", show(material), "this is no material", "give a Material or a Relaxation")
+        )
+    damping = material.damping
+    if isinstance(damping, ComplexModuli):
+        if strain not in damping.tables:
+            (known,) = damping.tables
+            raise InputError(
+                Problem(
+                    "strain", show(strain), f"the table of this material is one of {known}", f"give {known!r}"
+                )
+            )
+        table = damping.tables[strain]
+        return table.omega, table.storage + 1j * table.loss
+    found = material.relaxation(strain)
+    if found is None or not found.times:
+        raise InputError(
+            Problem(
+                "material",
+                type(damping).__name__ if damping is not None else "no damping",
+                "this material is Kelvin-Voigt or elastic already; there is nothing to compare it with",
+                "give a material with a Prony series or a table of complex moduli",
+            )
+        )
+    return found
+
+
+def _equilibrium(material: Material | Relaxation, strain: str, slow: Viscous) -> float:
+    if isinstance(material, Relaxation):
+        return slow.modulus
+    return material.youngs_modulus if strain == "extension" else material.shear_modulus
+
+
+def _around(relaxation: Relaxation) -> tuple[float, float]:
+    if not relaxation.times:
+        raise InputError(Problem("material", "", "nothing relaxes", "give a Relaxation with terms"))
+    slowest, fastest = relaxation.times[-1], relaxation.times[0]
+    return 1.0 / (2.0 * math.pi * OUTSIDE * slowest), OUTSIDE / (2.0 * math.pi * fastest)
+
+
+def _checked(band: Sequence[float] | None) -> tuple[float, float] | None:
+    if band is None:
+        return None
+    try:
+        low, high = numbers(band, count=2)
+    except RefusedError as error:
+        raise InputError(Problem("band", show(band), error.why, error.instead)) from None
+    if not 0.0 < low < high:
+        raise InputError(
+            Problem(
+                "band",
+                show(band),
+                "a band goes from a lower to a higher frequency",
+                "give (low, high) in Hz, > 0",
+            )
+        )
+    return low, high

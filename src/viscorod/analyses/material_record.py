@@ -1,0 +1,61 @@
+"""What a result keeps of its materials: the assumptions about their damping, and the laws it was computed with."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import numpy as np
+
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.model.materials.material import Material
+from viscorod.model.materials.relaxation_modulus import Relaxation
+from viscorod.model.rod import Rod
+
+__all__ = ["material_record"]
+
+
+def material_record(model: ModelDescription) -> dict[str, str]:
+    """Attributes of a data set, as JSON by rod.
+
+    ``damping_assumptions`` are sentences. ``damping_laws`` have ``times``, the retardation times [s] of the six strains
+    at the start of the rod (None where it holds them or a Maxwell branch damps them); and, if it is known what a
+    Kelvin-Voigt material stands for, ``extension`` and ``shear`` with ``modulus`` [Pa], ``viscosity`` [Pa s] and the
+    Prony series: ``equilibrium`` [Pa], ``moduli`` [Pa], ``times`` [s].
+    """
+    sentences = {
+        name: list(rod.material.assumptions) for name, rod in model.rods.items() if rod.material is not None
+    }
+    laws = {name: _law(rod) for name, rod in model.rods.items()}
+    return {"damping_assumptions": json.dumps(sentences), "damping_laws": json.dumps(laws)}
+
+
+def _law(rod: Rod) -> dict[str, Any]:
+    C, D, _ = rod.matrices_at(0.0)
+    relaxing = len(rod.branches_at(0.0)[0]) > 0
+    times = [
+        None if held or relaxing else float(time)
+        for held, time in zip(rod.constrained_strains, np.diag(D) / np.diag(C), strict=True)
+    ]
+    law: dict[str, Any] = {"times": times, "maxwell": relaxing}
+    if rod.material is not None and not relaxing:
+        law |= _series(rod.material)
+    return law
+
+
+def _series(material: Material) -> dict[str, Any]:
+    found = {}
+    for strain, modulus, viscosity in (
+        ("extension", material.youngs_modulus, material.extensional_viscosity),
+        ("shear", material.shear_modulus, material.shear_viscosity),
+    ):
+        relaxation = material.relaxation(strain)
+        if isinstance(relaxation, Relaxation):
+            found[strain] = {
+                "modulus": modulus,
+                "viscosity": viscosity,
+                "equilibrium": relaxation.equilibrium,
+                "moduli": list(relaxation.moduli),
+                "times": list(relaxation.times),
+            }
+    return found

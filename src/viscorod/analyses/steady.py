@@ -1,0 +1,119 @@
+"""The analysis of steady rotations: from a model and settings to a result."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.errors import InputError, SolveError
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.model.settings import SteadySettings
+from viscorod.results.dataset import dataset
+from viscorod.results.result import Result
+from viscorod.results.steady_result import Steady
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.problem.problem import Problem
+from viscorod.solve.statics.newton import interruption
+from viscorod.solve.steady.conditions import require
+from viscorod.solve.steady.search import Search
+from viscorod.solve.steady.steady_poses import nodal_state
+from viscorod.solve.steady.steady_rotation import SteadyRotation
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from viscorod.analyses.discrete import Workplace
+
+__all__ = ["steady_rotation"]
+
+
+def steady_rotation(
+    work: Workplace,
+    model: ModelDescription,
+    settings: SteadySettings,
+    start: Result | None,
+    attrs: dict[str, Any],
+) -> Steady:
+    """Find a steady rotation; see ``Model.steady``."""
+    problem = work.problem
+    require(model, problem, settings)
+    first = None if start is None else last_state(problem, start)
+    search = Search(work.static, settings, first)
+    try:
+        found = search.run()
+    except KeyboardInterrupt as asked:
+        text = f"Stopped after {search.effort.iterations} iterations: {interruption(asked)}"
+        raise SolveError(text) from None
+    return Steady(_dataset(work, settings, found, attrs))
+
+
+def last_state(problem: Problem, start: Result) -> State:
+    """Return the last state of a result on the nodes of a problem.
+
+    Raises:
+        InputError: the result belongs to another mesh.
+    """
+    if not isinstance(start, Result):
+        raise InputError(f"start = {start!r}: give a result, such as that of simulate")
+    position = start.field("position", states=-1)
+    rotation = np.asarray(start.data["rotation"].values, dtype=float)[-1]
+    stations = problem.stations
+    count = len(stations.nodes) + len(problem.bodies.names)
+    if position.shape != (count, 3) or not np.allclose(
+        start.data["station_s"].values[: len(stations.s)], stations.s, rtol=1e-9, atol=0.0
+    ):
+        raise InputError(
+            f"start: it has {len(position)} stations, this model {count}, or they lie elsewhere; "
+            "give a result of a model with the same rods, elements and order"
+        )
+    still = "velocity" not in start.data
+    velocity = np.zeros_like(position) if still else start.field("velocity", states=-1)
+    spin = np.zeros_like(position) if still else np.asarray(start.data["angular_velocity"].values)[-1]
+    return nodal_state(problem, position, rotation, velocity, spin)
+
+
+def _dataset(
+    work: Workplace, settings: SteadySettings, found: SteadyRotation, attrs: dict[str, Any]
+) -> xr.Dataset:
+    """One state along the dimension ``spin``, with what is special to a rotation."""
+    history = History()
+    snapshot = Snapshot(
+        found.state,
+        found.strain,
+        np.zeros_like(found.strain),
+        found.section_force,
+        found.reaction,
+        found.kinetic,
+        found.elastic,
+    )
+    account = EnergyAccount(kinetic=found.kinetic, elastic=found.elastic)
+    history.record(float(np.linalg.norm(found.spin)), snapshot, account, 0.0, found.iterations)
+    stability = found.stability
+    s = stability.eigenvalues
+    complete = {
+        "message": "",
+        "outcome": "completed",
+        "scale_length": work.problem.length,
+        **work.materials,
+        "formulation": settings.formulation,
+        "damping": settings.damping,
+        "iterations": found.iterations,
+        "residual": found.gap,
+        "unstable": stability.unstable,
+        "neutral": stability.neutral,
+        "growth_rate": stability.growth,
+        "wall_time_s": time.perf_counter() - work.began,
+    } | attrs
+    data = dataset("steady", work.problem, work.system.gauss_positions(), history, complete)
+    kept = s[: settings.modes]
+    return data.assign(
+        spin_vector=("axis", found.spin),
+        joint_spin=("axis", found.body_spin),
+        centre=("axis", found.centre),
+        momentum=("axis", found.momentum),
+        eigenvalue=(("small_motion", "part"), np.column_stack([kept.real, kept.imag])),
+        part=["real", "imaginary"],
+    )

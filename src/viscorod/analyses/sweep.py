@@ -1,0 +1,320 @@
+"""Sweeps: one case with other values, several independent runs at a time."""
+
+from __future__ import annotations
+
+import copy
+import multiprocessing
+import os
+import re
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from viscorod.analyses.case_run import run_case
+from viscorod.casefile.case import Case, case_from_dict, load_case
+from viscorod.casefile.case_reader import TABLES
+from viscorod.errors import InputError, Problem, SolveError
+from viscorod.model.fields.definition import did_you_mean, show, some_of
+from viscorod.model.settings import SimulateSettings
+from viscorod.results.sweep_result import Member, Sweep
+
+__all__ = ["sweep"]
+
+Values: TypeAlias = Mapping[str, Sequence[Any]] | Sequence[Mapping[str, Any]]
+Progress: TypeAlias = Callable[[float], None]
+
+OUTPUTS = 200
+"""Stored states of a run whose case gives no output_interval."""
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+_POLL = 0.1  # seconds between two looks at the workers
+_KEY = re.compile(r"(?:^|\.)(?P<word>[\w-]+)|\[(?P<index>\d+)\]")
+
+
+def sweep(
+    case: Case | str | Path,
+    values: Values,
+    *,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Sweep:
+    """Compute a case several times, each time with other values, in parallel processes.
+
+    Runs are stored at common times: every ``output_interval`` of the case, or 200 times where it gives none. A member
+    that fails does not stop the others. In a script with more than one worker the call must stand under
+    ``if __name__ == "__main__":``, as processes that start import the script.
+
+    Args:
+        case: a case, or the path of its file; it must be right as it stands.
+        values: key -> its values, one per member, such as ``{"rods.beam.elements": [1, 2, 4]}``; several keys vary
+            together. Or a list of one mapping key -> value per member. Keys are those of the case file, with dots and
+            ``[number]`` for the entries of lists: ``"loads[0].value"``.
+        workers: number of processes; None takes one per processor, 1 computes in this process.
+        progress: called with the number of members done, fractions included.
+
+    Returns:
+        The members with their results, in the order of their values.
+
+    Raises:
+        InputError: a key or value is wrong; nothing has been computed.
+        SolveError: the sweep was interrupted; ``run`` holds the `Sweep` of what was computed.
+    """
+    if not isinstance(case, Case):
+        case = load_case(case)
+    rows = _rows(values)
+    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
+        raise InputError(
+            Problem("workers", show(workers), "a whole number of at least 1 is needed", "give 2")
+        )
+    contents, notes = _contents(case, rows)
+    jobs = [(content, case.title, case.source) for content in contents]
+    count = min(workers or os.cpu_count() or 1, len(jobs))
+    with _stopping() as stop:
+        found = _alone(jobs, stop, progress) if count == 1 else _parallel(jobs, count, stop, progress)
+        stopped = stop.is_set()
+    members = [Member(k, row, *parts) for k, (row, parts) in enumerate(zip(rows, found, strict=True))]
+    result = Sweep(members, case.title, notes)
+    if stopped:
+        raise SolveError(
+            f"The sweep was stopped; {len(result.completed)} of {len(rows)} members are done", result
+        )
+    return result
+
+
+def _rows(values: Values) -> list[dict[str, Any]]:
+    """The values of every member, plain numbers, texts and lists."""
+    advice = "give a key of the case file with a list of values: {'rods.beam.elements': [1, 2, 4]}"
+    if isinstance(values, Mapping):
+        columns = {str(key): _plain(column) for key, column in values.items()}
+        for key, column in columns.items():
+            if not isinstance(column, list | tuple) or not column:
+                raise InputError(Problem(key, show(column), "a list of values is needed here", advice))
+        lengths = {key: len(column) for key, column in columns.items()}
+        first, count = next(iter(lengths.items()), ("", 0))
+        for key, length in lengths.items():
+            if length != count:
+                found, why = f"{length} values", f"{first} has {count}; they vary together"
+                raise InputError(Problem(key, found, why, "give every key one value per member"))
+        rows = [{key: column[k] for key, column in columns.items()} for k in range(count)]
+    else:
+        rows = [{str(key): _plain(value) for key, value in row.items()} for row in values]
+        for k, row in enumerate(rows):
+            if list(row) != list(rows[0]):
+                found, why = f"the keys {', '.join(row)}", f"the first member has {', '.join(rows[0])}"
+                raise InputError(Problem(f"values[{k}]", found, why, "give all members the same keys"))
+    if not rows or not rows[0]:
+        raise InputError(Problem("values", show(values), "there is nothing to vary", advice))
+    return rows
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _contents(case: Case, rows: Sequence[Mapping[str, Any]]) -> tuple[list[dict[str, Any]], list[str]]:
+    """The content of a case file for every member, checked, and what was chosen for all of them."""
+    contents, notes = [], []
+    problems: dict[tuple[str, str], Problem] = {}
+    for row in rows:
+        content = copy.deepcopy(dict(case.content))
+        try:
+            for key, value in row.items():
+                _put(content, key, value)
+            member = case_from_dict(content, case.source)
+        except InputError as error:
+            for problem in error.problems:  # the same mistake in many members is told once
+                problems.setdefault((problem.where, problem.why), problem)
+            continue
+        settings = member.settings
+        if isinstance(settings, SimulateSettings) and "output_interval" not in content["simulate"]:
+            interval = settings.duration / OUTPUTS
+            content["simulate"]["output_interval"] = interval
+            notes.append(
+                f"output_interval = {interval:g} s, a {OUTPUTS}th of the duration: the case gives none"
+            )
+        contents.append(content)
+    if problems:
+        raise InputError(problems.values(), heading=str(case.source) if case.source else "case")
+    return contents, list(dict.fromkeys(notes))
+
+
+def _put(content: dict[str, Any], key: str, value: Any) -> None:
+    """Set one key of a case file's content; everything on the way to it must be there.
+
+    Raises:
+        InputError: something on the way is not there.
+    """
+    parts = [int(m["index"]) if m["index"] else m["word"] for m in _KEY.finditer(key)]
+    if "".join(m[0] for m in _KEY.finditer(key)) != key or not parts:
+        why, instead = "this is no key of a case file", 'write "rods.beam.elements" or "loads[0].value"'
+        raise InputError(Problem("values", show(key), why, instead))
+    place: Any = content
+    for k, part in enumerate(parts):
+        where = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in parts[: k + 1])[1:]
+        last = k + 1 == len(parts)
+        if isinstance(part, int):
+            if not isinstance(place, list) or part >= len(place):
+                size = len(place) if isinstance(place, list) else 0
+                found = f"a list of {size}" if isinstance(place, list) else show(place)
+                instead = f"give a number from 0 to {size - 1}" if size else "leave [..] out"
+                raise InputError(Problem(where, found, "there is no such entry", instead))
+        elif not isinstance(place, dict):
+            listed = (
+                "name an entry, the first is [0]" if isinstance(place, list) else "give the key before it"
+            )
+            raise InputError(Problem(where, show(place), "this has no keys of its own", listed))
+        elif part not in place and (not last or (k == 1 and parts[0] in TABLES)):
+            hint = did_you_mean(part, place, str)
+            raise InputError(Problem(where, "", "no such key", f"{hint}The keys here are {some_of(place)}"))
+        if last:
+            place[part] = value
+        else:
+            place = place[part]
+
+
+Job: TypeAlias = tuple[Mapping[str, Any], str, Path | None]
+Found: TypeAlias = tuple[Any, str, str]
+"""Result (or None), message and outcome of a member."""
+UNTOUCHED: Found = (None, "the sweep was stopped before it", "not run")
+
+
+STOPPED = "the sweep was stopped"
+
+
+def _compute(job: Job, progress: Callable[[float, float], None], stopped: Callable[[], bool]) -> Found:
+    """Do one member; whatever goes wrong is told, not raised."""
+    content, title, source = job
+    try:
+        case = case_from_dict({"title": title, **content}, source)
+        return (
+            run_case(case, progress=progress, stop=lambda: STOPPED if stopped() else ""),
+            "",
+            "completed",
+        )
+    except SolveError as error:
+        without = "interrupted" if stopped() else "failed"
+        return error.run, str(error), without if error.run is None else error.run.outcome
+    except InputError as error:
+        return None, str(error), "refused"
+    except KeyboardInterrupt:
+        return None, "interrupted from the keyboard", "interrupted"
+    except Exception as error:  # one member's defect must not cost the others their results
+        return None, f"{type(error).__name__}: {error}", "failed"
+
+
+def _total(job: Job) -> float:
+    return float(job[0]["simulate"]["duration"]) if "simulate" in job[0] else 1.0
+
+
+def _alone(jobs: Sequence[Job], stop: threading.Event, progress: Progress | None) -> list[Found]:
+    """One member after the other, in this process."""
+    found: list[Found] = []
+    for k, job in enumerate(jobs):
+        total = _total(job)
+
+        def on_step(reached: float, _step: float, *, k: int = k, total: float = total) -> None:
+            if progress is not None:
+                progress(k + min(reached / total, 1.0))
+
+        found.append(UNTOUCHED if stop.is_set() else _compute(job, on_step, stop.is_set))
+    return found
+
+
+def _parallel(
+    jobs: Sequence[Job], workers: int, stop: threading.Event, progress: Progress | None
+) -> list[Found]:
+    """All members on several processes, each with one thread."""
+    context = multiprocessing.get_context("spawn")
+    cells = context.Array(
+        "d", len(jobs) + 1, lock=False
+    )  # how far each member is; the last one tells all to stop
+    with ProcessPoolExecutor(workers, context, _prepare, (cells,)) as pool:
+        with _one_thread_each():
+            futures = [pool.submit(_work, k, job) for k, job in enumerate(jobs)]
+        pending = set(futures)
+        while pending:
+            _, pending = wait(pending, timeout=_POLL)
+            if stop.is_set():
+                cells[len(jobs)] = 1.0
+                for future in pending:
+                    future.cancel()
+            elif progress is not None:
+                done = (1.0 if future.done() else cells[k] for k, future in enumerate(futures))
+                progress(sum(done))
+    found = [_outcome(future) for future in futures]
+    if all(not f.cancelled() and isinstance(f.exception(), BrokenProcessPool) for f in futures):
+        raise InputError(
+            "sweep: no worker process could be started; in a script, call it under "
+            'if __name__ == "__main__":, or compute in one process with workers = 1'
+        )
+    return found
+
+
+_shared: list[Any] = []  # in a worker: the array that tells how far the members are
+
+
+def _prepare(cells: Any) -> None:
+    """Set up a worker: the parent alone answers the keyboard."""
+    _shared[:] = [cells]
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _work(k: int, job: Job) -> Found:
+    total = _total(job)
+    cells = _shared[0]
+
+    def stopped() -> bool:
+        return bool(cells[len(cells) - 1])
+
+    def on_step(reached: float, _step: float) -> None:
+        cells[k] = min(reached / total, 1.0)
+
+    return UNTOUCHED if stopped() else _compute(job, on_step, stopped)
+
+
+def _outcome(future: Future[Found]) -> Found:
+    if future.cancelled():
+        return UNTOUCHED
+    error = future.exception()
+    if error is not None:
+        return None, f"its process ended without a result ({error})", "failed"
+    return future.result()
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """Let processes that start here use one thread each: there are as many of them as processors."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@contextmanager
+def _stopping() -> Iterator[threading.Event]:
+    """An event that the first Ctrl-C sets; the second one does what it always does."""
+    stop = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield stop
+        return
+    before = signal.getsignal(signal.SIGINT)
+
+    def on_interrupt(_number: int, _frame: Any) -> None:
+        stop.set()
+        signal.signal(signal.SIGINT, before)
+
+    signal.signal(signal.SIGINT, on_interrupt)
+    try:
+        yield stop
+    finally:
+        signal.signal(signal.SIGINT, before)

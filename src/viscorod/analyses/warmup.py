@@ -1,0 +1,231 @@
+"""Compiling all kernels at once: a small model with everything that has a kernel of its own is computed."""
+
+from __future__ import annotations
+
+import gc
+import logging
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core import event
+
+from viscorod.analyses.discrete import Workplace
+from viscorod.analyses.model import Model
+from viscorod.analyses.transient import simulate
+from viscorod.mechanics.compilation.compiled import KERNELS, await_compilation, cache_folder, compile_aside
+from viscorod.model.actions.time_function import Ramp
+from viscorod.model.materials.material import KelvinVoigt, Material
+from viscorod.model.rod import Rod
+from viscorod.model.sections.section_shapes import Rectangle
+from viscorod.model.sections.stiffness_section import MaxwellBranch, StiffnessSection
+from viscorod.model.settings import SimulateSettings
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.registry import FORMULATIONS
+from viscorod.solve.transient.integrators import INTEGRATORS, Radau
+from viscorod.solve.transient.integrators.solved_step import try_step
+
+SIZE = 0.01
+"""Length of the rods [m]: small enough to need the scaling of the linear algebra."""
+GEOMETRIC = (("geometric", "full"),)
+RELAXING = (("geometric", "full"), ("intrinsic", "full"))
+SPAN = 1e-5
+"""Simulated time [s]; a few steps do."""
+
+
+@dataclass(frozen=True)
+class WarmUp:
+    """What a warm-up did.
+
+    Attributes:
+        seconds: how long it took.
+        compiled: number of kernels that had to be compiled; 0 if all were on disk.
+        folders: where machine code is kept.
+    """
+
+    seconds: float
+    compiled: int
+    folders: tuple[Path, ...]
+
+
+def kernels() -> list[Any]:
+    """All kernels, as Numba's dispatchers."""
+    return list(KERNELS)
+
+
+def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
+    """Compile every kernel that is not on disk yet.
+
+    Args:
+        progress: called with the number of kernels that are ready, as they are compiled.
+    """
+    begin = time.perf_counter()
+    before = _misses()
+    with _watched(progress), _unannounced():
+        compile_aside()
+        model = small_model()
+        model.equilibrium()
+        model.modes(1)
+        _simulate(model, "generalized_alpha")
+        transients(model)
+        assembly = small_assembly()
+        assembly.equilibrium()
+        assembly.modes(1)
+        relaxing = small_relaxing()
+        relaxing.modes(1)
+        for integrator in INTEGRATORS:
+            _simulate(assembly, integrator)
+            formulations = GEOMETRIC if integrator == "generalized_alpha" else RELAXING
+            _simulate(relaxing, integrator, formulations)
+        await_compilation()
+    if progress is not None:
+        progress(_ready())  # what the second process compiled was only read here
+    found = cache_folder()
+    folders = (found,) if found else tuple(dict.fromkeys(Path(kernel.stats.cache_path) for kernel in KERNELS))
+    return WarmUp(time.perf_counter() - begin, _misses() - before, folders)
+
+
+def transients(model: Model) -> None:
+    """Run every integrator, from the reference shape: that needs no kernels of statics."""
+    for integrator in INTEGRATORS:
+        _simulate(model, integrator, GEOMETRIC if integrator == "generalized_alpha" else tuple(FORMULATIONS))
+
+
+def _simulate(model: Model, integrator: str, formulations: Iterable[tuple[str, str]] = GEOMETRIC) -> None:
+    given = {
+        "duration": SPAN,
+        "time_step": 0.5 * SPAN,
+        "integrator": integrator,
+        "initial": "reference",
+        "output_interval": 0.2 * SPAN,
+    }
+    for formulation in formulations:
+        simulate(Workplace.of(model, *formulation), SimulateSettings.model_validate(given), None, {})
+
+
+def small_model() -> Model:
+    """Two damped rods with a rigid corner, and every kind of support and load."""
+    material = Material(1e9, poissons_ratio=0.3, density=1000.0, damping=KelvinVoigt(1e-4, 1e-4))
+    section = Rectangle(0.1 * SIZE, 0.1 * SIZE)
+
+    def rod(start: tuple[float, float, float], end: tuple[float, float, float]) -> Rod:
+        return Rod.straight(start, end, section=section, material=material, elements=1, order=2)
+
+    model = Model()
+    model.add("post", rod((0, 0, 0), (0, 0, SIZE)))
+    model.add("beam", rod((0, 0, SIZE), (SIZE, 0, SIZE)))
+    model.attach("post.end", "beam.start")
+    still = Ramp(0.0, SPAN, 0.0)
+    model.clamp("post.start", motion={"rz": still})
+    model.support("beam.end", fixed=["uy"], motion={"rx": still})
+    model.gravity()
+    model.force("beam.end", (0, 0, 1e-3), following=True)
+    model.moment(f"beam@{0.3 * SIZE}", (1e-6, 0, 0))
+    model.distributed_force("beam", (0, 0, 1e-3))
+    model.moving_force("beam", (0, 0, 1e-3), speed=0.5 * SIZE / SPAN)
+    return model
+
+
+def small_assembly() -> Model:
+    """A rod that does not shear on a hinge, and a spring: joints and held strains change what is compiled."""
+    model = soft_model()
+    beam = model.rods["beam"]
+    model.rods["beam"] = beam.model_copy(update={"constraints": ("unshearable",)})
+    model.add(
+        "arm", Rod.straight((SIZE, 0, 0), (2 * SIZE, 0, 0), section=beam.section, material=beam.material)
+    )
+    model.revolute("arm.start", "beam.end", (0, 0, 1), stiffness={"rz": 1e-6}, damping={"rz": 1e-9})
+    return model
+
+
+def small_relaxing() -> Model:
+    """A cantilever with a Maxwell branch."""
+    model = soft_model()
+    C, _, M = model.rods["beam"].matrices_at(0.0)
+    branch = MaxwellBranch(time=SPAN, stiffness=C)
+    section = StiffnessSection(C, M, damping=1e-4 * C, branches=[branch])
+    model.rods["beam"] = model.rods["beam"].model_copy(update={"section": section, "material": None})
+    return model
+
+
+class _Unassembled(GeometricSystem):
+    """Leaves out the assembly, the largest kernel, which the first process compiles meanwhile."""
+
+    def linearise(self, *_: Any) -> None:
+        """Leave the matrices of the elements zero: soft rods move by their mass alone."""
+
+
+def soft_model() -> Model:
+    """A soft, heavy cantilever: what the first run of a transient needs and little more."""
+    material = Material(1e3, poissons_ratio=0.3, density=1000.0, damping=KelvinVoigt(1e-4, 1e-4))
+    section = Rectangle(0.1 * SIZE, 0.1 * SIZE)
+    rod = Rod.straight((0, 0, 0), (SIZE, 0, 0), section=section, material=material, elements=1, order=2)
+    model = Model()
+    model.add("beam", rod)
+    model.clamp("beam.start")
+    model.force("beam.end", (0, 0, 1e-9))
+    return model
+
+
+def compile_step() -> None:
+    """Compile the step of radau, the largest kernel of transients, without all that a run needs before it."""
+    work = Workplace.of(soft_model())
+    radau = Radau(work.system, work.supports, tolerance=1e-4)
+    step: Any = try_step
+    typeof: Any = numba.typeof
+    step.compile(tuple(typeof(argument) for argument in radau.step_arguments(SPAN)))
+
+
+def compile_transients() -> None:
+    """Compile the kernels of transients, those first that a first run needs and that statics does without."""
+    compile_step()
+    FORMULATIONS["unassembled", "full"] = _Unassembled
+    _simulate(soft_model(), "radau", [("unassembled", "full")])
+    for integrator in ("radau", "midpoint"):
+        _simulate(small_model(), integrator)
+
+
+def _ready() -> int:
+    return sum(bool(kernel.signatures) for kernel in KERNELS)
+
+
+def _misses() -> int:
+    return sum(bool(kernel.stats.cache_misses) for kernel in KERNELS)
+
+
+@contextmanager
+def _unannounced() -> Iterator[None]:
+    """Keep back the message that kernels are compiled: that is what was asked for."""
+    logger = logging.getLogger("viscorod")
+    level = logger.level
+    logger.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        logger.setLevel(level)
+
+
+@contextmanager
+def _watched(progress: Callable[[float], None] | None) -> Iterator[None]:
+    if progress is None:
+        yield
+        return
+    call = progress
+
+    class Watch(event.Listener):
+        def on_start(self, _event: Any) -> None: ...
+
+        def on_end(self, _event: Any) -> None:
+            call(_ready())
+
+    with event.install_listener("numba:compile", Watch()):
+        yield
+
+
+if __name__ == "__main__":  # the process that compiles aside
+    gc.disable()  # compiling makes many objects, and the process ends soon
+    compile_transients()

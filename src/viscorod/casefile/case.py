@@ -1,0 +1,158 @@
+"""Cases: a model with the settings of one analysis, from a TOML file."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+from viscorod.casefile.case_reader import ANALYSES, CaseReader
+from viscorod.casefile.sizes import size_problems, too_deep
+from viscorod.casefile.unit_conversion import converted
+from viscorod.casefile.units import Conversion
+from viscorod.errors import InputError, Problem
+from viscorod.limits import DEEPEST_NESTING, LARGEST_CASE
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.model.fields.definition import nearest
+from viscorod.model.settings import AnySettings
+
+__all__ = ["Case", "case_from_dict", "load_case", "parse_case"]
+
+M = TypeVar("M", bound=ModelDescription)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a case file describes.
+
+    Attributes:
+        title: of the case, by default the file's name.
+        description: the model.
+        settings: of the analysis that is asked for.
+        source: the file, if there is one.
+        content: the keys and values it was read from, quantities as they were given.
+        text: of the file.
+        conversions: quantities such as "10 mm" and what they are in SI.
+    """
+
+    title: str
+    description: ModelDescription
+    settings: AnySettings
+    source: Path | None = None
+    content: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
+    text: str = field(default="", compare=False, repr=False)
+    conversions: tuple[Conversion, ...] = field(default=(), compare=False, repr=False)
+
+    @property
+    def kind(self) -> str:
+        """The analysis: "simulate", "equilibrium", "path" or "steady"."""
+        return next(word for word, settings in ANALYSES.items() if isinstance(self.settings, settings))
+
+    def model(self, kind: type[M]) -> M:
+        """The model as an object of a class derived from `ModelDescription`."""
+        return kind.of(**self.description.parts())
+
+    def to_dict(self) -> dict[str, Any]:
+        """The content of a case file that describes the same."""
+        return {"title": self.title, **self.description.to_dict(), self.kind: self.settings.to_dict()}
+
+
+def load_case(path: str | Path) -> Case:
+    """Read a case file.
+
+    Args:
+        path: of a TOML file.
+
+    Raises:
+        InputError: the file cannot be read, is not TOML, or describes something that cannot be computed; the
+            message lists everything that is wrong, with key paths.
+    """
+    path = Path(path)
+    text = _content(path)
+    return parse_case(text, path)
+
+
+def parse_case(text: str, source: Path | None = None) -> Case:
+    """Read the text of a case file; see `load_case`."""
+    heading = str(source) if source is not None else "case"
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(_syntax(error, text), heading=heading) from None
+    except (ValueError, RecursionError) as error:
+        found = "tables or lists nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise InputError(
+            Problem("file", found, "this cannot be read as TOML", "simplify it"), heading=heading
+        ) from None
+    return case_from_dict(data, source, text)
+
+
+def case_from_dict(data: Mapping[str, Any], source: Path | None = None, text: str = "") -> Case:
+    """Read the content of a case file given as nested dicts and lists; see `load_case`."""
+    heading = str(source) if source is not None else "case"
+    if deep := too_deep(data):
+        why = f"tables or lists are nested more than {DEEPEST_NESTING} deep"
+        raise InputError(Problem(deep, "", why, "give what the key needs"), heading=heading)
+    plain, conversions, refused = converted(data)
+    reader = CaseReader(plain if source is None else _found_from(source.parent, plain))
+    reader.read()
+    told = {problem.where for problem in refused}
+    problems = [*refused, *(problem for problem in reader.problems if problem.where not in told)]
+    if not problems and reader.settings is not None:
+        problems = size_problems(reader.model, reader.settings)
+    if problems or reader.settings is None:
+        raise InputError(problems, heading=heading)
+    title = reader.title or (source.stem if source is not None else "untitled")
+    return Case(title, reader.model, reader.settings, source, data, text, tuple(conversions))
+
+
+def _found_from(folder: Path, value: Any) -> Any:
+    """The same content with the paths of files (the keys ``file``) that are told from the case file's folder on."""
+    if isinstance(value, Mapping):
+        return {
+            key: str(folder / item) if key == "file" and isinstance(item, str) else _found_from(folder, item)
+            for key, item in value.items()
+        }
+    if isinstance(value, list):
+        return [_found_from(folder, item) for item in value]
+    return value
+
+
+def _content(path: Path) -> str:
+    try:
+        size = path.stat().st_size
+        if size <= LARGEST_CASE:
+            return path.read_text(encoding="utf-8-sig")
+        why = f"larger than any case file ({size / 1e6:.3g} MB)"
+        problem = Problem("file", str(path), why, f"give one of less than {LARGEST_CASE // 1_000_000} MB")
+    except FileNotFoundError:
+        instead = "give the path of a case file"
+        if path.parent.is_dir():
+            close = nearest(path.name, sorted(other.name for other in path.parent.glob("*.toml")))
+            instead = f"did you mean {path.parent / close}?" if close else instead
+        problem = Problem("file", str(path), "there is no such file", instead)
+    except IsADirectoryError:
+        problem = Problem("file", str(path), "this is a folder", "give the path of a case file in it")
+    except UnicodeDecodeError as error:
+        why = f"it is not text in UTF-8 (byte {error.start})"
+        problem = Problem("file", str(path), why, "give a TOML file")
+    except (OSError, ValueError) as error:
+        problem = Problem(
+            "file", str(path), f"it cannot be read ({error})", "check the path and its permissions"
+        )
+    raise InputError(problem)
+
+
+def _syntax(error: tomllib.TOMLDecodeError, text: str) -> Problem:
+    """A TOML syntax error with its line."""
+    position = re.search(r"line (\d+)", str(error))
+    lines = text.splitlines()
+    where, line = "end of the file", ""
+    if position and 0 < int(position[1]) <= len(lines):
+        where, line = f"line {position[1]}", lines[int(position[1]) - 1].strip()[:80]
+    why = re.sub(r"\s*\(at .*\)$", "", str(error))
+    advice = 'write KEY = VALUE, with text in "quotes", lists in [brackets] and tables as [name]'
+    return Problem(where, repr(line) if line else "", f"not TOML: {why[:1].lower()}{why[1:]}", advice)

@@ -1,0 +1,247 @@
+"""Quantities such as "10 mm" in SI: the number exactly, the unit through Pint, the dimension checked.
+
+Angles count as a dimension of their own where it matters: 1 Hz is a turn per second, not 1 rad/s. Where nothing can be
+mistaken, rad may be added or left out: N m for N m/rad, deg/m for 1/m.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from viscorod.model.fields.definition import RefusedError, nearest, show
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+__all__ = ["Conversion", "looks_like_quantity", "si_value"]
+
+Dimension: TypeAlias = tuple[tuple[str, Fraction], ...]
+
+# at most three digits of exponent: longer ones would become numbers that fill the memory
+_QUANTITY = re.compile(r"\s*([+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*")
+_LONGEST_UNIT = 60
+# names, exponents of one digit, and marks: what Pint is given cannot ask it to compute powers of powers
+_TOKEN = re.compile(
+    r"\s*(?:([^\W\d]+[²³]?|°|%)(?:\s*(?:\^|\*\*)\s*(-?\d)(?!\d|\s*[\^*.])|(\d)(?!\d))?|([*/()·])|(1)(?=\s*/))"
+)
+
+NAMES = {
+    "m": "length",
+    "m^2": "area",
+    "s": "time",
+    "kg": "mass",
+    "N": "force",
+    "N m": "moment",
+    "Pa": "pressure",
+    "Pa s": "viscosity",
+    "kg/m^3": "density",
+    "rad": "angle",
+    "rad/s": "angular velocity",
+    "Hz": "frequency",
+    "m/s": "velocity",
+    "m/s^2": "acceleration",
+    "N/m": "force per length",
+    "J": "energy",
+    "K": "temperature",
+    "1": "plain number",
+}
+"""What quantities of these units are called; the first that fits counts. Others are told by their units."""
+
+COMMON = (
+    *(
+        "m",
+        "mm",
+        "cm",
+        "um",
+        "km",
+        "in",
+        "ft",
+        "s",
+        "ms",
+        "us",
+        "min",
+        "h",
+        "kg",
+        "g",
+        "t",
+        "lb",
+        "N",
+        "mN",
+        "kN",
+    ),
+    *("MN", "lbf", "Pa", "kPa", "MPa", "GPa", "bar", "psi", "ksi", "rad", "deg", "turn", "Hz", "kHz", "rpm"),
+    *("J", "kJ", "mJ", "W"),
+)
+"""What a misspelt unit is compared with."""
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """A quantity of a case file and what it became: key path, text as given, value and its SI unit."""
+
+    where: str
+    given: str
+    value: float
+    unit: str
+
+
+def looks_like_quantity(text: str) -> bool:
+    """Whether a text starts with a number."""
+    return re.match(r"\s*[+-]?\.?\d", text) is not None
+
+
+def si_value(text: str, unit: str, key: str) -> float:
+    """The number in the SI unit that a key needs.
+
+    Args:
+        text: such as "10 mm".
+        unit: in SI as documented, such as "N/m"; "1" for a plain number.
+        key: the word of the key, for messages.
+
+    Raises:
+        RefusedError: no number with a unit, an unknown or an offset unit, or another dimension.
+    """
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise RefusedError("no number with a unit", _advice(unit))
+    number, given = match[1], match[2]
+    if given is None:
+        raise RefusedError(
+            "a number in quotes has no unit", f"give {number} without quotes, in SI, or add the unit"
+        )
+    if unit == "1":
+        raise RefusedError(f"{key} has no unit", "give a plain number, without quotes")
+    factor, dimension = _factor(given)
+    wanted = _factor(unit)[1]
+    turns = _turns(dimension, wanted)
+    if turns is None:
+        instead = "give rad/s, deg/s or turn/s" if _core(dimension) == _core(wanted) else _advice(unit)
+        raise RefusedError(f"this is {_noun(dimension)}, {key} needs {_noun(wanted)}", instead)
+    exact = Fraction(number) * factor
+    try:
+        value = float(exact) / (TURN if turns else 1.0)
+    except OverflowError:
+        raise RefusedError("larger than any quantity", _advice(unit)) from None
+    if value == 0.0 and exact != 0:
+        raise RefusedError("smaller than any quantity", _advice(unit))
+    return value
+
+
+TURN = 6.283185307179586
+"""A full turn, rad."""
+
+
+def _turns(given: Dimension, wanted: Dimension) -> bool | None:
+    """Whether rad/s stands where Hz is needed; None if the dimensions do not fit."""
+    if given == wanted:
+        return False
+    core = dict(_core(given))
+    if core != dict(_core(wanted)):
+        return None
+    if core == {"second": -1}:  # a frequency, or an angular velocity
+        return True if dict(given).get("radian") == 1 and "radian" not in dict(wanted) else None
+    return False if core else None
+
+
+def _core(dimension: Dimension) -> Dimension:
+    """Without the angle."""
+    return tuple((name, power) for name, power in dimension if name != "radian")
+
+
+@cache
+def _factor(unit: str) -> tuple[Fraction, Dimension]:
+    """A unit in SI: its factor, and the powers of m, kg, s, rad and so on."""
+    import pint
+
+    text, registry = _plain(unit), _registry()
+    try:
+        parsed = registry.parse_units(text)
+        zero = registry.Quantity(Fraction(0), parsed).to_base_units()
+        one = registry.Quantity(Fraction(1), parsed).to_base_units()
+    except pint.UndefinedUnitError as error:
+        names: Any = error.unit_names  # one or several
+        name = names if isinstance(names, str) else str(next(iter(names)))
+        close = next((word for word in COMMON if word.lower() == name.lower()), None) or nearest(name, COMMON)
+        hint = f"did you mean {close}? " if close else ""
+        raise RefusedError(
+            f"there is no unit {show(name)}", f"{hint}Units are written as in 10 mm, 2 N/m^2"
+        ) from None
+    except pint.OffsetUnitCalculusError:
+        raise RefusedError(f"{unit} is counted from an offset", "give the value in SI") from None
+    except Exception:  # Pint reads what the user wrote, and fails in many ways
+        raise RefusedError(
+            f"{show(unit)} cannot be read as a unit", "write units as in 10 mm, 2 N/m^2"
+        ) from None
+    if zero.magnitude != 0:
+        raise RefusedError(f"{unit} is counted from an offset", "give the value in SI")
+    items: Any = one.unit_items()
+    powers = tuple(sorted((str(name), Fraction(power)) for name, power in items if power))
+    magnitude: Any = one.magnitude  # a Fraction, as the registry was asked for
+    return magnitude, powers
+
+
+def _plain(unit: str) -> str:
+    """A unit in the words of Pint, if it is one of names, powers, products and quotients."""
+    words: list[str] = []
+    at = 0
+    unit = re.sub(r"°\s*([CF])\b", r"deg\1", unit)
+    if len(unit) > _LONGEST_UNIT:
+        raise RefusedError("longer than any unit", "write units as in 10 mm, 2 N/m^2")
+    divided = False
+    while at < len(unit):
+        match = _TOKEN.match(unit, at)
+        if match is None:
+            raise RefusedError(
+                f"{show(unit)} cannot be read as a unit", "write units as in 10 mm, 2 N/m^2, 5 N/(m s)"
+            )
+        name, power, digit, mark, one = match.groups()
+        previous = words[-1] if words else "("
+        if (name or mark == "(" or one) and previous not in "*/(":
+            if divided and name:
+                raise RefusedError(
+                    f"{show(unit)} can be read in two ways", "put brackets around what is divided by: N/(m s)"
+                )
+            words.append("*")
+        if mark == "/":
+            divided = True
+        elif mark in ("(", ")", "*", "·"):
+            divided = False
+        if name:
+            name = {"°": "degree", "%": "percent"}.get(name, name)
+            words.append(f"{name}**{power or digit}" if power or digit else name)
+        else:
+            words.append("1" if one else "*" if mark == "·" else mark)
+        at = match.end()
+        if not unit[at:].strip():
+            break
+    return "".join(words)
+
+
+def _noun(dimension: Dimension) -> str:
+    """What a quantity of the dimension is called."""
+    for unit, name in NAMES.items():
+        if unit != "1" and _factor(unit)[1] == dimension:
+            return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+    if not dimension:
+        return "a plain number"
+    symbols = {"meter": "m", "kilogram": "kg", "second": "s", "radian": "rad", "kelvin": "K", "ampere": "A"}
+    powers = " ".join(
+        symbols.get(name, name) + (f"^{power}" if power != 1 else "") for name, power in dimension
+    )
+    return f"a quantity in {powers}"
+
+
+def _advice(unit: str) -> str:
+    return f"give a number in {unit}, or one with a unit of this kind"
+
+
+@cache
+def _registry() -> UnitRegistry[Any]:
+    """The units, with exact factors; made when the first quantity is read."""
+    import pint
+
+    return pint.UnitRegistry(non_int_type=Fraction)

@@ -1,0 +1,1 @@
+"""The command line ``viscorod``, one module per family of commands."""

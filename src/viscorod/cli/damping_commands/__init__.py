@@ -1,0 +1,21 @@
+"""The command ``viscorod damping``: damping in other words, and in those of other programs."""
+
+from __future__ import annotations
+
+import typer
+
+from viscorod.cli.damping_commands.blade_command import blade
+from viscorod.cli.damping_commands.convert_command import convert
+from viscorod.cli.damping_commands.program_commands import from_program, programs
+
+__all__ = ["app"]
+
+app = typer.Typer(
+    help="Damping in other words: other numbers, and the inputs of other programs.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+)
+app.command()(convert)
+app.command()(programs)
+app.command("from")(from_program)
+app.command()(blade)

@@ -1,0 +1,151 @@
+"""``viscorod damping blade``: blades and beams of BeamDyn and GXBeam, read and written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from viscorod.cli.damping_commands.damping_options import OptionalNumber, RodName, notes, rod_of
+from viscorod.cli.terminal import readable_errors, rows_text
+from viscorod.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from viscorod.model.rod import Rod
+
+__all__ = ["blade"]
+
+
+def blade(
+    source: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE", help="BeamDyn blade file, GXBeam-style .json or .toml, or a case file."
+        ),
+    ],
+    centreline: Annotated[
+        Path | None,
+        typer.Option("--centreline", metavar="PRIMARY.dat", help="BeamDyn primary file with the key points."),
+    ] = None,
+    length: Annotated[OptionalNumber, typer.Option(help="Of a straight, untwisted blade instead, m.")] = None,
+    same_power: Annotated[
+        bool, typer.Option("--same-power", help="Take the symmetric part of mu S, not T C T.")
+    ] = False,
+    rod: RodName = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT",
+            help="Write a case (.toml), GXBeam's .json, or BeamDyn's blade file.",
+        ),
+    ] = None,
+    stations: Annotated[
+        int | None,
+        typer.Option(
+            min=2, help="Stations of the blade file [default: as read, else 11]", show_default=False
+        ),
+    ] = None,
+    elements: Annotated[
+        int, typer.Option(min=1, help="Elements of a GXBeam description, pieces of a case.")
+    ] = 40,
+) -> None:
+    """Read a blade or a beam, say what its damping does to energy, and write it for the other program."""
+    with readable_errors():
+        import json
+
+        import numpy as np
+
+        from viscorod.programs.blades.beamdyn_line import key_points
+        from viscorod.programs.blades.blade_rod import BladeSections, blade_from_rod, write_beamdyn_blade
+        from viscorod.programs.blades.gxbeam_assembly import gxbeam_from_rod
+        from viscorod.programs.case_text import case_text
+
+        chosen = _any_rod(source, centreline, length, same_power, rod)
+        found, losses = blade_from_rod(chosen, None if stations is None else np.linspace(0.0, 1.0, stations))
+        shown = np.unique(np.linspace(0, len(found.stations) - 1, 7).astype(int))
+        rows = [
+            {
+                "station": float(found.stations[k]),
+                "mass [kg/m]": float(found.inertia[k, 0, 0]),
+                "EA [N]": float(found.stiffness[k, 2, 2]),
+                "EI about d1 [N m2]": float(found.stiffness[k, 3, 3]),
+                "EI about d2 [N m2]": float(found.stiffness[k, 4, 4]),
+                "GJ [N m2]": float(found.stiffness[k, 5, 5]),
+            }
+            for k in shown
+        ]
+        typer.echo(rows_text(f"{source.name}: {len(found.stations)} stations, {chosen.length:.6g} m", rows))
+        typer.echo("\nmu [s]: " + ", ".join(f"{value:.6g}" for value in found.mu))
+        if isinstance(chosen.section, BladeSections):
+            law = (
+                "the symmetric part of mu S"
+                if chosen.section.law == "same power"
+                else "T C T with the same six times"
+            )
+            typer.echo(
+                f"The rod's D is {law}; it differs from BeamDyn's mu S by up to {chosen.section.difference():.3g} of "
+                "sqrt(D_ii D_jj)"
+            )
+        notes(losses)
+        if output is None:
+            return
+        if output.suffix in (".json", ".toml"):
+            text = (
+                case_text(chosen, elements, title=source.stem)
+                if output.suffix == ".toml"
+                else json.dumps(gxbeam_from_rod(chosen, elements), indent=1) + "\n"
+            )
+            _write(output, text)
+            typer.echo(f"\nWritten: {output}, with {elements} sections")
+            return
+        points = key_points(chosen, found.stations)
+        write_beamdyn_blade(chosen, output, found.stations)
+        typer.echo(
+            f"\nWritten: {output}\nKey points for the primary file (kp_xr kp_yr kp_zr [m], initial_twist [deg]):"
+        )
+        for row in points:
+            typer.echo("  " + "  ".join(f"{value: .10E}" for value in row))
+
+
+def _any_rod(
+    source: Path, centreline: Path | None, length: float | None, same_power: bool, rod: str | None
+) -> Rod:
+    """The rod of a case file, a GXBeam-style description or a BeamDyn blade file."""
+    import tomllib
+
+    from viscorod.programs.blades.blade_rod import Law, rod_from_blade
+    from viscorod.programs.blades.gxbeam_assembly import rod_from_gxbeam
+
+    law: Law = "same power" if same_power else "symmetric"
+    if source.suffix == ".toml" and source.is_file():
+        try:
+            described = "points" in tomllib.loads(source.read_text(encoding="utf-8"))
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError):
+            described = False
+        if not described:
+            return rod_of(source, rod)[1]
+    if source.suffix in (".json", ".toml"):
+        return rod_from_gxbeam(source, law=law)
+    if (centreline is None) == (length is None):
+        raise InputError(
+            Problem(
+                "--centreline",
+                "",
+                "a blade file has no positions: exactly one of --centreline and --length is needed",
+                "give --centreline PRIMARY.dat, or --length M for a straight, untwisted blade",
+            )
+        )
+    line = centreline if centreline is not None else [[0.0, 0.0, 0.0], [0.0, 0.0, length or 0.0]]
+    return rod_from_blade(source, line, law=law)
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            Problem(str(path), "", f"the file cannot be written ({error.strerror})", "name another folder")
+        ) from None

@@ -1,0 +1,149 @@
+"""``viscorod damping convert``: one number that stands for damping from the other."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from viscorod.cli.damping_commands.damping_options import Frequency, OptionalNumber, needed, pair_of
+from viscorod.cli.terminal import readable_errors, rows_text
+from viscorod.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from viscorod.model.materials.material import Material
+
+__all__ = ["convert"]
+
+
+def convert(
+    time: Annotated[
+        OptionalNumber, typer.Option(help="Retardation time of one law, s (or one of the next five).")
+    ] = None,
+    loss_factor: Annotated[OptionalNumber, typer.Option(help="At the frequency.")] = None,
+    damping_ratio: Annotated[OptionalNumber, typer.Option(help="Of a mode with the frequency.")] = None,
+    log_decrement: Annotated[OptionalNumber, typer.Option(help="Of a mode with the frequency.")] = None,
+    quality_factor: Annotated[OptionalNumber, typer.Option(help="Of a mode with the frequency.")] = None,
+    rayleigh: Annotated[
+        str | None, typer.Option(metavar="ALPHA,BETA", help="Two constants, 1/s and s; with --band.")
+    ] = None,
+    youngs_modulus: Annotated[OptionalNumber, typer.Option(help="Of a material, Pa.")] = None,
+    poissons_ratio: Annotated[OptionalNumber, typer.Option(help="Of the material.")] = None,
+    shear_time: Annotated[OptionalNumber, typer.Option(help="Of the material, s.")] = None,
+    bulk_time: Annotated[OptionalNumber, typer.Option(help="Of the material, s.")] = None,
+    extensional_time: Annotated[
+        OptionalNumber, typer.Option(help="Instead of the bulk time: of bending and stretching, s.")
+    ] = None,
+    shear_viscosity: Annotated[OptionalNumber, typer.Option(help="Of the material, Pa s.")] = None,
+    bulk_viscosity: Annotated[OptionalNumber, typer.Option(help="Of the material, Pa s.")] = None,
+    frequency: Frequency = None,
+    band: Annotated[str | None, typer.Option(metavar="LOW,HIGH", help="For Rayleigh constants, Hz.")] = None,
+) -> None:
+    """Print every number that stands for the damping of one law, or of a material.
+
+    One law: --time 0.02, or --damping-ratio 0.036 --frequency 0.57. A material: --youngs-modulus 1e6
+    --poissons-ratio 0.3 --shear-time 0.02 --bulk-time 0.02. With --frequency also what it means at that frequency.
+    """
+    with readable_errors():
+        from viscorod.programs import conversions as c
+        from viscorod.programs.rayleigh import time_from_rayleigh
+        from viscorod.programs.tables import law_row, material_rows, rayleigh_rows
+
+        limits = None if band is None else pair_of("--band", band)
+        laws = {
+            "--time": time,
+            "--loss-factor": loss_factor,
+            "--damping-ratio": damping_ratio,
+            "--log-decrement": log_decrement,
+            "--quality-factor": quality_factor,
+            "--rayleigh": rayleigh,
+        }
+        material = {
+            "youngs_modulus": youngs_modulus,
+            "poissons_ratio": poissons_ratio,
+            "shear_time": shear_time,
+            "bulk_time": bulk_time,
+            "extensional_time": extensional_time,
+            "shear_viscosity": shear_viscosity,
+            "bulk_viscosity": bulk_viscosity,
+        }
+        law = [word for word, value in laws.items() if value is not None]
+        of_material = {key: value for key, value in material.items() if value is not None}
+        if (len(law) != 1 or of_material) and (law or not of_material):
+            raise InputError(
+                Problem(
+                    "damping convert",
+                    f"given: {', '.join([*law, *of_material]) or 'nothing'}",
+                    "one law or one material is needed",
+                    f"give exactly one of {', '.join(laws)}, or a material: --youngs-modulus, --poissons-ratio, "
+                    "and two "
+                    "times or viscosities",
+                )
+            )
+        if of_material:
+            rows = material_rows(_material(of_material), frequency)
+            tau = float(str(rows[1]["time [s]"]))
+        else:
+            if rayleigh is not None:
+                alpha, beta = pair_of("--rayleigh", rayleigh)
+                low, high = needed("--band", limits, "LOW,HIGH, Hz")
+                tau, error = time_from_rayleigh(alpha, beta, low, high)
+                typer.echo(
+                    f"The closest Kelvin-Voigt law from {low:g} to {high:g} Hz; its damping ratio differs by up "
+                    f"to {error:.3g}."
+                )
+            elif time is not None:
+                tau = time
+            else:
+                at = needed("--frequency", frequency, "of the mode, Hz")
+                if loss_factor is not None:
+                    tau = c.time_from_loss_factor(loss_factor, at)
+                elif damping_ratio is not None:
+                    tau = c.time_from_damping_ratio(damping_ratio, at)
+                elif log_decrement is not None:
+                    tau = c.time_from_damping_ratio(c.ratio_from_log_decrement(log_decrement), at)
+                else:
+                    tau = c.time_from_damping_ratio(c.ratio_from_quality_factor(quality_factor or 0.0), at)
+            rows = [law_row("S = C (eps + time eps_t)", tau, frequency)]
+        where = "" if frequency is None else f" at {frequency:g} Hz"
+        typer.echo(_turned(f"Damping{where}", rows))
+        if limits is not None and rayleigh is None:
+            at = needed("--frequency", frequency, "where the ratio is taken, Hz")
+            title = f"Rayleigh constants from {limits[0]:g} to {limits[1]:g} Hz (stretch, bending)"
+            typer.echo("\n" + rows_text(title, rayleigh_rows(tau, at, limits)))
+
+
+def _material(given: dict[str, float]) -> Material:
+    """A material of density one from its moduli and a pair of times or viscosities."""
+    from viscorod.model.materials.material import KelvinVoigt, Material
+    from viscorod.programs.conversions import bulk_time
+
+    values: dict[str, Any] = dict(given)
+    for key in ("youngs_modulus", "poissons_ratio"):
+        if key not in values:
+            raise InputError(
+                Problem(f"--{key.replace('_', '-')}", "", "a material needs it", "give it as well")
+            )
+    young, nu = values.pop("youngs_modulus"), values.pop("poissons_ratio")
+    if "extensional_time" in values and "shear_time" in values and "bulk_time" not in values:
+        values["bulk_time"] = bulk_time(values.pop("extensional_time"), values["shear_time"], nu)
+    if "extensional_time" in values:
+        raise InputError(
+            Problem(
+                "--extensional-time",
+                "",
+                "it stands for the bulk time, beside the shear time",
+                "give --shear-time and --extensional-time only",
+            )
+        )
+    return Material(young, nu, 1.0, damping=KelvinVoigt(**values))
+
+
+def _turned(title: str, rows: list[dict[str, object]]) -> str:
+    """A table with one column per row of data: many numbers of few things."""
+    from viscorod.cli.terminal import cell
+    from viscorod.results.text_table import table
+
+    keys = list(rows[0])
+    columns = [[cell(row[key]) for row in rows] for key in keys]
+    return table(title, ["", *columns[0]], [[k, *c] for k, c in zip(keys[1:], columns[1:], strict=True)])

@@ -1,0 +1,134 @@
+"""``viscorod damping programs`` and ``from``: a rod's damping for other programs, and theirs for a rod."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from viscorod.cli.damping_commands.damping_options import (
+    Frequency,
+    OptionalNumber,
+    RodName,
+    SegmentLength,
+    Station,
+    notes,
+    numbers_of,
+    options_of,
+    rod_of,
+    section_of,
+)
+from viscorod.cli.terminal import readable_errors, rows_text
+from viscorod.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from viscorod.programs.inputs.program_inputs import ProgramInputs, SectionData
+
+__all__ = ["from_program", "programs"]
+
+
+def programs(
+    case: Annotated[Path, typer.Argument(metavar="CASE.toml", help="Case file with the rod.")],
+    rod: RodName = None,
+    program: Annotated[
+        list[str] | None, typer.Option("--program", metavar="NAME", help="Only this one; may be repeated.")
+    ] = None,
+    segment_length: SegmentLength = None,
+    frequency: Frequency = None,
+    at: Station = 0.0,
+) -> None:
+    """Print the damping of a case's rod as inputs of other programs, ready to paste, with what is lost."""
+    with readable_errors():
+        from viscorod.programs.inputs import PROGRAMS
+        from viscorod.programs.inputs import program as find
+
+        name, chosen = rod_of(case, rod)
+        data = section_of(chosen, at)
+        options = options_of(segment_length, frequency)
+        kinds = list(PROGRAMS.values()) if program is None else [find(word) for word in program]
+        _refuse_unread(options, kinds)
+        typer.echo(f"Rod {name}, section at {at:g} m")
+        for kind in kinds:
+            lacking = [word for word in kind.options if word not in options]
+            if lacking and program is None:
+                flag = lacking[0].replace("_", "-")
+                typer.echo(f"\n{kind.title}: needs --{flag}; give it to see its inputs")
+                continue
+            try:
+                inputs = kind.from_section(
+                    data, **{word: value for word, value in options.items() if word in kind.options}
+                )
+            except InputError as error:
+                if program is not None:
+                    raise
+                typer.echo(f"\n{kind.title}: {error}")
+                continue
+            typer.echo("\n" + _program_text(inputs, data))
+
+
+def from_program(
+    program: Annotated[str, typer.Argument(metavar="PROGRAM", help="As in: viscorod damping programs.")],
+    numbers: Annotated[
+        str, typer.Option("--numbers", metavar="N1,N2,..", help="The program's numbers, in its order.")
+    ],
+    case: Annotated[
+        Path, typer.Option("--case", metavar="CASE.toml", help="Case file with the rod they belong to.")
+    ],
+    rod: RodName = None,
+    poissons_ratio: Annotated[
+        OptionalNumber, typer.Option(help="Of the material that is sought; by default the rod's.")
+    ] = None,
+    segment_length: SegmentLength = None,
+    frequency: Frequency = None,
+    at: Station = 0.0,
+) -> None:
+    """Print what another program's damping numbers mean for a rod: six times, and the closest material."""
+    with readable_errors():
+        from viscorod.model.sections.stiffness_section import STRAINS
+        from viscorod.programs.inputs import program as find
+
+        kind = find(program)
+        name, chosen = rod_of(case, rod)
+        data = section_of(chosen, at)
+        inputs = kind.from_numbers(
+            numbers_of("--numbers", numbers), data, **options_of(segment_length, frequency)
+        )
+        found = inputs.recovered(data, poissons_ratio)
+        typer.echo(f"{kind.title}: {kind.meaning}\n")
+        rows = []
+        for k, word in enumerate(STRAINS):
+            row: dict[str, object] = {"strain": word, "time [s]": float(found.times[k])}
+            row["D_ii [SI]"] = float(found.damping[k, k])
+            if found.material is not None:
+                row["material off by"] = f"{found.material.deviations[k]:+.2%}"
+            rows.append(row)
+        typer.echo(rows_text(f"Rod {name}", rows))
+        if found.material is not None:
+            fit = found.material
+            typer.echo(
+                "\nClosest material: damping = "
+                f"{{ shear_time = {fit.shear_time:.10g}, bulk_time = {fit.bulk_time:.10g} }}"
+            )
+        notes(found.warnings)
+
+
+def _refuse_unread(options: dict[str, float], kinds: list[type[ProgramInputs]]) -> None:
+    for word, value in options.items():
+        if not any(word in kind.options for kind in kinds):
+            titles = ", ".join(kind.title for kind in kinds)
+            flag = f"--{word.replace('_', '-')}"
+            raise InputError(Problem(flag, f"{value:g}", f"no use for {titles}", "leave it out"))
+
+
+def _program_text(inputs: ProgramInputs, data: SectionData) -> str:
+    lines = [f"{inputs.title} ({inputs.program}): {inputs.meaning}", ""]
+    lines += [f"    {line}" for line in inputs.text().splitlines()]
+    for title, sentences in (
+        ("Lost", inputs.losses(data)),
+        ("Note", inputs.warnings(data)),
+        ("Read in", inputs.sources),
+    ):
+        if sentences:
+            lines += ["", *(f"  {title}: {sentence}" for sentence in sentences)]
+    return "\n".join(lines)

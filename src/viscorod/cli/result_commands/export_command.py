@@ -1,0 +1,98 @@
+"""``viscorod export``: a result for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from viscorod.cli.result_commands.result_options import ResultFile, numbers, opened
+from viscorod.cli.terminal import readable_errors
+from viscorod.errors import InputError, Problem
+
+__all__ = ["export"]
+
+
+def export(
+    result: ResultFile,
+    csv: Annotated[
+        Path | None,
+        typer.Option("--csv", metavar="FILE.csv", help="Table of histories; say which with the next four."),
+    ] = None,
+    history: Annotated[
+        list[str] | None,
+        typer.Option(metavar="PLACE", help="Histories at beam.end, beam@0.15, plate; may be repeated."),
+    ] = None,
+    quantity: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="WORD",
+            help="position (also by default), displacement, rotation, frame, velocity, angular_velocity, strain, "
+            "section_force, dissipation; may be repeated.",
+        ),
+    ] = None,
+    energy: Annotated[bool, typer.Option("--energy", help="The energy account.")] = False,
+    joint: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Coordinates and forces of a joint or spring; may be repeated."),
+    ] = None,
+    vtk: Annotated[
+        Path | None,
+        typer.Option("--vtk", metavar="DIR", help="Files for ParaView; open the .pvd in this folder."),
+    ] = None,
+    times: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TIMES",
+            help="For --vtk: 0:1:0.01 (from, to, step) or 0.1,0.25, s [default: all stored ones]",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Write histories as CSV, or the motion for ParaView.
+
+    viscorod export run.nc --csv tip.csv --history beam.end --quantity velocity --energy
+    """
+    with readable_errors():
+        from viscorod.results.files import csv_text
+        from viscorod.results.run import Run
+
+        if csv is None and vtk is None:
+            raise InputError(Problem("export", "", "nothing to write", "give --csv FILE.csv or --vtk DIR"))
+        if csv is None and (history or quantity or energy or joint):
+            raise InputError(
+                Problem(
+                    "export",
+                    "",
+                    "--history, --quantity, --energy and --joint go with --csv",
+                    "add --csv FILE.csv",
+                )
+            )
+        if quantity and not history:
+            raise InputError(Problem("--quantity", "", "of which place?", "add --history PLACE"))
+        found = opened(result)
+        if csv is not None:
+            if not (history or energy or joint):
+                raise InputError(
+                    Problem("--csv", str(csv), "of what?", "add --history PLACE, --energy or --joint NAME")
+                )
+            columns = csv_text.history_columns(found, history or (), quantity or ("position",))
+            if energy:
+                columns |= csv_text.energy_columns(found)
+            columns |= csv_text.joint_columns(found, joint or ())
+            typer.echo(f"Written: {csv_text.write(columns, csv)}")
+        if vtk is None:
+            if times is not None:
+                raise InputError(
+                    Problem("--times", times, "goes with --vtk only", "use viscorod probe for a table")
+                )
+            return
+        from viscorod.results.files.paraview import write_paraview
+
+        chosen = None if times is None else numbers("--times", times, "s")
+        if chosen is not None and not isinstance(found, Run):
+            raise InputError(
+                Problem("--times", str(times), f"{result} holds no motion over time", "leave --times out")
+            )
+        typer.echo(f"Written: {write_paraview(found, vtk, chosen)}")

@@ -1,0 +1,147 @@
+"""``viscorod plot``: one picture of a result."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from viscorod.cli.result_commands.result_options import ResultFile, motion, opened
+from viscorod.cli.terminal import readable_errors
+from viscorod.errors import InputError, Problem
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from viscorod.results.result import Result
+
+__all__ = ["plot"]
+
+KINDS = ("tip", "energy", "strain", "space-time", "modes", "phase")
+_RIGID = 12
+"""Eigenvalues of the free motions of a body, two each; as many more are found, to know which are."""
+_TAKES = {
+    "place": ("tip", "phase"),
+    "axis": ("tip", "phase"),
+    "rod": ("strain", "space-time"),
+    "component": ("strain", "space-time"),
+    "quantity": ("space-time",),
+    "count": ("modes",),
+    "about": ("modes",),
+}
+
+
+def plot(
+    result: ResultFile,
+    what: Annotated[str, typer.Option(metavar="KIND", help=", ".join(KINDS))],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Picture, .png, .pdf or .svg [default: KIND.png beside the result]",
+            show_default=False,
+        ),
+    ] = None,
+    place: Annotated[
+        str | None, typer.Option(help="Of tip and phase [default: what moves most]", show_default=False)
+    ] = None,
+    axis: Annotated[
+        str | None,
+        typer.Option(help="Of tip and phase: x, y or z [default: that of most motion]", show_default=False),
+    ] = None,
+    rod: Annotated[str | None, typer.Option(help="Of strain and space-time.")] = None,
+    component: Annotated[
+        str | None,
+        typer.Option(help="Of strain and space-time: shear_1, shear_2, stretch, bend_1, bend_2 or twist."),
+    ] = None,
+    quantity: Annotated[
+        str | None,
+        typer.Option(
+            help="Of space-time: strain, section_force or dissipation [default: section_force]",
+            show_default=False,
+        ),
+    ] = None,
+    count: Annotated[
+        int | None, typer.Option(min=1, help="Number of modes [default: 6]", show_default=False)
+    ] = None,
+    about: Annotated[
+        str | None,
+        typer.Option(
+            help="Of modes: equilibrium (at t = 0-), released (just after t = 0) or reference "
+            "[default: equilibrium]",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Draw one picture of a result.
+
+    tip: displacement of one place with its decay. energy: the account. strain: the largest of every component, and one
+    along a rod. space-time: one component over arc length and time. modes: small vibrations of the model, which is
+    built again from the result. phase: velocity over displacement.
+    """
+    with readable_errors():
+        given = {
+            "place": place,
+            "axis": axis,
+            "rod": rod,
+            "component": component,
+            "quantity": quantity,
+            "count": count,
+            "about": about,
+        }
+        if what not in KINDS:
+            raise InputError(Problem("--what", what, "no such picture", f"give one of {', '.join(KINDS)}"))
+        for option, value in given.items():
+            if value is not None and what not in _TAKES[option]:
+                raise InputError(
+                    Problem(
+                        f"--{option}", str(value), f"goes with {' and '.join(_TAKES[option])}", "leave it out"
+                    )
+                )
+        target = output or result.with_name(f"{what}.png")
+        from viscorod.pictures.style import write
+
+        if what == "modes":
+            picture = _modes(opened(result), count or 6, about or "equilibrium")
+        elif what == "strain":
+            from viscorod.pictures.plots.plot_strain import draw_strain
+
+            picture = draw_strain(opened(result), component, rod)
+        else:
+            run = motion(result, f"--what {what}")
+            if what == "tip":
+                from viscorod.pictures.plots.plot_motion import draw_tip
+
+                picture = draw_tip(run, place, axis)
+            elif what == "energy":
+                from viscorod.pictures.plots.plot_energy import draw_energy
+
+                picture = draw_energy(run)
+            elif what == "phase":
+                from viscorod.pictures.plots.plot_phase import draw_phase
+
+                picture = draw_phase(run, place, axis)
+            else:
+                from viscorod.pictures.plots.plot_strain import draw_space_time
+
+                picture = draw_space_time(run, quantity or "section_force", component, rod)
+        typer.echo(f"Written: {write(picture, target)}")
+
+
+def _modes(result: Result, count: int, about: str) -> Figure:
+    """The modes of the model that the result was computed from."""
+    from viscorod.analyses.case_run import as_model
+    from viscorod.casefile.case import case_from_dict
+    from viscorod.pictures.plots.plot_modes import draw_modes
+
+    content = json.loads(result.data.attrs.get("case", "{}"))
+    try:
+        case = case_from_dict({**content, "equilibrium": {}})
+    except InputError as error:
+        raise InputError(f"the model in this result cannot be built again, for its modes: {error}") from None
+    model = as_model(case.description)
+    return draw_modes(result, model.modes(count + _RIGID, about=about), count)

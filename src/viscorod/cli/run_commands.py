@@ -1,0 +1,192 @@
+"""The commands that compute: run a case, go on with a run that was stopped."""
+
+from __future__ import annotations
+
+import difflib
+import json
+import os
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from viscorod.cli.terminal import existing, readable_errors
+from viscorod.errors import InputError, SolveError
+
+if TYPE_CHECKING:
+    from viscorod.casefile.case import Case
+    from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.steady_result import Steady
+
+__all__ = ["resume", "run", "writable"]
+
+Output = Annotated[
+    Path | None,
+    typer.Option(
+        "--output", "-o", metavar="DIR", help="Folder for results [default: out/CASE]", show_default=False
+    ),
+]
+
+
+def run(
+    case: Annotated[
+        Path, typer.Argument(metavar="CASE.toml", help="Case file; `viscorod example` lists some.")
+    ],
+    output: Output = None,
+) -> None:
+    """Compute a case: print a report, write data and pictures."""
+    with readable_errors():
+        from viscorod.casefile.case import load_case
+
+        loaded = load_case(existing(case))
+        folder = output or Path("out") / case.stem
+        writable(folder)
+        doubts = _doubts(loaded)
+        for warning in doubts:
+            typer.echo(f"warning: {warning}", err=True)
+        _compute(loaded, folder, doubts, resume=False)
+
+
+def resume(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the run that was stopped.")],
+    case: Annotated[
+        Path | None,
+        typer.Option(
+            "--case",
+            metavar="CASE.toml",
+            help="Case file to compare with, if it is elsewhere now",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Go on with a run that was stopped, where its last checkpoint left it; the result is that of one run."""
+    with readable_errors():
+        from viscorod.casefile.case import parse_case
+        from viscorod.results.files.journal import FOLDER, contents
+
+        journal = folder / FOLDER
+        if not journal.is_dir():
+            found = (folder / "run.nc").is_file()
+            raise InputError(
+                f"{folder} holds no run that was stopped"
+                + (": the run in it is complete" if found else "; name the folder that viscorod run wrote to")
+            )
+        about = contents(journal).attrs
+        text, source = str(about.get("case_text", "")), Path(str(about.get("case_file", "")))
+        if not text:
+            raise InputError(
+                f"{folder}: the run did not come from a case file; go on with Model.simulate(..., resume=True)"
+            )
+        now = existing(case) if case is not None else source if source.is_file() else None
+        if now is not None:
+            _require_same(text, now)
+        doubts = json.loads(str(about.get("doubts", "[]")))
+        _compute(parse_case(text, source), folder, doubts, resume=True)
+
+
+def _require_same(text: str, path: Path) -> None:
+    """Refuse a case file that says something else than the one that the run began with."""
+    present = path.read_text(encoding="utf-8-sig")
+    if present == text:
+        return
+    lines = difflib.unified_diff(
+        text.splitlines(), present.splitlines(), "as the run began", str(path), lineterm=""
+    )
+    raise InputError(
+        f"{path} has changed since the run began, which cannot go on with it:\n"
+        + "\n".join(f"  {line}" for line in lines)
+        + "\nPut it back, name another file with --case, or run it anew"
+    )
+
+
+def _compute(case: Case, folder: Path, doubts: Sequence[str], *, resume: bool) -> None:
+    from viscorod.analyses.case_run import run_case
+    from viscorod.cli.progress import reporting
+    from viscorod.model.settings import SimulateSettings
+    from viscorod.results.run import Run
+
+    settings = case.settings
+    static = not isinstance(settings, SimulateSettings)
+    total = settings.duration if isinstance(settings, SimulateSettings) else 1.0
+    result: Run | Equilibrium | Steady
+    try:
+        with _polite_stop() as stop, reporting(total, static=static) as progress:
+            result = run_case(case, progress=progress, folder=folder, doubts=doubts, resume=resume, stop=stop)
+    except SolveError as error:
+        typer.echo(f"error: {error}", err=True)
+        if error.run is not None:
+            written = _write(error.run, folder, doubts)
+            typer.echo(f"up to there: {', '.join(map(str, written))}", err=True)
+            if isinstance(error.run, Run) and error.run.outcome == "interrupted":
+                typer.echo(f"go on with: viscorod resume {folder}", err=True)
+        raise typer.Exit(1) from None
+    written = _write(result, folder, doubts)
+    typer.echo(result.report())
+    typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+
+
+@contextmanager
+def _polite_stop() -> Iterator[Callable[[], str]]:
+    """Let Ctrl-C, or a request to terminate, end the run after the present step; the second one ends it at once.
+
+    So does the first one where nobody has asked yet: there is no step to finish in an initial equilibrium.
+    """
+    reason, listening = "", False
+
+    def ask(number: int, _: FrameType | None) -> None:
+        nonlocal reason
+        if reason:
+            raise KeyboardInterrupt
+        reason = "stopped from the keyboard" if number == signal.SIGINT else "asked to end"
+        if not listening:
+            raise KeyboardInterrupt(reason)
+        typer.echo("\nfinishing the step; once more ends the run at once", err=True)
+
+    def stop() -> str:
+        nonlocal listening
+        listening = True
+        return reason
+
+    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stop
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def writable(folder: Path) -> None:
+    """Refuse a folder that cannot be written before anything is computed for it."""
+    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+        raise InputError(
+            f"{folder} cannot be written: {there} is no folder to write in; name another with -o"
+        )
+
+
+def _doubts(case: Case) -> list[str]:
+    """What the user should know before the case is computed."""
+    from viscorod.analyses.check import doubts
+    from viscorod.model.settings import SimulateSettings, SteadySettings
+
+    settings = case.settings
+    flies = isinstance(settings, SimulateSettings) and settings.initial == "reference"
+    flies = flies or isinstance(settings, SteadySettings)
+    return doubts(case.description, settled=not flies)
+
+
+def _write(result: Run | Equilibrium | Steady, folder: Path, doubts: Sequence[str]) -> list[Path]:
+    """Write pictures, and data, with the doubts among its warnings, unless it is there already; returns the files."""
+    from viscorod.results.run import Run
+
+    if isinstance(result, Run):
+        pictures = [result.plot(folder / "motion.png"), result.plot_energy(folder / "energy.png")]
+        return [folder / "run.nc", *pictures]
+    known: list[Any] = json.loads(result.data.attrs.get("warnings", "[]"))
+    result.data.attrs["warnings"] = json.dumps([*doubts, *known])
+    picture = result.plot(folder / "shape.png")
+    return [result.save(folder / "run.nc"), picture]

@@ -1,0 +1,49 @@
+"""``viscorod view``: a result as one HTML file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from viscorod.cli.terminal import readable_errors
+
+__all__ = ["view"]
+
+
+def view(
+    result: Annotated[Path, typer.Argument(metavar="RUN.nc", help="Written by viscorod run.")],
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE.html",
+            help="File to write [default: beside the result]",
+            show_default=False,
+        ),
+    ] = None,
+    frames: Annotated[
+        int | None,
+        typer.Option(
+            "--frames", min=2, metavar="N", help="Frames at most [default: 1500]", show_default=False
+        ),
+    ] = None,
+    open_: Annotated[bool, typer.Option("--open", help="Show it in the browser.")] = False,
+) -> None:
+    """Make one HTML file that plays a motion in 3D beside its histories, energy account and damping ratios.
+
+    It needs no server and no network. Time and stations are thinned out where there are many; the page says so.
+    """
+    with readable_errors():
+        from viscorod.pictures.viewer import view as write
+        from viscorod.pictures.viewer.writing import FRAMES
+        from viscorod.results.files.storage import load
+
+        page = write(load(result), output or result.with_suffix(".html"), frames=frames or FRAMES)
+        typer.echo(f"Written: {page} ({page.stat().st_size / 1e6:.1f} MB)")
+        if open_:
+            import webbrowser
+
+            webbrowser.open(page.resolve().as_uri())

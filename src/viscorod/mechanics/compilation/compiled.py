@@ -1,0 +1,170 @@
+"""How kernels are compiled: once, cached on disk, with fused multiply-add but otherwise strict floating point."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import hashlib
+import logging
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+
+from viscorod.mechanics.compilation.claims import ClaimedCache
+from viscorod.mechanics.compilation.pipelines import kernel_compiler, part_compiler
+
+Kernel = TypeVar("Kernel", bound=Callable[..., object])
+
+_ASIDE = "VISCOROD_COMPILES_ASIDE"
+"""Set in the process that compiles aside."""
+
+_helpers: list[subprocess.Popen[bytes]] = []
+
+_CONSTRUCTORS = {"empty", "zeros", "dot"}
+"""What makes arrays within kernels."""
+
+_njit: Any = numba.njit
+_config: Any = numba.config
+
+KERNELS: list[Any] = []
+"""All kernels that have been imported, as Numba's dispatchers."""
+
+
+@functools.lru_cache
+def cache_folder() -> Path | None:
+    """Return where machine code is kept, a folder for exactly this version of all kernels; None if nowhere.
+
+    Kernels contain those that they call, so all are compiled again when the source of any has changed; folders of
+    earlier versions are removed. It lies in Numba's cache folder if one is set, else in that of this package.
+    """
+    package = Path(__file__).parents[2]
+    content = hashlib.sha1(usedforsecurity=False)
+    for part_of in ("mechanics", "solve"):
+        for path in sorted((package / part_of).rglob("*.py")):
+            content.update(path.read_bytes())
+    family = f"viscorod-{hashlib.sha1(str(package).encode(), usedforsecurity=False).hexdigest()[:8]}-"
+    given = _config.CACHE_DIR
+    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    for base in [Path(given)] if given else [package / "__pycache__", user / "viscorod"]:
+        folder = base / f"{family}{content.hexdigest()[:16]}"
+        try:
+            if not folder.is_dir():
+                for earlier in base.glob(f"{family}*"):
+                    shutil.rmtree(earlier, ignore_errors=True)
+                folder.mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+        except OSError:  # not writable
+            continue
+        return folder
+    return None
+
+
+def _allocates(function: Callable[..., object]) -> bool:
+    """Whether ``function`` makes arrays; one that does not needs no counting of references, half of all code."""
+    return not _CONSTRUCTORS.isdisjoint(cast(Any, function).__code__.co_names)
+
+
+def part(function: Kernel) -> Kernel:
+    """Compile ``function`` as a part of the kernels that call it: calling it from Python crashes.
+
+    It returns no arrays.
+    """
+    compiled: Any = _njit(
+        error_model="numpy",
+        fastmath={"contract", "nsz"},
+        no_cpython_wrapper=True,
+        no_cfunc_wrapper=True,
+        pipeline_class=part_compiler(),
+        _nrt=_allocates(function),
+    )(function)
+    return cast(Kernel, compiled)
+
+
+def kernel(function: Kernel) -> Kernel:
+    """Compile ``function`` with Numba at its first call and keep the machine code on disk.
+
+    A kernel that makes arrays names one of the constructors above itself; the others return no arrays, not even views.
+    Copy rows entry by entry: one assignment of an array to a slice compiles, for the message of its error, two to
+    three seconds of text formatting.
+    """
+    folder, given = cache_folder(), _config.CACHE_DIR
+    _config.CACHE_DIR = given if folder is None else str(folder)
+    compiled: Any = _njit(
+        cache=True,
+        error_model="numpy",
+        fastmath={"contract", "nsz"},
+        no_cfunc_wrapper=True,
+        pipeline_class=kernel_compiler(),
+        _nrt=_allocates(function),
+    )(function)
+    _config.CACHE_DIR = given
+    if folder is not None:
+        name = f"{function.__module__}.{function.__name__}"
+        compiled._cache = ClaimedCache(compiled._cache, folder / f"{name}.claim")
+    KERNELS.append(compiled)
+    return cast(Kernel, compiled)
+
+
+def on_disk(compiled: Any) -> bool:
+    """Whether there is machine code of a kernel on disk."""
+    function = compiled.py_func
+    stem = f"{function.__module__.rpartition('.')[2]}.{function.__name__}-{function.__code__.co_firstlineno}."
+    return any(Path(compiled.stats.cache_path).glob(f"{stem}*.nbi"))
+
+
+def lane_kernel(function: Kernel) -> Kernel:
+    """Compile ``function`` into its callers only: loops over lanes vectorise where row lengths are constants."""
+    compiled = _njit(
+        error_model="numpy",
+        fastmath={"contract", "nsz"},
+        forceinline=True,
+        _nrt=False,
+        no_cpython_wrapper=True,
+        no_cfunc_wrapper=True,
+        pipeline_class=part_compiler(),
+    )(function)
+    return cast(Kernel, compiled)
+
+
+def announce_formulation(first: Any) -> None:
+    """Say so if the kernel ``first`` of what not all runs need is neither in memory nor on disk yet."""
+    if not first.signatures and not on_disk(first):
+        logging.getLogger("viscorod").warning(
+            "viscorod: compiling the kernels that this kind of model needs, once, for about a quarter of a minute"
+        )
+
+
+def announce_compilation(largest: Any) -> None:
+    """Say so if the machine code of the kernel ``largest`` is neither in memory nor on disk yet, and get help."""
+    if not largest.signatures and not on_disk(largest):
+        logging.getLogger("viscorod").warning(
+            "viscorod: compiling its kernels, once, for about half a minute; later runs start at once "
+            "(viscorod warmup compiles all of them)"
+        )
+        compile_aside()
+
+
+def compile_aside() -> None:
+    """Have the kernels of transients compiled by a second process, while this one is busy with those of statics.
+
+    Each kernel is compiled by the process that comes to it first; the other waits for it (see ``claims``).
+    """
+    if _ASIDE not in os.environ and not _helpers and sys.executable:
+        command = [sys.executable, "-m", "viscorod.analyses.warmup"]
+        quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        # where no process can be started, this one compiles everything
+        with contextlib.suppress(OSError):
+            _helpers.append(subprocess.Popen(command, env=os.environ | {_ASIDE: "1"}, **quiet))
+
+
+def await_compilation() -> None:
+    """Wait for the second process, if there is one: all kernels are on disk then."""
+    while _helpers:
+        _helpers.pop().wait()

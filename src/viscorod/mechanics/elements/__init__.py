@@ -1,0 +1,1 @@
+"""Elements of rods: strains, internal forces and their tangents, Maxwell branches, held strains."""

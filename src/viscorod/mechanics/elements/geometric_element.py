@@ -1,0 +1,354 @@
+"""Forces and tangents of geometric elements: one pass over the Gauss points of all elements of one order.
+
+The element is described in ``strain``; here its section forces are turned into nodal forces, and their derivative is
+assembled into the blocks of a matrix. Gauss points are taken in batches of LANES, so that the formulas of ``lanes``
+and ``tangent_lanes`` run on whole vector registers; only what is in ``gathering`` goes point by point.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.compilation.compiled import kernel
+from viscorod.mechanics.elements.gathering import (
+    add_blocks,
+    add_forces,
+    gather_nodes,
+    gather_rate_maps,
+    gather_sections,
+)
+from viscorod.mechanics.elements.lanes import (
+    AT_FORCE,
+    AT_RATE,
+    AT_SHAPE,
+    AT_SLOPE,
+    AT_STRAIN,
+    AT_STRESS,
+    AT_WEIGHT,
+    LANES,
+    MAP_ROWS,
+    NODE_ROWS,
+    POINT_ROWS,
+    conjugate_section_forces,
+    forces_on,
+    interpolate,
+    rates,
+    section_forces,
+)
+from viscorod.mechanics.elements.strain import element_poses, gauss_point
+from viscorod.mechanics.elements.tangent_lanes import (
+    FLAT_ROWS,
+    add_turned_forces,
+    add_turning_frame,
+    block_of,
+    conjugate_stress,
+    follow_twist,
+    force_columns,
+    rate_columns,
+    section_columns,
+    strain_columns,
+)
+from viscorod.mechanics.nodes.attached_poses import attached_twist
+from viscorod.mechanics.rotations.vectors import (
+    quaternion,
+    vector,
+)
+from viscorod.typing import Floats, Integers
+
+
+@kernel
+def strains(
+    nodes: Integers,
+    links: Integers,
+    link_positions: Floats,
+    link_quaternions: Floats,
+    shapes: Floats,
+    slopes: Floats,
+    half_lengths: Floats,
+    r: Floats,
+    q: Floats,
+    out: Floats,
+    frames: Floats,
+) -> None:
+    """Evaluate ``(V, U)`` at every Gauss point of equal-order elements into ``out`` (elements, points, 6).
+
+    ``frames`` (elements, points, 4) receives the unit quaternions of the sections.
+    """
+    m = nodes.shape[1]
+    re = np.empty((m, 3))
+    qe = np.empty((m, 4))
+    p = np.empty((m, 4))
+    slope = np.empty(m)
+    for e in range(nodes.shape[0]):
+        element_poses(nodes[e], links[e], link_positions, link_quaternions, r, q, re, qe)
+        for g in range(shapes.shape[0]):
+            for k in range(m):
+                slope[k] = slopes[g, k] / half_lengths[e]
+            gauss_point(shapes[g], slope, re, qe, out[e, g, 0:3], out[e, g, 3:6], p, frames[e, g])
+
+
+@kernel
+def assemble(
+    nodes: Integers,
+    links: Integers,
+    slots: Integers,
+    link_positions: Floats,
+    link_quaternions: Floats,
+    shapes: Floats,
+    slopes: Floats,
+    weights: Floats,
+    half_lengths: Floats,
+    section: Integers,
+    stiffness: Floats,
+    damping: Floats,
+    held: Floats,
+    coupled: bool,
+    damped: bool,
+    constrained: bool,
+    reference: Floats,
+    prestress: Floats,
+    stress: Floats,
+    r: Floats,
+    q: Floats,
+    twist: Floats,
+    moving: bool,
+    rate_map: Floats,
+    with_tangent: bool,
+    force: Floats,
+    blocks: Floats,
+    rate_blocks: Floats,
+    strain: Floats,
+    strain_rate: Floats,
+    section_force: Floats,
+    operator: Floats,
+    strain_operator: Floats,
+) -> None:
+    """Add the internal forces of equal-order elements, and their tangent, in one pass over the Gauss points.
+
+    Args:
+        nodes, links: ``(elements, m)``, shared node and attachment (or -1) of every element node.
+        slots: ``(elements, m, m)``, number of the block in the row of node k and the column of node j.
+        link_positions, link_quaternions: constant relative poses of the attachments.
+        shapes, slopes: basis and its derivative in xi at the Gauss points ``(points, m)``; ``weights`` ``(points,)``.
+        half_lengths: half the reference arc length of each element [m].
+        section: index of the section at every Gauss point ``(elements, points)``.
+        stiffness, damping: section matrices C and D ``(sections, 6, 6)``; ``coupled`` False takes them as diagonal,
+            ``damped`` False skips D.
+        held: marks strains whose section force is the stress ``(sections, 6)``; ``constrained`` False: there are none.
+        reference: strains of the unstressed shape ``(elements, points, 6)``.
+        prestress: section forces beside C eps + D eps_t, likewise; no elements if there are none.
+        stress: section force used in the geometric stiffness (the mixed iterate) ``(elements, points, 6)``.
+        r, q, twist: nodal positions, unit quaternions and body twists; ``moving`` False means that all twists vanish.
+        rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``; read only if ``damped and moving``.
+        force: ``(n, 6)``, internal force in body frames is added.
+        blocks: of the matrix ``(b, 6, 6)``, entry (i, j) of block s at ``blocks[s, j, i]``, added to.
+        rate_blocks: the derivative by the twists alone, laid out like ``blocks``; none if it is not wanted.
+        strain, strain_rate, section_force: outputs ``(elements, points, 6)``: (V, U) - reference, its rate, C eps
+            + D eps_t + prestress.
+        operator: output ``(batches, m, 6, 6, LANES)``, change of the section force per nodal increment (column, row;
+            with the tangent).
+        strain_operator: output, change of the strain, laid out like ``operator``; no batches if it is not wanted.
+
+    model.md section 4: ``f = sum_g w_g B^T (C eps + D eps_t)``.
+    """
+    m = nodes.shape[1]
+    points = shapes.shape[0]
+    total = nodes.shape[0] * points
+    viscous = damped and moving
+    separate = damped and with_tangent and rate_blocks.shape[0] > 0
+    point = np.zeros((1, POINT_ROWS, LANES))
+    node = np.zeros((m, NODE_ROWS, LANES))
+    maps = np.zeros((3 * m, MAP_ROWS, LANES))
+    C = np.zeros((6, 6, LANES))
+    D = np.zeros((6, 6, LANES))
+    B = np.empty((6, 6, LANES))
+    E = np.empty((6, 6, LANES))
+    A = np.empty((6, 6, LANES))
+    T = np.empty((6, 6, LANES))
+    F = np.empty((6, FLAT_ROWS, LANES))
+    block = np.empty((6, 6, LANES))
+    nodal = np.empty((1, 6, LANES))
+    element = np.empty(LANES, np.int64)
+    place = np.empty(LANES, np.int64)
+    e = g = 0
+    for first in range(0, total, LANES):
+        count = min(LANES, total - first)
+        for lane in range(count):
+            if g == points:
+                e, g = e + 1, 0
+            element[lane], place[lane] = e, g
+            weight = weights[g] * half_lengths[e]
+            point[0, AT_WEIGHT, lane] = weight
+            for k in range(m):
+                node[k, AT_SHAPE, lane] = shapes[g, k]
+                node[k, AT_SLOPE, lane] = slopes[g, k] / half_lengths[e]
+            for i in range(6):
+                point[0, AT_STRAIN + i, lane] = -reference[e, g, i]
+                point[0, AT_STRESS + i, lane] = weight * stress[e, g, i]
+            g += 1
+        gather_nodes(count, element, nodes, links, link_positions, link_quaternions, r, q, twist, node)
+        gather_sections(count, element, place, section, coupled, stiffness, C)
+        if damped:
+            gather_sections(count, element, place, section, coupled, damping, D)
+        interpolate(count, point, node, maps)
+        if viscous:
+            rates(count, point, node, maps)
+        section_forces(count, coupled, viscous, C, D, point)
+        if prestress.shape[0] > 0:
+            for lane in range(count):
+                for i in range(6):
+                    point[0, AT_FORCE + i, lane] += prestress[element[lane], place[lane], i]
+        if constrained:
+            for lane in range(count):
+                of = section[element[lane], place[lane]]
+                for i in range(6):
+                    if held[of, i] != 0.0:
+                        point[0, AT_FORCE + i, lane] = (
+                            point[0, AT_STRESS + i, lane] / point[0, AT_WEIGHT, lane]
+                        )
+        conjugate_section_forces(count, point)
+        for lane in range(count):
+            at, of = element[lane], place[lane]
+            for i in range(6):
+                strain[at, of, i] = point[0, AT_STRAIN + i, lane]
+                strain_rate[at, of, i] = point[0, AT_RATE + i, lane]
+                section_force[at, of, i] = point[0, AT_FORCE + i, lane]
+        for k in range(m):
+            forces_on(count, point, node, maps, k, nodal)
+            add_forces(count, element, k, nodes, links, link_positions, link_quaternions, nodal, force)
+        if not with_tangent:
+            continue
+        conjugate_stress(count, point)
+        for j in range(m):
+            strain_columns(count, point, node, maps, j, B)
+            if strain_operator.shape[0] > 0:
+                for b in range(6):
+                    for i in range(6):
+                        for lane in range(count):
+                            strain_operator[first // LANES, j, b, i, lane] = B[b, i, lane]
+            for apart in range(2 if separate else 1):  # the tangent, then the damping matrix alone
+                section_columns(count, coupled, D if apart else C, B, True, A)
+                if viscous and not apart:
+                    gather_rate_maps(
+                        count, element, j, nodes, links, link_positions, link_quaternions, rate_map, T
+                    )
+                    rate_columns(count, point, node, maps, j, E)
+                    follow_twist(count, B, T, E)
+                    section_columns(count, coupled, D, E, False, A)
+                force_columns(count, point, A, F)
+                if not apart:
+                    add_turned_forces(count, point, node, maps, j, F)
+                    for b in range(6):
+                        for i in range(6):
+                            for lane in range(count):
+                                operator[first // LANES, j, b, i, lane] = A[b, i, lane]
+                for k in range(m):
+                    block_of(count, node, maps, k, F, block)
+                    if k == j and not apart:
+                        add_turning_frame(count, point, node, maps, k, block)
+                    add_blocks(
+                        count,
+                        element,
+                        k,
+                        j,
+                        links,
+                        link_positions,
+                        link_quaternions,
+                        slots,
+                        block,
+                        rate_blocks if apart else blocks,
+                    )
+
+
+@kernel
+def update_stress(
+    nodes: Integers,
+    links: Integers,
+    link_positions: Floats,
+    link_quaternions: Floats,
+    section_force: Floats,
+    operator: Floats,
+    increment: Floats,
+    stress: Floats,
+) -> None:
+    """Carry the section force of the last iterate along the Newton increment: ``stress = S + A dx``.
+
+    This is the mixed (stress as an independent iterate) Newton step with the stress eliminated point by point.
+    """
+    m = nodes.shape[1]
+    points = section_force.shape[1]
+    total = nodes.shape[0] * points
+    change = np.empty((6, LANES))
+    x = np.empty((6, LANES))
+    for first in range(0, total, LANES):
+        count = min(LANES, total - first)
+        batch = first // LANES
+        for i in range(6):
+            for lane in range(count):
+                change[i, lane] = 0.0
+        for k in range(m):
+            for lane in range(count):
+                e = (first + lane) // points
+                n, link = nodes[e, k], links[e, k]
+                if link < 0:
+                    for i in range(6):
+                        x[i, lane] = increment[n, i]
+                else:
+                    v, w = vector(increment, n, 0), vector(increment, n, 3)
+                    d, own = vector(link_positions, link, 0), quaternion(link_quaternions, link)
+                    v, w = attached_twist(d, own, v, w)
+                    for i in range(3):
+                        x[i, lane] = v[i]
+                        x[3 + i, lane] = w[i]
+            for j in range(6):
+                for i in range(6):
+                    for lane in range(count):
+                        change[i, lane] += operator[batch, k, j, i, lane] * x[j, lane]
+        for lane in range(count):
+            e, g = divmod(first + lane, points)
+            for i in range(6):
+                stress[e, g, i] = section_force[e, g, i] + change[i, lane]
+
+
+@kernel
+def elastic_energy(
+    weights: Floats, half_lengths: Floats, section: Integers, stiffness: Floats, strain: Floats
+) -> float:
+    """Return the elastic energy [J], ``1/2 int eps.C eps``, from the strains at the Gauss points."""
+    total = 0.0
+    for e in range(strain.shape[0]):
+        for g in range(strain.shape[1]):
+            C = stiffness[section[e, g]]
+            weight = weights[g] * half_lengths[e]
+            for i in range(6):
+                for j in range(6):
+                    total += 0.5 * weight * strain[e, g, i] * C[i, j] * strain[e, g, j]
+    return total
+
+
+@kernel
+def viscous_loss(
+    weights: Floats,
+    half_lengths: Floats,
+    section: Integers,
+    damping: Floats,
+    strain: Floats,
+    earlier: Floats,
+    duration: float,
+) -> float:
+    """Return the energy [J] lost between two strain states, ``int d_eps.D d_eps / duration`` (never negative).
+
+    The mean rate of the step stands for the rate: of second order, and blind to ringing of the rates about their mean.
+    """
+    total = 0.0
+    d = np.empty(6)
+    for e in range(strain.shape[0]):
+        for g in range(strain.shape[1]):
+            D = damping[section[e, g]]
+            weight = weights[g] * half_lengths[e]
+            for i in range(6):
+                d[i] = strain[e, g, i] - earlier[e, g, i]
+            for i in range(6):
+                for j in range(6):
+                    total += weight * d[i] * D[i, j] * d[j] / duration
+    return total

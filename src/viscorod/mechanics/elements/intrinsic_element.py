@@ -1,0 +1,391 @@
+"""The intrinsic element: strains at the Gauss points are states of their own, moved by the nodal body twists.
+
+Hodges' equations as Artola, Wynn and Palacios write them (AWP 13-14, full Kelvin-Voigt damping; 22-23, linearised).
+Body twists ``x1 = (v, w)`` are interpolated in body components by the basis of order p, strains stand at the p Gauss
+points, and compatibility holds there:
+
+    eps_t = x1' - E^T x1 + L1(x1)^T eps = b + (kappa x v + gamma x w, kappa x w)     b = x1' + (U0 x v + V0 x w, U0 x w)
+
+Tested with the same interpolation, the section forces give ``f_k = sum_g w_g [N'_k S + N_k (-U x N, -V x N - U x M)]``,
+so ``sum_k f_k . x1_k = sum_g w_g S . eps_t`` holds exactly: the energy balance is exact in space. Linearised damping
+lets the viscous force ``D b`` act through ``U0, V0`` instead of ``U, V``; it dissipates ``b . D b`` (AWP 32).
+
+No pose enters: rigid rotations are in the twists alone.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.compilation.compiled import kernel, part
+from viscorod.mechanics.elements.internal_force import Elements, scatter
+from viscorod.mechanics.nodes.attached_poses import link_map
+from viscorod.typing import Floats, Integers
+
+
+class StrainMotion(NamedTuple):
+    """Strains as states of their own: what a step knows of them and works with.
+
+    Attributes:
+        linearised: viscous forces are those of the linearised damping.
+        start: strains at the start of the step ``(e, points, 6)``.
+        twist: body twists at the Gauss points of the stages ``(s, e, points, 6)``.
+        linear_rate: ``b``, the strain rate of the unstrained rod, likewise.
+        nodes, forces: scratch of one element ``(m, 6)``; map: ``(6, 6)``; matrix: ``(3 s, 3 s)``; right: ``(3 s,)``.
+    """
+
+    linearised: bool
+    start: Floats
+    twist: Floats
+    linear_rate: Floats
+    nodes: Floats
+    forces: Floats
+    map: Floats
+    matrix: Floats
+    right: Floats
+
+    @classmethod
+    def of(cls, elements: Elements, stages: int, *, linearised: bool) -> StrainMotion:
+        """Allocate for a number of stages."""
+        points, m = elements.reference.shape, elements.nodes.shape[1]
+        return cls(
+            linearised,
+            np.zeros(points),
+            np.zeros((stages, *points)),
+            np.zeros((stages, *points)),
+            np.zeros((m, 6)),
+            np.zeros((m, 6)),
+            np.zeros((6, 6)),
+            np.zeros((3 * stages, 3 * stages)),
+            np.zeros(3 * stages),
+        )
+
+
+@part
+def interpolate_twists(
+    elements: Elements, twist: Floats, T: Floats, X: Floats, at_points: Floats, linear_rate: Floats
+) -> None:
+    """Write the body twists at all Gauss points, and ``b``, of some states.
+
+    Args:
+        twist: of all nodes ``(s, n, 6)``; T, X: scratch ``(m, 6)``, ``(6, 6)``.
+        at_points, linear_rate: outputs ``(s, e, points, 6)``.
+    """
+    orders, nodes, links, link_positions, link_quaternions, shapes, slopes = elements[:7]
+    half_lengths, reference = elements[8], elements[13]
+    for s in range(twist.shape[0]):
+        for e in range(orders.shape[0]):
+            order = orders[e]
+            gather_twists(s, order + 1, nodes[e], links[e], link_positions, link_quaternions, twist, T, X)
+            for g in range(order):
+                v0 = v1 = v2 = w0 = w1 = w2 = b0 = b1 = b2 = b3 = b4 = b5 = 0.0
+                for k in range(order + 1):
+                    n, d = shapes[order, g, k], slopes[order, g, k] / half_lengths[e]
+                    v0 += n * T[k, 0]
+                    v1 += n * T[k, 1]
+                    v2 += n * T[k, 2]
+                    w0 += n * T[k, 3]
+                    w1 += n * T[k, 4]
+                    w2 += n * T[k, 5]
+                    b0 += d * (T[k, 0] - T[0, 0])
+                    b1 += d * (T[k, 1] - T[0, 1])
+                    b2 += d * (T[k, 2] - T[0, 2])
+                    b3 += d * (T[k, 3] - T[0, 3])
+                    b4 += d * (T[k, 4] - T[0, 4])
+                    b5 += d * (T[k, 5] - T[0, 5])
+                V0, V1, V2 = reference[e, g, 0], reference[e, g, 1], reference[e, g, 2]
+                U0, U1, U2 = reference[e, g, 3], reference[e, g, 4], reference[e, g, 5]
+                linear_rate[s, e, g, 0] = b0 + U1 * v2 - U2 * v1 + V1 * w2 - V2 * w1
+                linear_rate[s, e, g, 1] = b1 + U2 * v0 - U0 * v2 + V2 * w0 - V0 * w2
+                linear_rate[s, e, g, 2] = b2 + U0 * v1 - U1 * v0 + V0 * w1 - V1 * w0
+                linear_rate[s, e, g, 3] = b3 + U1 * w2 - U2 * w1
+                linear_rate[s, e, g, 4] = b4 + U2 * w0 - U0 * w2
+                linear_rate[s, e, g, 5] = b5 + U0 * w1 - U1 * w0
+                at_points[s, e, g, 0], at_points[s, e, g, 1], at_points[s, e, g, 2] = v0, v1, v2
+                at_points[s, e, g, 3], at_points[s, e, g, 4], at_points[s, e, g, 5] = w0, w1, w2
+
+
+@part
+def gather_twists(
+    s: int,
+    count: int,
+    nodes: Integers,
+    links: Integers,
+    link_positions: Floats,
+    link_quaternions: Floats,
+    twist: Floats,
+    T: Floats,
+    X: Floats,
+) -> None:
+    """Write the twists of an element's nodes in state ``s``, attachments applied ``(m, 6)``."""
+    for k in range(count):
+        n, link = nodes[k], links[k]
+        if link < 0:
+            for a in range(6):
+                T[k, a] = twist[s, n, a]
+        else:
+            link_map(link_positions[link], link_quaternions[link], X)
+            for a in range(6):
+                T[k, a] = 0.0
+                for b in range(6):
+                    T[k, a] += X[a, b] * twist[s, n, b]
+
+
+@part
+def viscous_rates(linearised: bool, strain: Floats, twist: Floats, linear_rate: Floats, out: Floats) -> None:
+    """Write the rates that damping acts on at all Gauss points ``(s, e, points, 6)``.
+
+    They are ``eps_t = b + (kappa x v + gamma x w, kappa x w)``, or ``b`` if linearised.
+    """
+    for s in range(out.shape[0]):
+        for e in range(out.shape[1]):
+            for g in range(out.shape[2]):
+                if linearised:
+                    for i in range(6):
+                        out[s, e, g, i] = linear_rate[s, e, g, i]
+                    continue
+                for i in range(3):
+                    a, b = (i + 1) % 3, (i + 2) % 3
+                    v_a, v_b = twist[s, e, g, a], twist[s, e, g, b]
+                    w_a, w_b = twist[s, e, g, 3 + a], twist[s, e, g, 3 + b]
+                    gamma_a, gamma_b = strain[s, e, g, a], strain[s, e, g, b]
+                    kappa_a, kappa_b = strain[s, e, g, 3 + a], strain[s, e, g, 3 + b]
+                    out[s, e, g, i] = (
+                        linear_rate[s, e, g, i]
+                        + kappa_a * v_b
+                        - kappa_b * v_a
+                        + gamma_a * w_b
+                        - gamma_b * w_a
+                    )
+                    out[s, e, g, 3 + i] = linear_rate[s, e, g, 3 + i] + kappa_a * w_b - kappa_b * w_a
+
+
+@part
+def solve_stages(matrix: Floats, right: Floats, size: int, factorise: bool) -> None:
+    """Solve ``matrix x = right`` in place by elimination; the matrix is near a constant of the method: no pivoting.
+
+    Without ``factorise`` the matrix holds its factors already.
+    """
+    if factorise:
+        for j in range(size):
+            inverse = 1.0 / matrix[j, j]
+            for i in range(j + 1, size):
+                factor = matrix[i, j] * inverse
+                matrix[i, j] = factor
+                if factor != 0.0:
+                    for k in range(j + 1, size):
+                        matrix[i, k] -= factor * matrix[j, k]
+    for i in range(size):
+        for j in range(i):
+            right[i] -= matrix[i, j] * right[j]
+    for back in range(size):
+        i = size - 1 - back
+        for j in range(i + 1, size):
+            right[i] -= matrix[i, j] * right[j]
+        right[i] /= matrix[i, i]
+
+
+@part
+def advance_strains(
+    elements: Elements,
+    D: Floats,
+    h: float,
+    start: Floats,
+    twist: Floats,
+    linear_rate: Floats,
+    matrix: Floats,
+    right: Floats,
+    strain: Floats,
+) -> None:
+    """Integrate compatibility over a step by the collocation method: write the strains at all stages.
+
+    ``sum_j d_ij (eps_j - eps_0)/h = eps_t(eps_i, x1_i)`` is linear in the strains: with ``d = eps - eps_0``
+
+        sum_j d_ij dU_j + h w_i x dU_i = h (b_U + kappa_0 x w)_i
+        sum_j d_ij dV_j + h w_i x dV_i = h (b_V + kappa_i x v_i + gamma_0 x w_i)
+
+    Args:
+        D: derivatives from stage values ``(s, s)``; h: step [s]; start: strains at its start ``(e, points, 6)``.
+        twist, linear_rate: from :func:`interpolate_twists` ``(s, e, points, 6)``; strain: output, likewise.
+        matrix, right: scratch ``(3 s, 3 s)``, ``(3 s,)``.
+    """
+    stages = twist.shape[0]
+    size = 3 * stages
+    for e in range(elements.order.shape[0]):
+        for g in range(elements.order[e]):
+            for i in range(stages):
+                for a in range(3):
+                    for j in range(stages):
+                        for b in range(3):
+                            matrix[3 * i + a, 3 * j + b] = D[i, j] if a == b else 0.0
+                for a in range(3):
+                    b, c = (a + 1) % 3, (a + 2) % 3
+                    matrix[3 * i + a, 3 * i + b] -= h * twist[i, e, g, 3 + c]
+                    matrix[3 * i + a, 3 * i + c] += h * twist[i, e, g, 3 + b]
+                    right[3 * i + a] = h * (
+                        linear_rate[i, e, g, 3 + a]
+                        + start[e, g, 3 + b] * twist[i, e, g, 3 + c]
+                        - start[e, g, 3 + c] * twist[i, e, g, 3 + b]
+                    )
+            solve_stages(matrix, right, size, True)
+            for i in range(stages):
+                for a in range(3):
+                    strain[i, e, g, 3 + a] = start[e, g, 3 + a] + right[3 * i + a]
+            for i in range(stages):
+                for a in range(3):
+                    b, c = (a + 1) % 3, (a + 2) % 3
+                    right[3 * i + a] = h * (
+                        linear_rate[i, e, g, a]
+                        + strain[i, e, g, 3 + b] * twist[i, e, g, c]
+                        - strain[i, e, g, 3 + c] * twist[i, e, g, b]
+                        + start[e, g, b] * twist[i, e, g, 3 + c]
+                        - start[e, g, c] * twist[i, e, g, 3 + b]
+                    )
+            solve_stages(matrix, right, size, False)
+            for i in range(stages):
+                for a in range(3):
+                    strain[i, e, g, a] = start[e, g, a] + right[3 * i + a]
+
+
+@part
+def section_forces(elements: Elements, strain: Floats, strain_rate: Floats, S: Floats) -> None:
+    """Write ``C eps + D eps_t`` (or ``D b``) of all Gauss points ``(s, e, points, 6)``."""
+    orders, section, C, D, damped = elements[0], elements[9], elements[10], elements[11], elements[12]
+    for s in range(S.shape[0]):
+        for e in range(orders.shape[0]):
+            for g in range(orders[e]):
+                of = section[e, g]
+                for i in range(6):
+                    total = 0.0
+                    for j in range(6):
+                        total += C[of, i, j] * strain[s, e, g, j]
+                    if damped:
+                        for j in range(6):
+                            total += D[of, i, j] * strain_rate[s, e, g, j]
+                    S[s, e, g, i] = total
+
+
+@part
+def nodal_forces(
+    elements: Elements,
+    linearised: bool,
+    strain: Floats,
+    strain_rate: Floats,
+    sigma: Floats,
+    F: Floats,
+    X: Floats,
+    force: Floats,
+) -> None:
+    """Write the internal forces ``(s, n, 6)`` of section forces ``sigma (s, e, points, 6)``, body components.
+
+    With linearised damping, ``sigma - D b`` works through the strains and ``D b`` through those of the reference shape.
+    """
+    orders, nodes, links, link_positions, link_quaternions, shapes, slopes, weights = elements[:8]
+    half_lengths, section, D, reference = elements[8], elements[9], elements[11], elements[13]
+    for s in range(force.shape[0]):
+        for n in range(force.shape[1]):
+            for i in range(6):
+                force[s, n, i] = 0.0
+        for e in range(orders.shape[0]):
+            order = orders[e]
+            for k in range(order + 1):
+                for i in range(6):
+                    F[k, i] = 0.0
+            for g in range(order):
+                V0, V1, V2 = reference[e, g, 0], reference[e, g, 1], reference[e, g, 2]
+                U0, U1, U2 = reference[e, g, 3], reference[e, g, 4], reference[e, g, 5]
+                N0, N1, N2 = sigma[s, e, g, 0], sigma[s, e, g, 1], sigma[s, e, g, 2]
+                M0, M1, M2 = sigma[s, e, g, 3], sigma[s, e, g, 4], sigma[s, e, g, 5]
+                # -(U x N) and -(V x N + U x M): what turns with the reference shape
+                f0, f1, f2 = N1 * U2 - N2 * U1, N2 * U0 - N0 * U2, N0 * U1 - N1 * U0
+                f3 = N1 * V2 - N2 * V1 + M1 * U2 - M2 * U1
+                f4 = N2 * V0 - N0 * V2 + M2 * U0 - M0 * U2
+                f5 = N0 * V1 - N1 * V0 + M0 * U1 - M1 * U0
+                if linearised:
+                    of = section[e, g]
+                    for j in range(6):
+                        rate = strain_rate[s, e, g, j]
+                        N0 -= D[of, 0, j] * rate
+                        N1 -= D[of, 1, j] * rate
+                        N2 -= D[of, 2, j] * rate
+                        M0 -= D[of, 3, j] * rate
+                        M1 -= D[of, 4, j] * rate
+                        M2 -= D[of, 5, j] * rate
+                V0, V1, V2 = strain[s, e, g, 0], strain[s, e, g, 1], strain[s, e, g, 2]
+                U0, U1, U2 = strain[s, e, g, 3], strain[s, e, g, 4], strain[s, e, g, 5]
+                f0 += N1 * U2 - N2 * U1
+                f1 += N2 * U0 - N0 * U2
+                f2 += N0 * U1 - N1 * U0
+                f3 += N1 * V2 - N2 * V1 + M1 * U2 - M2 * U1
+                f4 += N2 * V0 - N0 * V2 + M2 * U0 - M0 * U2
+                f5 += N0 * V1 - N1 * V0 + M0 * U1 - M1 * U0
+                weight = weights[order, g] * half_lengths[e]
+                for k in range(order + 1):
+                    n, d = weight * shapes[order, g, k], weights[order, g] * slopes[order, g, k]
+                    F[k, 0] += d * sigma[s, e, g, 0] + n * f0
+                    F[k, 1] += d * sigma[s, e, g, 1] + n * f1
+                    F[k, 2] += d * sigma[s, e, g, 2] + n * f2
+                    F[k, 3] += d * sigma[s, e, g, 3] + n * f3
+                    F[k, 4] += d * sigma[s, e, g, 4] + n * f4
+                    F[k, 5] += d * sigma[s, e, g, 5] + n * f5
+            scatter(s, order + 1, nodes[e], links[e], link_positions, link_quaternions, F, X, force)
+
+
+@kernel
+def forces_at(
+    elements: Elements,
+    motion: StrainMotion,
+    twist: Floats,
+    strain: Floats,
+    strain_rate: Floats,
+    prestress: Floats,
+    section_force: Floats,
+    force: Floats,
+) -> None:
+    """Write strain rates, section forces and internal forces of a state with known strains.
+
+    Args:
+        motion: scratch for one state; twist: of all nodes ``(1, n, 6)``; strain: ``(1, e, points, 6)``.
+        strain_rate: output, what damping acts on; prestress: section forces beside ``C eps + D eps_t (e, points, 6)``.
+        section_force: output like the strain; force: output ``(1, n, 6)``.
+    """
+    linearised, _, at_points, linear_rate, T, F, X, _, _ = motion
+    interpolate_twists(elements, twist, T, X, at_points, linear_rate)
+    viscous_rates(linearised, strain, at_points, linear_rate, strain_rate)
+    section_forces(elements, strain, strain_rate, section_force)
+    for e in range(prestress.shape[0]):
+        for g in range(prestress.shape[1]):
+            for a in range(6):
+                section_force[0, e, g, a] += prestress[e, g, a]
+    nodal_forces(elements, linearised, strain, strain_rate, section_force, F, X, force)
+
+
+@part
+def stage_forces(
+    elements: Elements,
+    linearised: bool,
+    start: Floats,
+    D: Floats,
+    h: float,
+    twist: Floats,
+    at_points: Floats,
+    linear_rate: Floats,
+    T: Floats,
+    F: Floats,
+    X: Floats,
+    matrix: Floats,
+    right: Floats,
+    strain: Floats,
+    strain_rate: Floats,
+    section_force: Floats,
+    sigma: Floats,
+    force: Floats,
+) -> None:
+    """Write strains, what damping acts on, section forces and the forces of ``sigma`` at all stages of a step ``h``."""
+    interpolate_twists(elements, twist, T, X, at_points, linear_rate)
+    advance_strains(elements, D, h, start, at_points, linear_rate, matrix, right, strain)
+    viscous_rates(linearised, strain, at_points, linear_rate, strain_rate)
+    section_forces(elements, strain, strain_rate, section_force)
+    nodal_forces(elements, linearised, strain, strain_rate, sigma, F, X, force)

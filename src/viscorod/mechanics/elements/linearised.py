@@ -1,0 +1,140 @@
+"""Operators of the section forces of all elements at one state, which collocation methods keep for several steps.
+
+At fixed ``C, D`` the section forces of a Gauss point vary by
+
+    dS = C B d + D (E d + B dx1),     dx1 = (d)' + ad(x1) d
+
+with nodal body increments ``d``, the strain operator ``B`` and the change ``E`` of the strain rate at constant twists
+(see ``tangent_lanes``), so ``dS = A d + P d'`` with ``A = C B + D (E + B ad)`` and ``P = D B``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.compilation.compiled import kernel, part
+from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.mechanics.elements.lanes import LANES
+from viscorod.mechanics.nodes.attached_poses import link_map, map_columns
+from viscorod.typing import Floats, Integers
+
+
+class Operators(NamedTuple):
+    """``B``, ``A`` and ``P`` of all elements ``(e, 6 points, 6 nodes)``, rows of a Gauss point together."""
+
+    strain: Floats
+    force: Floats
+    viscous: Floats
+
+    @classmethod
+    def of(cls, elements: Elements) -> Operators:
+        """Allocate."""
+        count, points, _ = elements.reference.shape
+        shape = (count, 6 * points, 6 * (points + 1))
+        return cls(np.zeros(shape), np.zeros(shape), np.zeros(shape))
+
+
+@kernel
+def collect(
+    first: int,
+    nodes: Integers,
+    links: Integers,
+    link_positions: Floats,
+    link_quaternions: Floats,
+    section: Integers,
+    damping: Floats,
+    damped: bool,
+    strain_columns: Floats,
+    force_columns: Floats,
+    B: Floats,
+    A: Floats,
+    P: Floats,
+) -> None:
+    """Write the operators of equal-order elements, which ``geometric.assemble`` leaves in lanes, from ``first`` on.
+
+    Args:
+        nodes, links, link_positions, link_quaternions, section, damping, damped: as in ``geometric.assemble``.
+        strain_columns, force_columns: its outputs ``strain_operator`` and ``operator``, by increments of the element's
+            own nodes; here they become ones by increments of the shared nodes.
+        B, A, P: outputs, see :class:`Operators`.
+    """
+    points = section.shape[1]
+    X = np.empty((6, 6))
+    for e in range(nodes.shape[0]):
+        to = first + e
+        for g in range(points):
+            batch, lane = divmod(e * points + g, LANES)
+            of = section[e, g]
+            for k in range(nodes.shape[1]):
+                for i in range(6):
+                    for j in range(6):
+                        row, column = 6 * g + i, 6 * k + j
+                        B[to, row, column] = strain_columns[batch, k, j, i, lane]
+                        A[to, row, column] = force_columns[batch, k, j, i, lane]
+                        if damped:
+                            total = 0.0
+                            for a in range(6):
+                                total += damping[of, i, a] * strain_columns[batch, k, j, a, lane]
+                            P[to, row, column] = total
+        for k in range(nodes.shape[1]):
+            link = links[e, k]
+            if link >= 0:
+                link_map(link_positions[link], link_quaternions[link], X)
+                map_columns(B[to], 6 * k, X)
+                map_columns(A[to], 6 * k, X)
+                map_columns(P[to], 6 * k, X)
+
+
+@part
+def add_frozen_forces(
+    elements: Elements, B: Floats, section_force: Floats, stress: Floats, force: Floats
+) -> None:
+    """Add ``sum_g w_g B^T (S - sigma)`` with the frozen ``B`` to the nodal forces ``(s, n, 6)`` of all stages."""
+    orders, nodes, weights, half_lengths = elements[0], elements[1], elements[7], elements[8]
+    for stage in range(force.shape[0]):
+        for e in range(orders.shape[0]):
+            order = orders[e]
+            for g in range(order):
+                weight = weights[order, g] * half_lengths[e]
+                for a in range(6):
+                    excess = weight * (section_force[stage, e, g, a] - stress[stage, e, g, a])
+                    for k in range(order + 1):
+                        n = nodes[e, k]
+                        for i in range(6):
+                            force[stage, n, i] += excess * B[e, 6 * g + a, 6 * k + i]
+
+
+@part
+def carry_stress(
+    elements: Elements,
+    A: Floats,
+    P: Floats,
+    change: Floats,
+    rate: Floats,
+    section_force: Floats,
+    stress: Floats,
+) -> None:
+    """Carry the stress along a change of all poses: ``sigma = S + A d + P d'`` with the frozen operators.
+
+    Args:
+        change, rate: body increments of the nodes at all stages ``(s, n, 6)`` and their rates [1/s].
+        section_force: of the poses before the change ``(s, e, points, 6)``; stress: output.
+    """
+    orders, nodes, damped = elements[0], elements[1], elements[12]
+    for stage in range(change.shape[0]):
+        for e in range(orders.shape[0]):
+            order = orders[e]
+            for g in range(order):
+                for a in range(6):
+                    total = section_force[stage, e, g, a]
+                    row = 6 * g + a
+                    for k in range(order + 1):
+                        n = nodes[e, k]
+                        for i in range(6):
+                            total += A[e, row, 6 * k + i] * change[stage, n, i]
+                        if damped:
+                            for i in range(6):
+                                total += P[e, row, 6 * k + i] * rate[stage, n, i]
+                    stress[stage, e, g, a] = total

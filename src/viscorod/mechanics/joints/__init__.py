@@ -1,0 +1,1 @@
+"""Joints and springs between nodes: coordinates, forces, tangents."""

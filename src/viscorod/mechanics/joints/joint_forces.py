@@ -1,0 +1,286 @@
+"""Joints at work: coordinates that are held by multipliers, and springs and dampers on those that are free.
+
+A held coordinate has a multiplier ``lambda``, an unknown of its own: ``lambda gradient`` joins the internal forces of
+its nodes, and ``value - target`` is the residual of its row. A free coordinate with a spring and a damper has the force
+``k (value - rest) + c rate`` in its place, or what Python functions return (see ``callback``).
+Multipliers and rows are measured in a ``scale`` that makes them comparable with the stiffness of the nodes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.compilation.callback import call
+from viscorod.mechanics.compilation.compiled import kernel, part
+from viscorod.mechanics.joints.joint_coordinates import GEOMETRY, coordinate, place_of
+from viscorod.typing import Floats, Integers
+
+
+class Joints(NamedTuple):
+    """Coordinates of all joints.
+
+    Attributes:
+        nodes: a and b of every coordinate ``(c, 2)``, -1 for the ground.
+        kind, geometry: see ``joint_coordinates`` ``(c,)``, ``(c, GEOMETRY)``.
+        place: number of the multiplier of held coordinates ``(c,)``, -1 of free ones.
+        stiffness, damping, rest: of springs and dampers ``(c,)``.
+        law: number of the Python function that gives a force instead ``(c,)``, -1 for none.
+        slots: blocks between the nodes ``(c, 2, 2)``; [i, k] couples node i with increments of node k, -1 at
+            the ground.
+        up, down: blocks (node, multiplier) and (multiplier, node) ``(c, 2)``, -1 where there is none.
+    """
+
+    nodes: Integers
+    kind: Integers
+    geometry: Floats
+    place: Integers
+    stiffness: Floats
+    damping: Floats
+    rest: Floats
+    law: Integers
+    slots: Integers
+    up: Integers
+    down: Integers
+
+    @classmethod
+    def none(cls) -> Joints:
+        """Return no coordinates."""
+        pairs = np.zeros((0, 2), dtype=np.int64)
+        whole, real = np.zeros(0, dtype=np.int64), np.zeros(0)
+        square = np.zeros((0, 2, 2), dtype=np.int64)
+        return cls(
+            pairs, whole, np.zeros((0, GEOMETRY)), whole, real, real, real, whole, square, pairs, pairs
+        )
+
+
+@part
+def gradient_of(
+    c: int,
+    nodes: Integers,
+    kind: Integers,
+    geometry: Floats,
+    r: Floats,
+    q: Floats,
+    near: float,
+    gradient: Floats,
+) -> float:
+    """Return the value of coordinate ``c`` at poses ``r (n, 3), q (n, 4)``; write its gradient ``(12,)``."""
+    ra, qa = place_of(r, q, nodes[c, 0])
+    rb, qb = place_of(r, q, nodes[c, 1])
+    return coordinate(c, kind, geometry, ra, qa, rb, qb, near, gradient)
+
+
+@part
+def along(c: int, nodes: Integers, gradient: Floats, x: Floats) -> float:
+    """Return the product of a gradient ``(12,)`` with twists or increments ``x (n, 6)`` of the nodes."""
+    total = 0.0
+    for side in range(2):
+        n = nodes[c, side]
+        if n >= 0:
+            for i in range(6):
+                total += gradient[6 * side + i] * x[n, i]
+    return total
+
+
+@part
+def scatter_force(c: int, nodes: Integers, gradient: Floats, force: float, out: Floats) -> None:
+    """Add ``force gradient`` to the forces ``out (n, 6)`` of the nodes."""
+    for side in range(2):
+        n = nodes[c, side]
+        if n >= 0:
+            for i in range(6):
+                out[n, i] += force * gradient[6 * side + i]
+
+
+@kernel
+def measure(
+    nodes: Integers,
+    kind: Integers,
+    geometry: Floats,
+    r: Floats,
+    q: Floats,
+    twist: Floats,
+    near: Floats,
+    value: Floats,
+    rate: Floats,
+    gradients: Floats,
+) -> None:
+    """Write values and rates ``(c,)`` and gradients ``(c, 12)`` of all coordinates in one state.
+
+    Args:
+        r, q, twist: of all nodes; near: values ``(c,)`` that angles are to be near.
+    """
+    for c in range(kind.shape[0]):
+        gradient = gradients[c]
+        value[c] = gradient_of(c, nodes, kind, geometry, r, q, near[c], gradient)
+        rate[c] = along(c, nodes, gradient, twist)
+
+
+@kernel
+def joint_forces(
+    joints: Joints,
+    address: int,
+    buffer: Floats,
+    near: Floats,
+    target: Floats,
+    multiplier: Floats,
+    r: Floats,
+    q: Floats,
+    twist: Floats,
+    value: Floats,
+    rate: Floats,
+    force: Floats,
+    energy: Floats,
+    power: Floats,
+    gap: Floats,
+    internal: Floats,
+) -> None:
+    """Do what :func:`hold_coordinates` does, for Python, with the present forces of springs.
+
+    The values are those of the last state.
+    """
+    nodes, kind, geometry, place, stiffness, damping, rest, law, _, _, _ = joints
+    gradient = np.empty(12)
+    hold_coordinates(
+        nodes,
+        kind,
+        geometry,
+        place,
+        stiffness,
+        damping,
+        rest,
+        law,
+        address,
+        buffer,
+        near,
+        target,
+        multiplier,
+        force,
+        True,
+        r,
+        q,
+        twist,
+        gradient,
+        value,
+        rate,
+        force,
+        energy,
+        power,
+        gap,
+        internal,
+    )
+
+
+@part
+def hold_coordinates(
+    nodes: Integers,
+    kind: Integers,
+    geometry: Floats,
+    place: Integers,
+    stiffness: Floats,
+    damping: Floats,
+    rest: Floats,
+    law: Integers,
+    address: int,
+    buffer: Floats,
+    near: Floats,
+    target: Floats,
+    multiplier: Floats,
+    carried: Floats,
+    final: bool,
+    r: Floats,
+    q: Floats,
+    twist: Floats,
+    gradient: Floats,
+    value: Floats,
+    rate: Floats,
+    force: Floats,
+    energy: Floats,
+    power: Floats,
+    gap: Floats,
+    internal: Floats,
+) -> None:
+    """Add the forces of all coordinates to the internal forces of some states, and write what multipliers must undo.
+
+    Args:
+        address, buffer: of the Python functions, see :func:`obey`.
+        near: values ``(c,)`` that angles are to be near; target: of held coordinates ``(s, c)``.
+        multiplier: ``(s, places)``; carried: forces of springs carried along the iteration ``(s, c)``.
+        final: springs act with their present forces instead.
+        r, q, twist: ``(s, n, ...)``; gradient: scratch ``(12,)``.
+        value: output ``(c,)``, of the last state.
+        rate, force: outputs ``(s, c)``; energy, power: outputs ``(s,)``, stored [J] and dissipated [W].
+        gap: ``(s, places)``, written for held coordinates; internal: ``(s, n, 6)``, added to.
+    """
+    for i in range(internal.shape[0]):
+        energy[i] = power[i] = 0.0
+        for c in range(kind.shape[0]):
+            at = gradient_of(c, nodes, kind, geometry, r[i], q[i], near[c], gradient)
+            value[c] = at
+            rate[i, c] = along(c, nodes, gradient, twist[i])
+            if place[c] >= 0:
+                force[i, c] = multiplier[i, place[c]]
+                gap[i, place[c]] = at - target[i, c]
+                acting = force[i, c]
+            else:
+                if law[c] < 0:
+                    stretch = at - rest[c]
+                    force[i, c] = stiffness[c] * stretch + damping[c] * rate[i, c]
+                    energy[i] += 0.5 * stiffness[c] * stretch * stretch
+                    power[i] += damping[c] * rate[i, c] * rate[i, c]
+                else:
+                    obey(address, buffer, law[c], at, rate[i, c])
+                    force[i, c] = buffer[0]
+                    power[i] += buffer[1]
+                acting = force[i, c] if final else carried[i, c]
+            if acting != 0.0:
+                scatter_force(c, nodes, gradient, acting, internal[i])
+
+
+@part
+def add_frozen_springs(
+    nodes: Integers,
+    place: Integers,
+    gradients: Floats,
+    force: Floats,
+    carried: Floats,
+    internal: Floats,
+) -> None:
+    """Add what the forces of springs exceed the carried ones by, along frozen ``gradients (c, 12)``."""
+    for i in range(internal.shape[0]):
+        for c in range(place.shape[0]):
+            if place[c] < 0 and force[i, c] != carried[i, c]:
+                scatter_force(c, nodes, gradients[c], force[i, c] - carried[i, c], internal[i])
+
+
+@part
+def carry_springs(
+    nodes: Integers,
+    place: Integers,
+    A: Floats,
+    P: Floats,
+    change: Floats,
+    rate: Floats,
+    force: Floats,
+    carried: Floats,
+) -> None:
+    """Carry the forces of springs along increments ``change (s, n, 6)`` and their rates, with frozen operators."""
+    for i in range(carried.shape[0]):
+        for c in range(place.shape[0]):
+            if place[c] < 0:
+                moved = along(c, nodes, A[c], change[i]) + along(c, nodes, P[c], rate[i])
+                carried[i, c] = force[i, c] + moved
+
+
+@part
+def obey(address: int, buffer: Floats, law: int, value: float, rate: float) -> None:
+    """Ask the Python functions of a coordinate.
+
+    Args:
+        address: of the callback; law: number of the functions; value, rate: of the coordinate.
+        buffer: ``(3,)``, receives force and dissipated power [W].
+    """
+    buffer[0], buffer[1], buffer[2] = law, value, rate
+    call(address, buffer.ctypes, buffer.shape[0])

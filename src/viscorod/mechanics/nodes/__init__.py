@@ -1,0 +1,1 @@
+"""Nodes: inertia, applied loads, supports, prescribed motion, rigidly attached rod ends."""

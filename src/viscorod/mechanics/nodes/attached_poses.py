@@ -1,0 +1,73 @@
+"""Rigid attachments: rod ends at a constant pose in the frame of the node they share."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.compilation.compiled import kernel, lane_kernel, part
+from viscorod.mechanics.rotations.rotation import rotation_matrix
+from viscorod.mechanics.rotations.vectors import Quaternion, Vector, cross, plus, rotated, scaled
+from viscorod.typing import Floats
+
+
+@kernel
+def link_map(position: Floats, quaternion: Floats, X: Floats) -> None:
+    """Write ``X`` (6, 6): the body increment at a rigidly attached pose from that of the shared node."""
+    R = np.empty((3, 3))
+    rotation_matrix(quaternion, R)
+    X[:, :] = 0.0
+    for i in range(3):
+        for j in range(3):
+            X[i, j] = R[j, i]
+            X[3 + i, 3 + j] = R[j, i]
+        # R^T (theta x d)
+        X[i, 3] = R[2, i] * position[1] - R[1, i] * position[2]
+        X[i, 4] = R[0, i] * position[2] - R[2, i] * position[0]
+        X[i, 5] = R[1, i] * position[0] - R[0, i] * position[1]
+
+
+@part
+def map_columns(A: Floats, col: int, X: Floats) -> None:
+    """Multiply six columns of ``A`` from ``col`` on by ``X`` (6, 6)."""
+    row = np.empty(6)
+    for i in range(A.shape[0]):
+        for j in range(6):
+            row[j] = 0.0
+            for a in range(6):
+                row[j] += A[i, col + a] * X[a, j]
+        for j in range(6):
+            A[i, col + j] = row[j]
+
+
+@part
+def map_rows(A: Floats, first: int, X: Floats) -> None:
+    """Multiply six rows of ``A`` from ``first`` on by the transpose of ``X`` (6, 6)."""
+    column = np.empty(6)
+    for j in range(A.shape[1]):
+        for i in range(6):
+            column[i] = 0.0
+            for a in range(6):
+                column[i] += X[a, i] * A[first + a, j]
+        for i in range(6):
+            A[first + i, j] = column[i]
+
+
+@lane_kernel
+def attached_twist(d: Vector, own: Quaternion, v: Vector, w: Vector) -> tuple[Vector, Vector]:
+    """Return ``X (v, w)``: twist or increment at a pose attached with offset ``d`` and quaternion ``own``."""
+    back = own[0], scaled(-1.0, own[1])
+    return rotated(back, plus(v, 1.0, cross(w, d))), rotated(back, w)
+
+
+@lane_kernel
+def shared_wrench(d: Vector, own: Quaternion, f: Vector, m: Vector) -> tuple[Vector, Vector]:
+    """Return ``X^T (f, m)``: the wrench on the attached pose as one on the shared node."""
+    force = rotated(own, f)
+    return force, plus(rotated(own, m), 1.0, cross(d, force))
+
+
+@lane_kernel
+def attached_wrench(d: Vector, own: Quaternion, f: Vector, m: Vector) -> tuple[Vector, Vector]:
+    """Return ``X^-T (f, m)``, the inverse of :func:`shared_wrench`."""
+    back = own[0], scaled(-1.0, own[1])
+    return rotated(back, f), rotated(back, plus(m, -1.0, cross(d, f)))

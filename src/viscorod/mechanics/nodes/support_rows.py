@@ -1,0 +1,346 @@
+"""Supports: prescribed or fixed displacements and rotations of a node, imposed exactly on the rows of the node.
+
+A support measures, along constant axes ``A = [e1 e2 e3]`` (global), the displacement ``u = A^T (r - r0)`` and the
+rotation
+vector ``eta = A^T R0 psi`` with ``R = R0 exp(psi)``. With ``T`` the tangent of the exponential, body increments change
+them by ``G = [A^T R, A^T R0 T^-1]``; the dual directions are ``Z = [R^T A, T R0^T A]``. Free components keep the
+balance
+projected on their dual direction, the others are replaced by ``G dx = target - value``; reactions are what the
+projected balance leaves. This is Newton's method for the saddle-point system with the reactions eliminated.
+
+Axes that are all zero stand for those of the moving section, along which velocities are held: then G = Z = 1, there is
+no position to measure, and the target is what the velocities still lack, integrated over the step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.compilation.compiled import kernel, part
+from viscorod.mechanics.nodes.prescribed_motion import step_to_target
+from viscorod.mechanics.rotations.rotation import (
+    add_skew,
+    cross,
+    inverse_coefficients,
+    inverse_rotation_tangent,
+    relative_rotation,
+    rotate,
+    rotation_matrix,
+    rotation_tangent,
+)
+from viscorod.typing import Floats, Integers
+
+ROUND_OFF = 1e-9
+
+
+@part
+def in_body(axes: Floats) -> bool:
+    """Whether a support with these axes ``(3, 3)`` holds velocities along those of the moving section."""
+    for i in range(3):
+        for j in range(3):
+            if axes[i, j] != 0.0:
+                return False
+    return True
+
+
+@part
+def unwind(psi: Floats, R0: Floats, axes: Floats, fixed: Floats, target: Floats) -> None:
+    """Add the whole turns to a rotation vector that bring its prescribed components nearest to their targets."""
+    phi = np.sqrt(psi[0] ** 2 + psi[1] ** 2 + psi[2] ** 2)
+    if phi < 0.1:
+        return
+    square = 0.0
+    along = 0.0
+    for i in range(3):
+        direction = 0.0
+        for a in range(3):
+            for b in range(3):
+                direction += R0[b, a] * axes[b, i] * psi[a] / phi
+        square += fixed[3 + i] * direction * direction
+        along += fixed[3 + i] * direction * target[3 + i]
+    if square > 0.01:
+        turns = np.round((along / square - phi) / (2.0 * np.pi))
+        for a in range(3):
+            psi[a] *= 1.0 + 2.0 * np.pi * turns / phi
+
+
+@kernel
+def support_directions(
+    axes: Floats,
+    r0: Floats,
+    q0: Floats,
+    fixed: Floats,
+    target: Floats,
+    r: Floats,
+    q: Floats,
+    value: Floats,
+    G: Floats,
+    Z: Floats,
+    psi: Floats,
+) -> None:
+    """Write the measured components ``value``, their derivative ``G`` (rows) and dual directions ``Z`` (columns)."""
+    if in_body(axes):
+        for i in range(6):
+            value[i] = 0.0
+            for j in range(6):
+                G[i, j] = Z[i, j] = 1.0 if i == j else 0.0
+        for i in range(3):
+            psi[i] = 0.0
+        return
+    R = np.empty((3, 3))
+    R0 = np.empty((3, 3))
+    T = np.empty((3, 3))
+    Ti = np.empty((3, 3))
+    rotation_matrix(q, R)
+    rotation_matrix(q0, R0)
+    relative_rotation(q0, q, psi)
+    unwind(psi, R0, axes, fixed, target)
+    rotation_tangent(psi, T)
+    inverse_rotation_tangent(psi, Ti)
+    for i in range(6):
+        for j in range(6):
+            G[i, j] = Z[i, j] = 0.0
+    for i in range(3):
+        value[i] = 0.0
+        value[3 + i] = 0.0
+        for a in range(3):
+            value[i] += axes[a, i] * (r[a] - r0[a])
+            e = 0.0  # component a of axis i in the reference frame of the node
+            for b in range(3):
+                e += R0[b, a] * axes[b, i]
+            value[3 + i] += e * psi[a]
+            for j in range(3):
+                G[i, j] += axes[a, i] * R[a, j]
+                Z[j, i] += axes[a, i] * R[a, j]
+                G[3 + i, 3 + j] += e * Ti[a, j]
+                Z[3 + j, 3 + i] += e * T[j, a]
+
+
+@part
+def reaction_stiffness(G: Floats, psi: Floats, reaction: Floats, out: Floats) -> None:
+    """Write the derivative of ``G^T reaction`` per body increment ``(6, 6)`` at constant reaction components.
+
+    The force turns with the node, ``d(R^T f) = (R^T f) x theta``; the moment is ``T^-T m`` with m constant in the
+    reference frame and ``T^-T m = m - psi x m/2 + c psi x (psi x m)``.
+    """
+    T = np.empty((3, 3))
+    Ti = np.empty((3, 3))
+    D = np.zeros((3, 3))
+    f = np.zeros(3)
+    m = np.zeros(3)
+    rotation_tangent(psi, T)
+    inverse_rotation_tangent(psi, Ti)
+    for i in range(3):
+        for a in range(3):
+            f[i] += G[a, i] * reaction[a]
+            for j in range(3):
+                m[i] += T[j, i] * G[3 + a, 3 + j] * reaction[3 + a]
+    c, slope = inverse_coefficients(psi[0] ** 2 + psi[1] ** 2 + psi[2] ** 2)
+    once = np.empty(3)
+    twice = np.empty(3)
+    cross(psi, m, once)
+    cross(psi, once, twice)
+    add_skew(m, 0.5, D)
+    add_skew(once, -c, D)
+    for i in range(3):
+        for j in range(3):
+            D[i, j] += slope * twice[i] * psi[j] - c * m[i] * psi[j]
+        D[i, i] += c * (psi[0] * m[0] + psi[1] * m[1] + psi[2] * m[2])
+    for i in range(6):
+        for j in range(6):
+            out[i, j] = 0.0
+    add_skew(f, 1.0, out[0:3, 3:6])
+    for i in range(3):
+        for j in range(3):
+            for a in range(3):
+                out[3 + i, 3 + j] += D[i, a] * Ti[a, j]
+
+
+@kernel
+def impose(
+    nodes: Integers,
+    fixed: Floats,
+    axes: Floats,
+    r0: Floats,
+    q0: Floats,
+    target: Floats,
+    r: Floats,
+    q: Floats,
+    residual: Floats,
+    reaction: Floats,
+    G: Floats,
+    Z: Floats,
+    psi: Floats,
+) -> None:
+    """Replace the rows of supported nodes in the residual.
+
+    Args:
+        nodes: supported nodes ``(m,)``; fixed: 1.0 where a component is fixed or prescribed ``(m, 6)``.
+        axes: ``(m, 3, 3)`` columns; r0, q0: reference poses; target: prescribed values ``(m, 6)`` [m, rad].
+        r, q: present poses of all nodes.
+        residual: ``(n, 6)``; on return free rows hold the projected balance, fixed rows what is to be undone.
+        reaction: output ``(m, 6)``, force and moment components along the axes that the support exerts.
+        G, Z, psi: outputs of :func:`support_directions`, ``(m, 6, 6), (m, 6, 6), (m, 3)``.
+    """
+    value = np.empty(6)
+    for s in range(nodes.shape[0]):
+        k = nodes[s]
+        support_directions(axes[s], r0[s], q0[s], fixed[s], target[s], r[k], q[k], value, G[s], Z[s], psi[s])
+        complete = not in_body(axes[s])
+        for i in range(6):
+            reaction[s, i] = 0.0
+            for j in range(6):
+                reaction[s, i] += Z[s, j, i] * residual[k, j]
+            if fixed[s, i] == 0.0:
+                complete = False
+        if complete:
+            step_to_target(axes[s], r0[s], q0[s], target[s], r[k], q[k], residual[k])
+            for i in range(6):
+                residual[k, i] = -residual[k, i]
+        else:
+            for i in range(6):
+                if fixed[s, i] == 0.0:
+                    residual[k, i] = reaction[s, i]
+                    reaction[s, i] = 0.0
+                else:
+                    residual[k, i] = value[i] - target[s, i]
+
+
+@kernel
+def impose_tangent(
+    nodes: Integers,
+    fixed: Floats,
+    axes: Floats,
+    G: Floats,
+    Z: Floats,
+    psi: Floats,
+    reaction: Floats,
+    residual: Floats,
+    blocks: Floats,
+    starts: Integers,
+    across: Integers,
+    diagonal: Integers,
+) -> None:
+    """Replace the rows of supported nodes in the matrix, after :func:`impose`; held rows of both are weighted.
+
+    Args:
+        nodes, fixed, axes, G, Z, psi, reaction: as :func:`impose` left them.
+        residual: ``(n, 6)``; blocks: of the matrix ``(b, 6, 6)`` (see ``geometric.assemble``).
+        starts, across, diagonal: where blocks stand: column k has those from ``starts[k]`` to ``starts[k + 1]``, row k
+            those that they are ``across``, both the block ``diagonal[k]``.
+    """
+    old = np.empty((6, 6))
+    block = np.empty((6, 6))
+    weight = np.empty(6)
+    for s in range(nodes.shape[0]):
+        k = nodes[s]
+        own = diagonal[k]
+        # constraint rows as large as the balance rows they replace: pivoting then sees no difference in scale; where
+        # multipliers hold the strains of all elements at the node, its own block is round-off
+        weight_move = weight_turn = all_move = all_turn = 0.0
+        for transposed in range(starts[k], starts[k + 1]):
+            slot = across[transposed]
+            for j in range(6):
+                for i in range(3):
+                    all_move = max(all_move, abs(blocks[slot, j, i]))
+                    all_turn = max(all_turn, abs(blocks[slot, j, 3 + i]))
+        for j in range(3):
+            for i in range(3):
+                weight_move = max(weight_move, abs(blocks[own, j, i]))
+                weight_turn = max(weight_turn, abs(blocks[own, 3 + j, 3 + i]))
+        if weight_move < ROUND_OFF * all_move:
+            weight_move = all_move
+        if weight_turn < ROUND_OFF * all_turn:
+            weight_turn = all_turn
+        turning = in_body(axes[s])
+        complete = not turning
+        for i in range(6):
+            weight[i] = weight_move if i < 3 else weight_turn
+            if weight[i] == 0.0:
+                weight[i] = 1.0
+            if fixed[s, i] != 0.0:
+                residual[k, i] *= weight[i]
+            else:
+                complete = False
+        if not complete and not turning:
+            reaction_stiffness(G[s], psi[s], reaction[s], block)
+            for j in range(6):
+                for i in range(6):
+                    blocks[own, j, i] -= block[i, j]
+        for transposed in range(starts[k], starts[k + 1]):
+            slot = across[transposed]
+            for j in range(6):
+                for i in range(6):
+                    old[i, j] = blocks[slot, j, i]
+                for i in range(6):
+                    new = 0.0
+                    if complete:
+                        new = weight[i] if slot == own and i == j else 0.0
+                    elif fixed[s, i] == 0.0:
+                        for a in range(6):
+                            new += Z[s, a, i] * old[a, j]
+                    elif slot == own:
+                        new = weight[i] * G[s, i, j]
+                    blocks[slot, j, i] = new
+
+
+@kernel
+def reaction_wrenches(
+    nodes: Integers,
+    fixed: Floats,
+    axes: Floats,
+    r0: Floats,
+    q0: Floats,
+    target: Floats,
+    r: Floats,
+    q: Floats,
+    reaction: Floats,
+    out: Floats,
+) -> None:
+    """Write the forces and moments (global) that the reaction components of :func:`impose` stand for.
+
+    All of several states at once, the first index of ``target``, ``r``, ``q``, ``reaction`` and ``out (states, m, 6)``.
+    """
+    value = np.empty(6)
+    G = np.empty((6, 6))
+    Z = np.empty((6, 6))
+    psi = np.empty(3)
+    wrench = np.empty(6)
+    for state in range(r.shape[0]):
+        for s in range(nodes.shape[0]):
+            k = nodes[s]
+            rk, qk = r[state, k], q[state, k]
+            support_directions(axes[s], r0[s], q0[s], fixed[s], target[state, s], rk, qk, value, G, Z, psi)
+            for j in range(6):
+                wrench[j] = 0.0
+                for i in range(6):
+                    wrench[j] += G[i, j] * fixed[s, i] * reaction[state, s, i]
+            rotate(qk, wrench[0:3], out[state, s, 0:3])
+            rotate(qk, wrench[3:6], out[state, s, 3:6])
+
+
+@part
+def lacking_motion(
+    nodes: Integers,
+    fixed: Floats,
+    axes: Floats,
+    weights: Floats,
+    h: float,
+    rate: Floats,
+    twist: Floats,
+    target: Floats,
+) -> None:
+    """Write the targets of supports in body axes: what their velocities lack, integrated up to every stage.
+
+    Args:
+        nodes, fixed, axes: as in :func:`impose`; weights: of the stages in the integrals ``(s, s)``; h: step [s].
+        rate: prescribed velocities ``(s, m, 6)``; twist: of all nodes ``(s, n, 6)``; target: output ``(s, m, 6)``.
+    """
+    for m in range(nodes.shape[0]):
+        if in_body(axes[m]):
+            for i in range(twist.shape[0]):
+                for a in range(6):
+                    target[i, m, a] = 0.0
+                    if fixed[m, a] != 0.0:
+                        for j in range(twist.shape[0]):
+                            target[i, m, a] += h * weights[i, j] * (rate[j, m, a] - twist[j, nodes[m], a])

@@ -1,0 +1,1 @@
+"""Rotations and rigid motions: quaternions, exponential maps, motion within a step."""

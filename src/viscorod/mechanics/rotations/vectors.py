@@ -1,0 +1,93 @@
+"""Vectors and quaternions as tuples of numbers: formulas in them stay in registers and vectorise over lanes."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from viscorod.mechanics.compilation.compiled import lane_kernel
+from viscorod.typing import Floats
+
+Vector: TypeAlias = tuple[float, float, float]
+Quaternion: TypeAlias = tuple[float, Vector]
+"""Scalar and vector part; also any four coordinates that pair with them, such as forces."""
+
+
+@lane_kernel
+def dot(a: Vector, b: Vector) -> float:
+    """Return ``a . b``."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@lane_kernel
+def cross(a: Vector, b: Vector) -> Vector:
+    """Return ``a x b``."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@lane_kernel
+def scaled(s: float, a: Vector) -> Vector:
+    """Return ``s a``."""
+    return s * a[0], s * a[1], s * a[2]
+
+
+@lane_kernel
+def plus(a: Vector, s: float, b: Vector) -> Vector:
+    """Return ``a + s b``."""
+    return a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]
+
+
+@lane_kernel
+def product(p: Quaternion, q: Quaternion) -> Quaternion:
+    """Return the quaternion product ``p q``."""
+    p0, a = p
+    q0, b = q
+    return p0 * q0 - dot(a, b), plus(plus(cross(a, b), p0, b), q0, a)
+
+
+@lane_kernel
+def rotated(q: Quaternion, a: Vector) -> Vector:
+    """Return ``R(q) a`` for a unit quaternion ``q``."""
+    t = scaled(2.0, cross(q[1], a))
+    return plus(plus(a, q[0], t), 1.0, cross(q[1], t))
+
+
+@lane_kernel
+def vector(rows: Floats, k: int, at: int) -> Vector:
+    """Return three numbers of row ``k``, from column ``at`` on."""
+    return rows[k, at], rows[k, at + 1], rows[k, at + 2]
+
+
+@lane_kernel
+def quaternion(rows: Floats, k: int) -> Quaternion:
+    """Return the quaternion in row ``k``."""
+    return rows[k, 0], vector(rows, k, 1)
+
+
+@lane_kernel
+def load(records: Floats, k: int, at: int, lane: int) -> Vector:
+    """Return the vector of one lane in three rows of record ``k``, from row ``at`` on.
+
+    Records are never sliced in a hot loop: each slice would count a reference, which costs as much as the formula.
+    """
+    return records[k, at, lane], records[k, at + 1, lane], records[k, at + 2, lane]
+
+
+@lane_kernel
+def store(records: Floats, k: int, at: int, lane: int, a: Vector) -> None:
+    """Write ``a`` where :func:`load` finds it."""
+    records[k, at, lane] = a[0]
+    records[k, at + 1, lane] = a[1]
+    records[k, at + 2, lane] = a[2]
+
+
+@lane_kernel
+def load4(records: Floats, k: int, at: int, lane: int) -> Quaternion:
+    """Return the quaternion of one lane in four rows of record ``k``."""
+    return records[k, at, lane], load(records, k, at + 1, lane)
+
+
+@lane_kernel
+def store4(records: Floats, k: int, at: int, lane: int, a: Quaternion) -> None:
+    """Write ``a`` where :func:`load4` finds it."""
+    records[k, at, lane] = a[0]
+    store(records, k, at + 1, lane, a[1])

@@ -1,0 +1,1 @@
+"""Loads, functions of time, initial values, events."""

@@ -1,0 +1,60 @@
+"""Initial strains of rods."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any, TypeAlias
+
+import numpy as np
+from pydantic import Field, PlainValidator
+
+from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.values import Name, number, sequence
+from viscorod.typing import Floats
+
+__all__ = ["InitialStrain"]
+
+StrainField: TypeAlias = tuple[float, ...] | Callable[[float], Sequence[float]]
+
+
+def _six(value: Any) -> tuple[float, ...]:
+    items = sequence(value)
+    if len(items) != 6:
+        raise RefusedError(
+            "six strains are needed here",
+            "give shear 1, shear 2, stretch (1), bend 1, bend 2, twist (1/m)",
+            found=show(value),
+        )
+    return tuple(number(item) for item in items)
+
+
+def _strain(value: Any) -> StrainField:
+    return value if callable(value) else _six(value)
+
+
+class InitialStrain(Described):
+    """The strain of a rod at t = 0, in place of the equilibrium; the rod leaves its start in the reference pose.
+
+    Args:
+        rod: name.
+        value: shear 1, shear 2, stretch (1), bend 1, bend 2, twist (1/m), six numbers, or a function of the arc length
+            (in Python only).
+    """
+
+    rod: Name = Field(description="name of the rod")
+    value: Annotated[StrainField, PlainValidator(_strain)] = Field(description="six strains")
+
+    def at(self, s: float) -> Floats:
+        """The strains (6,) at the arc length `s`."""
+        if not callable(self.value):
+            return np.array(self.value)
+        result = self.value(s)
+        try:
+            return np.array(_six(result))
+        except ValueError as error:
+            raise RefusedError(
+                f"the function of the initial strain gave this at s = {s:.6g}: {error}",
+                "return six numbers",
+                found=show(result),
+                at=("value",),
+            ) from None

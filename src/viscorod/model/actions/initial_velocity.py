@@ -1,0 +1,63 @@
+"""Initial velocities of rods and rigid bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Annotated, Self, TypeAlias
+
+import numpy as np
+from pydantic import Field, PlainValidator, model_validator
+
+from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.values import Name, Vector, function, optional, sequence, vector
+from viscorod.typing import Floats
+
+__all__ = ["InitialVelocity"]
+
+Field6: TypeAlias = Callable[[float], tuple[Sequence[float], Sequence[float]]]
+
+
+class InitialVelocity(Described):
+    """The velocity of a rod or rigid body at t = 0: that of a rigid motion, or any (of a rod, in Python only).
+
+    Args:
+        rod: name of the rod or body.
+        linear: velocity of the point `about`, m/s, global axes.
+        angular: angular velocity, rad/s, global axes.
+        about: the point, m.
+        field: s -> (velocity, angular velocity) in global axes, instead of the three above.
+    """
+
+    rod: Name = Field(description="name of the rod or body")
+    linear: Vector = (0.0, 0.0, 0.0)
+    angular: Vector = (0.0, 0.0, 0.0)
+    about: Vector = (0.0, 0.0, 0.0)
+    field: Annotated[Field6 | None, PlainValidator(optional(function))] = None
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        extra = sorted(self.model_fields_set & {"linear", "angular", "about"})
+        if self.field is not None and extra:
+            raise RefusedError(
+                "the velocity is given both as a function and as that of a rigid body",
+                f"leave out {', '.join(extra)} or field",
+                found="",
+            )
+        return self
+
+    def at(self, s: float, position: Floats) -> tuple[Floats, Floats]:
+        """Velocity and angular velocity (3,) at the arc length `s` and the position (3,), global axes."""
+        if self.field is None:
+            angular = np.array(self.angular)
+            return np.array(self.linear) + np.cross(angular, position - np.array(self.about)), angular
+        result = self.field(s)
+        try:
+            linear, turning = sequence(result)
+            return np.array(vector(linear)), np.array(vector(turning))
+        except ValueError as error:
+            raise RefusedError(
+                f"the function of the initial velocity gave this at s = {s:.6g}: {error}",
+                "return two vectors of three numbers",
+                found=show(result),
+                at=("field",),
+            ) from None

@@ -1,0 +1,240 @@
+"""Functions of time for loads and prescribed motions.
+
+Every function answers `value(t)`, `rate(t)` and `acceleration(t)`; ``before=True`` gives the limit from the
+left. `breakpoints` are the times at which value, rate or acceleration is not smooth, `jumps` those at which
+the value jumps.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from typing import ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.values import Number, Positive
+
+__all__ = ["Constant", "Ramp", "Sine", "SpinUp", "TimeFunction", "Until"]
+
+
+class TimeFunction(Described):
+    """A scalar function of the time in seconds."""
+
+    tag: ClassVar[str | None] = "kind"
+
+    @property
+    def breakpoints(self) -> tuple[float, ...]:
+        """Times at which value, rate or acceleration is not smooth, increasing, s."""
+        return ()
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """Times at which the value jumps, increasing, s."""
+        return ()
+
+    @abstractmethod
+    def value(self, t: float, before: bool = False) -> float:
+        """The value at time `t` (the limit from the left if `before`)."""
+
+    @abstractmethod
+    def rate(self, t: float, before: bool = False) -> float:
+        """The first derivative at time `t`, 1/s."""
+
+    @abstractmethod
+    def acceleration(self, t: float, before: bool = False) -> float:
+        """The second derivative at time `t`, 1/s^2."""
+
+    def require_derivatives(self) -> None:
+        """Refuse, by an `InputError`, a function without the derivatives that a motion needs."""
+
+
+class Constant(TimeFunction):
+    """The same value at all times.
+
+    Args:
+        level: the value.
+    """
+
+    kind: Literal["constant"] = Field(default="constant", kw_only=True, repr=False)
+    level: Number = 1.0
+
+    def value(self, t: float, before: bool = False) -> float:
+        """The level."""
+        del t, before
+        return self.level
+
+    def rate(self, t: float, before: bool = False) -> float:
+        """Zero."""
+        del t, before
+        return 0.0
+
+    def acceleration(self, t: float, before: bool = False) -> float:
+        """Zero."""
+        del t, before
+        return 0.0
+
+
+class Until(TimeFunction):
+    """A level before a time, zero from then on.
+
+    Args:
+        time: at which the value drops to zero, s.
+        level: the value before.
+    """
+
+    kind: Literal["until"] = Field(default="until", kw_only=True, repr=False)
+    time: Number = Field(description="at which the value drops to zero, s")
+    level: Number = 1.0
+
+    @property
+    def breakpoints(self) -> tuple[float, ...]:
+        """The time of the drop."""
+        return (self.time,)
+
+    @property
+    def jumps(self) -> tuple[float, ...]:
+        """The time of the drop."""
+        return (self.time,)
+
+    def value(self, t: float, before: bool = False) -> float:
+        """The level before the time, zero from then on."""
+        return self.level if t < self.time or (before and t == self.time) else 0.0
+
+    def rate(self, t: float, before: bool = False) -> float:
+        """Zero on both sides of the drop."""
+        del t, before
+        return 0.0
+
+    def acceleration(self, t: float, before: bool = False) -> float:
+        """Zero on both sides of the drop."""
+        del t, before
+        return 0.0
+
+
+class Ramp(TimeFunction):
+    """Zero before `start`, then growing evenly to `level` at `end`, constant after.
+
+    Args:
+        start: s.
+        end: later than the start, s.
+        level: the value reached.
+    """
+
+    kind: Literal["ramp"] = Field(default="ramp", kw_only=True, repr=False)
+    start: Number = Field(description="s")
+    end: Number = Field(description="later than the start, s")
+    level: Number = 1.0
+
+    @model_validator(mode="after")
+    def _forward(self) -> Self:
+        if self.end <= self.start:
+            raise RefusedError(
+                "a ramp must end after its start",
+                f"give a time after {show(self.start)}",
+                found=show(self.end),
+                at=("end",),
+            )
+        return self
+
+    @property
+    def breakpoints(self) -> tuple[float, ...]:
+        """Start and end."""
+        return (self.start, self.end)
+
+    def value(self, t: float, before: bool = False) -> float:
+        """Level times the fraction of the ramp that is over."""
+        del before
+        return self.level * min(max((t - self.start) / (self.end - self.start), 0.0), 1.0)
+
+    def rate(self, t: float, before: bool = False) -> float:
+        """The slope on the ramp, zero elsewhere."""
+        inside = self.start < t <= self.end if before else self.start <= t < self.end
+        return self.level / (self.end - self.start) if inside else 0.0
+
+    def acceleration(self, t: float, before: bool = False) -> float:
+        """Zero on both sides of the corners."""
+        del t, before
+        return 0.0
+
+
+class Sine(TimeFunction):
+    """A harmonic function, offset + amplitude sin(2 pi frequency t + phase).
+
+    Args:
+        frequency: Hz.
+        amplitude: of the oscillation.
+        phase: rad.
+        offset: mean value.
+    """
+
+    kind: Literal["sine"] = Field(default="sine", kw_only=True, repr=False)
+    frequency: Positive = Field(description="Hz")
+    amplitude: Number = 1.0
+    phase: Number = 0.0
+    offset: Number = 0.0
+
+    def value(self, t: float, before: bool = False) -> float:
+        """The formula of the class."""
+        del before
+        return self.offset + self.amplitude * math.sin(self._omega * t + self.phase)
+
+    def rate(self, t: float, before: bool = False) -> float:
+        """Its first derivative."""
+        del before
+        return self.amplitude * self._omega * math.cos(self._omega * t + self.phase)
+
+    def acceleration(self, t: float, before: bool = False) -> float:
+        """Its second derivative."""
+        del before
+        return -self.amplitude * self._omega**2 * math.sin(self._omega * t + self.phase)
+
+    @property
+    def _omega(self) -> float:
+        return 2.0 * math.pi * self.frequency
+
+
+class SpinUp(TimeFunction):
+    """The angle of a smooth start of a rotation, as in the manoeuvre of Kane, Ryan and Banerjee (1987).
+
+    The speed w grows from zero to `speed` as w(t) = speed [t/T - sin(2 pi t/T)/2pi] with T = `duration`, so
+    that value = speed/T [t^2/2 + (T/2pi)^2 (cos(2 pi t/T) - 1)] until T and speed (t - T/2) after; zero
+    before t = 0.
+
+    Args:
+        speed: reached after the start, rad/s or m/s, of a rotation or a displacement.
+        duration: of the start, s.
+    """
+
+    kind: Literal["spin_up"] = Field(default="spin_up", kw_only=True, repr=False)
+    speed: Number = Field(description="reached after the start, rad/s")
+    duration: Positive = Field(description="of the start, s")
+
+    @property
+    def breakpoints(self) -> tuple[float, ...]:
+        """Start and end of the acceleration (the third derivative jumps there)."""
+        return (0.0, self.duration)
+
+    def value(self, t: float, before: bool = False) -> float:
+        """The angle, rad."""
+        del before
+        x = t / self.duration
+        if x <= 0.0:
+            return 0.0
+        if x >= 1.0:
+            return self.speed * (t - self.duration / 2.0)
+        wave = (math.cos(2.0 * math.pi * x) - 1.0) / (4.0 * math.pi**2)
+        return self.speed * self.duration * (x * x / 2.0 + wave)
+
+    def rate(self, t: float, before: bool = False) -> float:
+        """The speed, rad/s."""
+        del before
+        x = min(max(t / self.duration, 0.0), 1.0)
+        return self.speed * (x - math.sin(2.0 * math.pi * x) / (2.0 * math.pi))
+
+    def acceleration(self, t: float, before: bool = False) -> float:
+        """The angular acceleration, rad/s^2."""
+        del before
+        x = min(max(t / self.duration, 0.0), 1.0)
+        return self.speed / self.duration * (1.0 - math.cos(2.0 * math.pi * x))

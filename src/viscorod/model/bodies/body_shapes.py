@@ -1,0 +1,113 @@
+"""Homogeneous rigid bodies of simple shapes."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PlainValidator
+
+from viscorod.model.bodies.body_base import Shaped
+from viscorod.model.fields.directions import OptionalAxes, axes_from, columns
+from viscorod.model.fields.values import Direction, Positive, Triple, each, positive, vector
+from viscorod.typing import Floats
+
+__all__ = ["Box", "Cylinder", "Sphere"]
+
+
+def _sides(value: Any) -> Triple:
+    x, y, z = each(vector(value), positive)
+    return x, y, z
+
+
+class Box(Shaped):
+    """A homogeneous box.
+
+    Args:
+        sides: lengths of the edges along the body's axes, m.
+        centre: position of the mass centre in the reference shape, m; by name only.
+        axes: of the body: directions x and y, perpendicular, global components (z = x cross y); by name only.
+        density: kg/m^3; this or the mass; by name only.
+        mass: kg; by name only.
+        points: names and positions of further points in the reference shape, m; by name only.
+    """
+
+    shape: Literal["box"] = Field(default="box", kw_only=True, repr=False)
+    sides: Annotated[Triple, PlainValidator(_sides)] = Field(description="three lengths, m")
+    axes: OptionalAxes = Field(default=None, kw_only=True)
+
+    def volume(self) -> float:
+        """Product of the sides."""
+        a, b, c = self.sides
+        return a * b * c
+
+    def gyration(self) -> Triple:
+        """(b^2 + c^2)/12 and so on."""
+        a, b, c = self.sides
+        return (b * b + c * c) / 12.0, (c * c + a * a) / 12.0, (a * a + b * b) / 12.0
+
+    def frame(self) -> Floats:
+        """The given axes."""
+        return columns(self.axes)
+
+
+class Sphere(Shaped):
+    """A homogeneous sphere.
+
+    Args:
+        radius: m.
+        centre: position of the mass centre in the reference shape, m; by name only.
+        axes: of the body: directions x and y, perpendicular, global components (z = x cross y); by name only.
+        density: kg/m^3; this or the mass; by name only.
+        mass: kg; by name only.
+        points: names and positions of further points in the reference shape, m; by name only.
+    """
+
+    shape: Literal["sphere"] = Field(default="sphere", kw_only=True, repr=False)
+    radius: Positive = Field(description="m")
+    axes: OptionalAxes = Field(default=None, kw_only=True)
+
+    def volume(self) -> float:
+        """4/3 pi r^3."""
+        return 4.0 / 3.0 * math.pi * self.radius**3
+
+    def gyration(self) -> Triple:
+        """2/5 r^2."""
+        value = 0.4 * self.radius**2
+        return value, value, value
+
+    def frame(self) -> Floats:
+        """The given axes."""
+        return columns(self.axes)
+
+
+class Cylinder(Shaped):
+    """A homogeneous cylinder; its axis is the body's z.
+
+    Args:
+        radius: m.
+        length: along the axis, m.
+        axis: direction, global components.
+        centre: position of the mass centre in the reference shape, m; by name only.
+        density: kg/m^3; this or the mass; by name only.
+        mass: kg; by name only.
+        points: names and positions of further points in the reference shape, m; by name only.
+    """
+
+    shape: Literal["cylinder"] = Field(default="cylinder", kw_only=True, repr=False)
+    radius: Positive = Field(description="m")
+    length: Positive = Field(description="along the axis, m")
+    axis: Direction = (0.0, 0.0, 1.0)
+
+    def volume(self) -> float:
+        """Pi r^2 l."""
+        return math.pi * self.radius**2 * self.length
+
+    def gyration(self) -> Triple:
+        """(3 r^2 + l^2)/12 across the axis, r^2/2 about it."""
+        across = self.radius**2 / 4.0 + self.length**2 / 12.0
+        return across, across, self.radius**2 / 2.0
+
+    def frame(self) -> Floats:
+        """The axis as z."""
+        return axes_from(self.axis)[:, [1, 2, 0]]

@@ -1,0 +1,1 @@
+"""Centre lines of rods and their frames."""

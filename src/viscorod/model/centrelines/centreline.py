@@ -1,0 +1,121 @@
+"""Centre lines of rods and their frames; the shapes are in ``line_shapes`` and ``parametric_lines``.
+
+A frame is a rotation matrix whose columns are d1, d2 (the section's axes) and d3 (the unit tangent). Frames
+are rotation-minimising along the rod (no twist: d1'.d2 = 0), then turned about d3 by the twist the user
+gives.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from typing import ClassVar, TypeAlias
+
+import numpy as np
+
+from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.values import number
+from viscorod.typing import Floats
+
+__all__ = ["VERTICAL", "Centreline", "Twist", "cross", "start_axis"]
+
+Twist: TypeAlias = float | Callable[[float], float]
+"""Total angle from start to end, or the angle as a function of the arc length; rad."""
+
+VERTICAL = 0.999999
+"""Beyond this cosine to global z a tangent counts as vertical for the default section axes."""
+
+
+class Centreline(Described):
+    """A smooth curve of positive length, parametrised by its arc length s from 0 to `length`."""
+
+    tag: ClassVar[str | None] = "shape"
+
+    @property
+    @abstractmethod
+    def length(self) -> float:
+        """Arc length, m."""
+
+    @abstractmethod
+    def bishop(self, s: Floats) -> tuple[Floats, Floats]:
+        """Positions (n, 3) and rotation-minimising frames (n, 3, 3) at `s` (n,), started from any normal."""
+
+    @abstractmethod
+    def curvature(self, s: Floats) -> Floats:
+        """Curvature vector r'' (n, 3) at `s` (n,), global axes, 1/m."""
+
+    def frames(
+        self, s: Floats | Sequence[float], d1: Sequence[float] | None = None, twist: Twist = 0.0
+    ) -> tuple[Floats, Floats]:
+        """Positions and frames at stations of the rod.
+
+        Args:
+            s: arc lengths (n,), m.
+            d1: direction of the section's first axis at s = 0 (its part normal to the tangent is used),
+                global axes; by default d2 is the part of global z normal to the tangent (of global y for a
+                vertical rod) and d1 = d2 x d3.
+            twist: angle by which the frame is turned about d3: the total, growing evenly, or a function of
+                s; rad.
+
+        Returns:
+            positions (n, 3) in m and frames (n, 3, 3), columns d1, d2, d3, in global axes.
+
+        Raises:
+            RefusedError: d1 is parallel to the tangent at the start.
+        """
+        stations = np.atleast_1d(np.asarray(s, dtype=np.float64))
+        position, natural = self.bishop(stations)
+        start = self.bishop(np.zeros(1))[1][0]
+        wanted = start_axis(start[:, 2], d1)
+        angle = math.atan2(float(wanted @ start[:, 1]), float(wanted @ start[:, 0])) + self.twisted(
+            stations, twist
+        )
+        c, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+        first = c * natural[:, :, 0] + sine * natural[:, :, 1]
+        second = c * natural[:, :, 1] - sine * natural[:, :, 0]
+        return position, np.stack([first, second, natural[:, :, 2]], axis=2)
+
+    def twisted(self, s: Floats, twist: Twist) -> Floats:
+        """Angle (n,) of the section about d3 relative to the rotation-minimising frame at `s`, rad."""
+        if callable(twist):
+            return np.array([_angle(twist, float(station)) for station in s])
+        return twist * s / self.length
+
+
+def _angle(twist: Callable[[float], float], s: float) -> float:
+    angle = twist(s)
+    try:
+        return number(angle)
+    except RefusedError as error:
+        raise RefusedError(
+            f"the function of the twist gave this at s = {s:.6g}: {error.why}",
+            "make it return an angle in rad everywhere",
+            found=show(angle),
+            at=("twist",),
+        ) from None
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """The cross product of two vectors (3,); ``np.cross`` takes ten times as long for one pair."""
+    (a0, a1, a2), (b0, b1, b2) = a.tolist(), b.tolist()
+    return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0])
+
+
+def start_axis(tangent: Floats, d1: Sequence[float] | None) -> Floats:
+    """The section's first axis (3,) at the start, for the unit `tangent` (3,); see `Centreline.frames`."""
+    if d1 is None:
+        upward = np.array([0.0, 0.0, 1.0] if abs(tangent[2]) <= VERTICAL else [0.0, 1.0, 0.0])
+        second = upward - (upward @ tangent) * tangent
+        return cross(second / np.linalg.norm(second), tangent)
+    given = np.asarray(d1, dtype=np.float64) / math.hypot(*d1)
+    normal = given - (given @ tangent) * tangent
+    size = float(np.linalg.norm(normal))
+    if size < 1e-6:
+        raise RefusedError(
+            "the section's axis d1 must not point along the rod",
+            "give a direction across the tangent at the rod's start, or leave d1 out",
+            found=show(tuple(d1)),
+            at=("d1",),
+        )
+    return np.asarray(normal / size)

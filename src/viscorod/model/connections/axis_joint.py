@@ -1,0 +1,119 @@
+"""Joints along or about one axis, or in one plane."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from viscorod.model.connections.joint_base import AnyJoint
+from viscorod.model.fields.directions import axes_from
+from viscorod.model.fields.values import Direction
+from viscorod.typing import Floats
+
+__all__ = ["Cylindrical", "Planar", "Prismatic", "Revolute"]
+
+
+class _AlongAxis(AnyJoint):
+    axis: Direction = Field(description="direction, three numbers")
+
+    def frame(self) -> Floats:
+        """The axis as z."""
+        return axes_from(self.axis)[:, [1, 2, 0]]
+
+
+class Revolute(_AlongAxis):
+    """Lets a turn about an axis of b: a hinge.
+
+    Args:
+        a: place.
+        b: place, or "ground".
+        name: of the joint; by name only.
+        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
+            by name only.
+        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
+            by name only.
+        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
+        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
+        axis: z of the joint, global components in the reference shape.
+    """
+
+    kind: Literal["revolute"] = Field(default="revolute", kw_only=True, repr=False)
+
+    def free_motions(self) -> tuple[str, ...]:
+        """The rotation about the axis."""
+        return ("rz",)
+
+
+class Cylindrical(_AlongAxis):
+    """Lets a turn about and slide along an axis of b.
+
+    Args:
+        a: place.
+        b: place, or "ground".
+        name: of the joint; by name only.
+        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
+            by name only.
+        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
+            by name only.
+        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
+        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
+        axis: z of the joint, global components in the reference shape.
+    """
+
+    kind: Literal["cylindrical"] = Field(default="cylindrical", kw_only=True, repr=False)
+
+    def free_motions(self) -> tuple[str, ...]:
+        """The displacement along and the rotation about the axis."""
+        return ("uz", "rz")
+
+
+class Prismatic(_AlongAxis):
+    """Lets a slide along an axis of b.
+
+    Args:
+        a: place.
+        b: place, or "ground".
+        name: of the joint; by name only.
+        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
+            by name only.
+        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
+            by name only.
+        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
+        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
+        axis: z of the joint, global components in the reference shape.
+    """
+
+    kind: Literal["prismatic"] = Field(default="prismatic", kw_only=True, repr=False)
+
+    def free_motions(self) -> tuple[str, ...]:
+        """The displacement along the axis."""
+        return ("uz",)
+
+
+class Planar(AnyJoint):
+    """Lets a slide in and turn in a plane of b.
+
+    Args:
+        a: place.
+        b: place, or "ground".
+        name: of the joint; by name only.
+        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
+            by name only.
+        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
+            by name only.
+        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
+        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
+        normal: of the plane, z of the joint, global components in the reference shape.
+    """
+
+    kind: Literal["planar"] = Field(default="planar", kw_only=True, repr=False)
+    normal: Direction = Field(description="direction, three numbers")
+
+    def free_motions(self) -> tuple[str, ...]:
+        """The displacements in the plane and the rotation about its normal."""
+        return ("ux", "uy", "rz")
+
+    def frame(self) -> Floats:
+        """The normal as z."""
+        return axes_from(self.normal)[:, [1, 2, 0]]

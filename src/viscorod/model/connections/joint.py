@@ -1,0 +1,174 @@
+"""Joints: which motions of a place relative to another, or to the ground, are held, free, sprung or driven."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, PlainValidator, model_validator
+
+from viscorod.model.connections.axis_joint import Cylindrical, Planar, Prismatic, Revolute
+from viscorod.model.connections.joint_base import AnyJoint
+from viscorod.model.connections.motion_words import MOTIONS, fixed_motions
+from viscorod.model.connections.place import GROUND
+from viscorod.model.fields.definition import Described, RefusedError
+from viscorod.model.fields.directions import OptionalAxes, TwoDirections, columns
+from viscorod.model.fields.values import choose
+from viscorod.typing import Floats
+
+__all__ = [
+    "JOINTS",
+    "Ball",
+    "Cylindrical",
+    "Joint",
+    "Planar",
+    "Prismatic",
+    "Revolute",
+    "Rigid",
+    "Universal",
+    "joint",
+]
+
+
+class Rigid(AnyJoint):
+    """Holds all relative motions.
+
+    Args:
+        a: place.
+        b: place, or "ground".
+        name: of the joint; by name only.
+    """
+
+    kind: Literal["rigid"] = Field(default="rigid", kw_only=True, repr=False)
+
+    def free_motions(self) -> tuple[str, ...]:
+        """None."""
+        return ()
+
+
+class Ball(AnyJoint):
+    """Lets a turn in every direction about a point of b.
+
+    Args:
+        a: place.
+        b: place, or "ground".
+        name: of the joint; by name only.
+        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
+            by name only.
+        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
+            by name only.
+        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
+        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
+        axes: of the joint, carried by b: directions x and y, perpendicular, global components in the reference shape;
+            by default the global axes; by name only.
+    """
+
+    kind: Literal["ball"] = Field(default="ball", kw_only=True, repr=False)
+    axes: OptionalAxes = Field(default=None, kw_only=True)
+
+    def free_motions(self) -> tuple[str, ...]:
+        """The rotations."""
+        return MOTIONS[3:]
+
+    def frame(self) -> Floats:
+        """The given axes."""
+        return columns(self.axes)
+
+
+class Universal(AnyJoint):
+    """Lets a turn about two perpendicular directions, x and y of the joint: a cardan joint.
+
+    Args:
+        a: place.
+        b: place, or "ground".
+        name: of the joint; by name only.
+        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
+            by name only.
+        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
+            by name only.
+        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
+        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
+        axes: two perpendicular directions, global components in the reference shape; the first, x, is carried by a,
+            the second, y, by b.
+    """
+
+    kind: Literal["universal"] = Field(default="universal", kw_only=True, repr=False)
+    axes: TwoDirections = Field(description="two perpendicular directions")
+
+    def free_motions(self) -> tuple[str, ...]:
+        """The rotations about the two directions."""
+        return ("rx", "ry")
+
+    def frame(self) -> Floats:
+        """The two directions as x and y."""
+        return columns(self.axes)
+
+    @model_validator(mode="after")
+    def _ground_last(self) -> Self:
+        if self.a == GROUND:
+            raise RefusedError(
+                "the first direction of a universal joint is carried by a, which moves",
+                "give the part as a, the ground as b, and the direction that stands still second",
+                found=f"{GROUND!r}",
+                at=("a",),
+            )
+        return self
+
+
+class Joint(AnyJoint):
+    """Leaves any of the six relative motions free.
+
+    Args:
+        a: place.
+        b: place, or "ground".
+        name: of the joint; by name only.
+        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
+            by name only.
+        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
+            by name only.
+        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
+        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
+        free: motion words that are free; by name only.
+        axes: of the joint, carried by b: directions x and y, perpendicular, global components in the reference shape;
+            by default the global axes; by name only.
+    """
+
+    kind: Literal["general"] = Field(default="general", kw_only=True, repr=False)
+    free: Annotated[tuple[str, ...], PlainValidator(fixed_motions)] = Field(
+        description="list of motion words", kw_only=True
+    )
+    axes: OptionalAxes = Field(default=None, kw_only=True)
+
+    def free_motions(self) -> tuple[str, ...]:
+        """The given ones."""
+        return self.free
+
+    def frame(self) -> Floats:
+        """The given axes."""
+        return columns(self.axes)
+
+    @model_validator(mode="after")
+    def _holds_something(self) -> Self:
+        if len(self.free) == len(MOTIONS):
+            raise RefusedError(
+                "this joint holds nothing",
+                "leave out the motions that it holds, or use a spring",
+                found="all six motions",
+                at=("free",),
+            )
+        return self
+
+
+JOINTS: dict[str, type[Described]] = {
+    "general": Joint,
+    "rigid": Rigid,
+    "ball": Ball,
+    "revolute": Revolute,
+    "universal": Universal,
+    "cylindrical": Cylindrical,
+    "prismatic": Prismatic,
+    "planar": Planar,
+}
+"""The joints by their word in a case file; a new one is one class and one line here."""
+
+joint = choose("kind", JOINTS)
+"""A joint from a table or as it is."""

@@ -1,0 +1,90 @@
+"""The words for motions and velocities of a place, and tables of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from viscorod.model.actions.time_function import TimeFunction
+from viscorod.model.actions.time_table import time_function
+from viscorod.model.fields.definition import RefusedError, did_you_mean, show
+from viscorod.model.fields.values import different, entries
+
+__all__ = [
+    "MOTIONS",
+    "VELOCITIES",
+    "Motion",
+    "fixed_motions",
+    "fixed_velocities",
+    "motion_functions",
+    "velocity_functions",
+]
+
+MOTIONS = ("ux", "uy", "uz", "rx", "ry", "rz")
+"""Displacements (m) and components of the rotation vector from the reference orientation (rad)."""
+
+VELOCITIES = ("v1", "v2", "v3", "w1", "w2", "w3")
+"""Velocities (m/s) and angular velocities (rad/s) along the axes d1, d2, d3 of the moving section."""
+
+Motion = Mapping[str, TimeFunction]
+
+
+def motion_word(value: Any) -> str:
+    """`value` if it is one of the six motion words."""
+    if value not in MOTIONS if isinstance(value, str) else True:
+        advice = f"{did_you_mean(value, MOTIONS)}give one of {', '.join(MOTIONS)}"
+        raise RefusedError("not a motion", advice, found=show(value))
+    return str(value)
+
+
+def velocity_word(value: Any) -> str:
+    """`value` if it is one of the six velocity words."""
+    if value not in VELOCITIES if isinstance(value, str) else True:
+        raise RefusedError("not a velocity", f"give one of {', '.join(VELOCITIES)}", found=show(value))
+    return str(value)
+
+
+def fixed_motions(value: Any) -> tuple[str, ...]:
+    """`value` if it is a list of motion words, each once; in their order."""
+    return tuple(sorted(different(value, motion_word, "motion"), key=MOTIONS.index))
+
+
+def fixed_velocities(value: Any) -> tuple[str, ...]:
+    """`value` if it is a list of velocity words, each once; in their order."""
+    return tuple(sorted(different(value, velocity_word, "velocity"), key=VELOCITIES.index))
+
+
+def motion_functions(value: Any) -> dict[str, TimeFunction]:
+    """A table from motion words to continuous functions of time, in the order of the words."""
+    return _functions(value, motion_word, MOTIONS, "motion", "rz")
+
+
+def velocity_functions(value: Any) -> dict[str, TimeFunction]:
+    """A table from velocity words to continuous functions of time, in the order of the words."""
+    return _functions(value, velocity_word, VELOCITIES, "velocity", "v1")
+
+
+def _functions(
+    value: Any, check: Callable[[Any], str], known: tuple[str, ...], noun: str, example: str
+) -> dict[str, TimeFunction]:
+    """A table of functions of time that do not jump and have derivatives, by their words."""
+    if not isinstance(value, Mapping):
+        plural = noun.replace("y", "ie") + "s"
+        raise RefusedError(
+            f"a table of {plural} is needed here",
+            f"give a table such as {{ {example} = {{ kind = 'ramp', ... }} }}",
+        )
+
+    def prescribed(item: Any) -> TimeFunction:
+        given = time_function(item)
+        if given.jumps:
+            raise RefusedError(
+                f"a prescribed {noun} must not jump; this one does at t = {given.jumps[0]:.6g} s",
+                "give a ramp, or another continuous function of time",
+                found=type(given).__name__,
+            )
+        given.require_derivatives()
+        return given
+
+    parsed = entries(value, check, prescribed)
+    return {word: parsed[word] for word in known if word in parsed}

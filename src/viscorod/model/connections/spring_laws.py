@@ -1,0 +1,116 @@
+"""Stiffness and damping of joints and springs: numbers, or functions of a coordinate or its rate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, TypeAlias
+
+from pydantic import PlainValidator
+
+from viscorod.model.connections.motion_words import MOTIONS, motion_word
+from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.values import entries, number
+
+__all__ = [
+    "Damping",
+    "DampingTable",
+    "Law",
+    "Laws",
+    "Rest",
+    "RestTable",
+    "Stiffness",
+    "StiffnessTable",
+    "law_value",
+    "require_law_words",
+]
+
+Law: TypeAlias = float | Callable[[float], float]
+"""Force (moment) per coordinate or rate, or the force (moment) as a function of it (in Python only)."""
+Laws: TypeAlias = Mapping[str, Law]
+Rest: TypeAlias = Mapping[str, float]
+
+
+def stiffness(value: Any) -> Law:
+    """`value` as a finite number (a negative one is bistable), or as a function of the coordinate."""
+    return _checked(value) if callable(value) else number(value)
+
+
+def damping(value: Any) -> Law:
+    """`value` as a number >= 0, or as a function of the rate."""
+    if callable(value):
+        return _checked(value)
+    converted = number(value)
+    if converted < 0.0:
+        raise RefusedError("negative damping would feed energy in", "give a number >= 0")
+    return converted
+
+
+def law_value(law: Law, at: float) -> float:
+    """The force (moment) of a law at a coordinate or rate; N or N m.
+
+    Raises:
+        RefusedError: the function returned no finite number.
+    """
+    if not callable(law):
+        return law * at
+    result = law(at)
+    try:
+        return number(result)
+    except RefusedError as error:
+        raise RefusedError(
+            f"the function gave this at {at:.6g}: {error.why}", "return a finite number", found=show(result)
+        ) from None
+
+
+def _checked(law: Callable[[float], float]) -> Law:
+    law_value(law, 0.0)
+    return law
+
+
+def _table(check: Callable[[Any], Any], noun: str) -> Callable[[Any], dict[str, Any]]:
+    def parse(value: Any) -> dict[str, Any]:
+        if not isinstance(value, Mapping):
+            raise RefusedError(
+                f"a table from motions to {noun} is needed here",
+                f"give a table such as {{ rz = 0.5 }}, with some of {', '.join(MOTIONS)}",
+            )
+        parsed = entries(value, motion_word, check)
+        return {word: parsed[word] for word in MOTIONS if word in parsed}
+
+    return parse
+
+
+stiffness_table = _table(stiffness, "stiffnesses")
+damping_table = _table(damping, "dampings")
+rest_table = _table(number, "rest positions")
+
+Stiffness = Annotated[Law, PlainValidator(stiffness)]
+Damping = Annotated[Law, PlainValidator(damping)]
+StiffnessTable = Annotated[Laws, PlainValidator(stiffness_table)]
+DampingTable = Annotated[Laws, PlainValidator(damping_table)]
+RestTable = Annotated[Rest, PlainValidator(rest_table)]
+
+
+def require_law_words(
+    stiffness: Laws, damping: Laws, rest: Rest, free: tuple[str, ...], what: str, instead: str
+) -> None:
+    """Refuse laws of motions that are not free, and rests of motions without stiffness.
+
+    Args:
+        stiffness, damping, rest: by motion words.
+        free: motion words that may have them.
+        what: "this joint", and what it does with the others.
+        instead: what to give.
+    """
+    for key, table in (("stiffness", stiffness), ("damping", damping), ("rest", rest)):
+        for word in table:
+            if word not in free:
+                raise RefusedError(f"{what} {word}", instead, found=f"a {key} for {word}", at=(key, word))
+    for word in rest:
+        if word not in stiffness:
+            raise RefusedError(
+                "a rest position goes with a stiffness",
+                f"give stiffness for {word} too, or leave it out of rest",
+                found=f"a rest for {word}",
+                at=("rest", word),
+            )

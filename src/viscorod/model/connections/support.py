@@ -1,0 +1,172 @@
+"""Supports: which motions of a place are fixed or prescribed, and in which axes."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import Field, PlainValidator, model_validator
+
+from viscorod.model.connections.motion_words import (
+    MOTIONS,
+    fixed_motions,
+)
+from viscorod.model.connections.support_base import AnySupport, Frame
+from viscorod.model.connections.velocity_support import BodyVelocity
+from viscorod.model.fields.definition import Described, RefusedError
+from viscorod.model.fields.directions import axes_from, columns, two_directions
+from viscorod.model.fields.values import (
+    Direction,
+    OptionalDirection,
+    Triple,
+    choose,
+    one_of,
+    optional,
+)
+from viscorod.typing import Floats
+
+__all__ = ["SUPPORTS", "Clamp", "Guide", "Pin", "Roller", "Support", "support"]
+
+
+class Support(AnySupport):
+    """Any subset of the six motions.
+
+    Args:
+        at: place.
+        fixed: motion words that stay zero.
+        frame: "global" axes, or "node": the rod's d1, d2, d3 at the place.
+        axes: other axes for the motion words: directions x and y, perpendicular, global components (z = x
+            cross y).
+        motion: motion words with functions of time (m or rad); by name only. A rotation prescribed at a place that is
+            not held completely must stay below a full turn.
+    """
+
+    kind: Literal["support"] = Field(default="support", kw_only=True, repr=False)
+    fixed: Annotated[tuple[str, ...], PlainValidator(fixed_motions)] = ()
+    frame: Annotated[Literal["global", "node"], one_of("global", "node")] = "global"
+    axes: Annotated[tuple[Triple, Triple] | None, PlainValidator(optional(two_directions))] = None
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.axes is not None and self.frame == "node":
+            raise RefusedError(
+                "a support has either the node's axes or its own",
+                "leave frame or axes out",
+                found="",
+                at=("axes",),
+            )
+        both = [word for word in self.fixed if word in self.motion]
+        if both:
+            raise RefusedError(
+                "a motion cannot be both fixed and prescribed",
+                f"leave {both[0]} out of fixed or out of motion",
+                found=f"{both[0]} in both",
+                at=("motion", both[0]),
+            )
+        if not self.held():
+            raise RefusedError(
+                "this support holds nothing",
+                f"give fixed, a list of some of {', '.join(MOTIONS)}",
+                found="",
+                at=("fixed",),
+            )
+        return self
+
+    def held(self) -> tuple[str, ...]:
+        """Those in `fixed` and in `motion`."""
+        return tuple(word for word in MOTIONS if word in self.fixed or word in self.motion)
+
+    def axes_at(self, node: Floats) -> tuple[Frame, Floats]:
+        """The global axes, the node's or the given ones."""
+        if self.frame == "node":
+            return "node", node
+        if self.axes is None:
+            return "global", np.eye(3)
+        return "axes", columns(self.axes)
+
+
+class Clamp(AnySupport):
+    """Holds all six motions in the global axes.
+
+    Args:
+        at: place.
+        motion: motion words that follow functions of time instead of staying zero (m or rad); by name only.
+    """
+
+    kind: Literal["clamp"] = Field(default="clamp", kw_only=True, repr=False)
+
+    def held(self) -> tuple[str, ...]:
+        """All six."""
+        return MOTIONS
+
+
+class Pin(AnySupport):
+    """Holds the three displacements in the global axes; rotation is free.
+
+    Args:
+        at: place.
+        motion: of ux, uy, uz, those that follow functions of time (m); by name only.
+    """
+
+    kind: Literal["pin"] = Field(default="pin", kw_only=True, repr=False)
+
+    def held(self) -> tuple[str, ...]:
+        """The displacements."""
+        return MOTIONS[:3]
+
+
+class Guide(AnySupport):
+    """Lets the place slide along a fixed direction, x of the support's axes, and holds all other motions.
+
+    Args:
+        at: place.
+        along: the direction, global axes; by default the rod's tangent there in the reference shape.
+        motion: motion words (in the support's axes) that follow functions of time (m or rad); by name only.
+    """
+
+    kind: Literal["guide"] = Field(default="guide", kw_only=True, repr=False)
+    along: OptionalDirection = None
+
+    def held(self) -> tuple[str, ...]:
+        """All but ux."""
+        return MOTIONS[1:]
+
+    def axes_at(self, node: Floats) -> tuple[Frame, Floats]:
+        """The direction of sliding first."""
+        return "axes", node[:, [2, 0, 1]] if self.along is None else axes_from(self.along)
+
+
+class Roller(AnySupport):
+    """Holds the displacement along one direction, x of the support's axes; all else is free.
+
+    Args:
+        at: place.
+        normal: the direction, global axes.
+        motion: ux as a function of time (m); by name only.
+    """
+
+    kind: Literal["roller"] = Field(default="roller", kw_only=True, repr=False)
+    normal: Direction = Field(description="direction that is held, three numbers")
+
+    def held(self) -> tuple[str, ...]:
+        """The displacement along the normal."""
+        return MOTIONS[:1]
+
+    def axes_at(self, node: Floats) -> tuple[Frame, Floats]:
+        """The normal first."""
+        del node
+        return "axes", axes_from(self.normal)
+
+
+SUPPORTS: dict[str, type[Described]] = {
+    "support": Support,
+    "clamp": Clamp,
+    "pin": Pin,
+    "guide": Guide,
+    "roller": Roller,
+    "body_velocity": BodyVelocity,
+}
+"""The supports by their word in a case file; a new one is one class and one line here."""
+
+support = choose("kind", SUPPORTS, default="support")
+"""A support from a table or as it is."""

@@ -1,0 +1,1 @@
+"""The description of a whole model, its methods, and checks that its parts fit together."""

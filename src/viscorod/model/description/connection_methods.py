@@ -1,0 +1,102 @@
+"""The part of a model that attachments, joints and springs make."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, TypedDict, Unpack
+
+from viscorod.model.connections.axis_joint import Cylindrical, Planar, Prismatic, Revolute
+from viscorod.model.connections.joint import Ball, Rigid, Universal, joint
+from viscorod.model.connections.joint_base import AnyJoint
+from viscorod.model.connections.place import GROUND
+from viscorod.model.connections.rigid_attachment import Attachment
+from viscorod.model.connections.spring import AnySpring, LineSpring, Spring
+from viscorod.model.connections.spring_laws import Law, Laws, Rest
+from viscorod.model.fields.arguments import Motion, Vector, given
+
+__all__ = ["Joined"]
+
+
+class Acting(TypedDict, total=False):
+    """What acts along the free motions of a joint, by motion word, and its name; see `AnyJoint`."""
+
+    name: str | None
+    stiffness: Laws | None
+    damping: Laws | None
+    rest: Rest | None
+    motion: Motion | None
+
+
+class Joined:
+    """Methods that add attachments, joints and springs; a part of `ModelDescription`."""
+
+    attachments: list[Attachment]
+    joints: list[AnyJoint]
+    springs: list[AnySpring]
+
+    def attach(self, a: str, b: str) -> None:
+        """Join two coinciding places, or a place of a rod and a body, into one rigid node; see `Attachment`."""
+        self.attachments.append(Attachment(a, b))
+
+    def joint(self, kind: str, a: str, b: str, **fields: Any) -> None:
+        """Join two places, or a place and the "ground", by a joint of any kind, with its fields by name."""
+        made = joint({"kind": kind, "a": a, "b": b, **fields})
+        assert isinstance(made, AnyJoint)
+        self.joints.append(made)
+
+    def rigid(self, a: str, b: str, *, name: str | None = None) -> None:
+        """Hold all relative motions; see `Rigid`."""
+        self.joints.append(Rigid(**given(a=a, b=b, name=name)))
+
+    def ball(self, a: str, b: str, *, axes: Sequence[Vector] | None = None, **acting: Unpack[Acting]) -> None:
+        """Let a turn in every direction about a point; see `Ball`."""
+        self.joints.append(Ball(**given(a=a, b=b, axes=axes, **acting)))
+
+    def revolute(self, a: str, b: str, axis: Vector, **acting: Unpack[Acting]) -> None:
+        """Let a turn about an axis; see `Revolute`."""
+        self.joints.append(Revolute(**given(a=a, b=b, axis=axis, **acting)))
+
+    def universal(self, a: str, b: str, axes: Sequence[Vector], **acting: Unpack[Acting]) -> None:
+        """Let a turn about two perpendicular directions; see `Universal`."""
+        self.joints.append(Universal(**given(a=a, b=b, axes=axes, **acting)))
+
+    def cylindrical(self, a: str, b: str, axis: Vector, **acting: Unpack[Acting]) -> None:
+        """Let a turn about and slide along an axis; see `Cylindrical`."""
+        self.joints.append(Cylindrical(**given(a=a, b=b, axis=axis, **acting)))
+
+    def prismatic(self, a: str, b: str, axis: Vector, **acting: Unpack[Acting]) -> None:
+        """Let a slide along an axis; see `Prismatic`."""
+        self.joints.append(Prismatic(**given(a=a, b=b, axis=axis, **acting)))
+
+    def planar(self, a: str, b: str, normal: Vector, **acting: Unpack[Acting]) -> None:
+        """Let a slide and turn in a plane; see `Planar`."""
+        self.joints.append(Planar(**given(a=a, b=b, normal=normal, **acting)))
+
+    def spring(
+        self,
+        at: str,
+        to: str = GROUND,
+        stiffness: Laws | None = None,
+        damping: Laws | None = None,
+        rest: Rest | None = None,
+        axes: Sequence[Vector] | None = None,
+        *,
+        name: str | None = None,
+    ) -> None:
+        """Pull a place towards another, or towards where it was, along some motions; see `Spring`."""
+        laws = given(stiffness=stiffness, damping=damping, rest=rest)
+        self.springs.append(Spring(**given(at=at, to=to, axes=axes, name=name), **laws))
+
+    def line_spring(
+        self,
+        at: str,
+        to: str | Vector,
+        stiffness: Law = 0.0,
+        damping: Law = 0.0,
+        length: float | None = None,
+        *,
+        name: str | None = None,
+    ) -> None:
+        """Join a place to another, or to a fixed point, by a spring along the line between; see `LineSpring`."""
+        laws = given(stiffness=stiffness, damping=damping, length=length)
+        self.springs.append(LineSpring(**given(at=at, to=to, name=name), **laws))

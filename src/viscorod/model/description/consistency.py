@@ -1,0 +1,183 @@
+"""Checks of how the parts of a model fit together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from viscorod.errors import Problem
+from viscorod.model.actions.load import DistributedForce, DistributedMoment, Force, Moment, MovingForce
+from viscorod.model.connections import joint_checks, support_checks
+from viscorod.model.connections.place import GROUND, Place, find_rod, no_part, station_on
+from viscorod.model.connections.resolved_places import find
+from viscorod.model.fields.definition import RefusedError, path_text, show, some_of
+
+if TYPE_CHECKING:
+    from viscorod.model.description.model_description import ModelDescription
+
+__all__ = ["problems"]
+
+
+def problems(model: ModelDescription) -> Iterator[Problem]:
+    """Everything that is wrong with the model as a whole, with key paths."""
+    if not model.rods:
+        yield Problem(
+            "rods", "", "the model has no rod", "add one with add(name, rod), or a table [rods.NAME]"
+        )
+        return
+    found = list(_unknown_places(model))
+    if not found:
+        found += joint_checks.wrong_attachments(model)
+    yield from found
+    if not found:
+        yield from support_checks.off_centre(model)
+        yield from support_checks.clashes(model)
+        yield from joint_checks.wrong_joints(model)
+        yield from joint_checks.loose_bodies(model)
+    yield from joint_checks.names_twice(model)
+    yield from _wrong_velocities(model)
+    strains = list(_wrong_strains(model))
+    yield from strains
+    if not found and not strains:
+        yield from _unfit_strains(model)
+
+
+def _unknown_places(model: ModelDescription) -> Iterator[Problem]:
+    named = [(("supports", index, "at"), support.at) for index, support in enumerate(model.supports)]
+    for index, load in enumerate(model.loads):
+        if isinstance(load, Force | Moment):
+            named.append((("loads", index, "at"), load.at))
+        elif isinstance(load, DistributedForce | DistributedMoment | MovingForce):
+            yield from _unknown_rod(("loads", index), load, model)
+    for index, attachment in enumerate(model.attachments):
+        named += [(("attachments", index, "a"), attachment.a), (("attachments", index, "b"), attachment.b)]
+    for index, joint in enumerate(model.joints):
+        named += [(("joints", index, "a"), joint.a), (("joints", index, "b"), joint.b)]
+    for index, spring in enumerate(model.springs):
+        named += [
+            (("springs", index, key), text) for key, text in zip(("at", "to"), spring.ends, strict=True)
+        ]
+    for path, text in named:
+        if text == GROUND:
+            continue
+        try:
+            find(model, text)
+        except RefusedError as error:
+            yield Problem(path_text(path), error.found or show(text), error.why, error.instead)
+
+
+def _unknown_rod(
+    path: tuple[str | int, ...],
+    load: DistributedForce | DistributedMoment | MovingForce,
+    model: ModelDescription,
+) -> Iterator[Problem]:
+    if load.rod in model.bodies:
+        yield Problem(
+            path_text((*path, "rod")),
+            show(load.rod),
+            "this is a rigid body, and such a load acts along a rod",
+            f"load the body with a force or moment at {load.rod!r}, or name one of {some_of(model.rods)}",
+        )
+        return
+    try:
+        rod = find_rod(load.rod, model.rods)
+    except RefusedError as error:
+        yield Problem(path_text((*path, "rod")), error.found or "", error.why, error.instead)
+        return
+    if isinstance(load, MovingForce):
+        return
+    for key, s in (("from_s", load.from_s), ("to_s", load.to_s)):
+        try:
+            station_on(rod, s or 0.0, load.rod)
+        except RefusedError as error:
+            yield Problem(path_text((*path, key)), error.found or "", error.why, error.instead)
+    try:
+        load.density(rod.length / 2.0)
+    except RefusedError as error:
+        yield Problem(path_text((*path, "value")), error.found or "", error.why, error.instead)
+
+
+def _wrong_velocities(model: ModelDescription) -> Iterator[Problem]:
+    """Initial velocities of what does not exist, or of one part twice; bodies by a function."""
+    first: dict[str, int] = {}
+    for index, given in enumerate(model.velocities):
+        where = f"velocities[{index}]"
+        if given.rod in model.bodies:
+            if given.field is not None:
+                yield Problem(
+                    f"{where}.field",
+                    show(given.rod),
+                    "a rigid body has no velocities that differ from point to point",
+                    "give linear, angular and about",
+                )
+        else:
+            try:
+                find_rod(given.rod, model.rods)
+            except RefusedError as error:
+                refused = no_part(given.rod, model.rods, model.bodies) if model.bodies else error
+                yield Problem(f"{where}.rod", refused.found or "", refused.why, refused.instead)
+                continue
+        yield from _twice(first, given.rod, index, model, "velocities", "velocity")
+
+
+def _wrong_strains(model: ModelDescription) -> Iterator[Problem]:
+    """Initial strains of what is no rod, or of one rod twice."""
+    first: dict[str, int] = {}
+    for index, given in enumerate(model.strains):
+        try:
+            find_rod(given.rod, model.rods, model.bodies)
+        except RefusedError as error:
+            yield Problem(f"strains[{index}].rod", error.found or "", error.why, error.instead)
+            continue
+        yield from _twice(first, given.rod, index, model, "strains", "strain")
+
+
+def _twice(
+    first: dict[str, int], name: str, index: int, model: ModelDescription, key: str, noun: str
+) -> Iterator[Problem]:
+    if name in first:
+        part = "body" if name in model.bodies else "rod"
+        yield Problem(
+            f"{key}[{index}].rod",
+            show(name),
+            f"the {part} has its initial {noun} already from {key}[{first[name]}]",
+            f"give each {part} one at most",
+        )
+    first.setdefault(name, index)
+
+
+def _unfit_strains(model: ModelDescription) -> Iterator[Problem]:
+    """Strains of rods whose shape is given elsewhere than at their starts."""
+    places = [(f"attachments[{k}]", text) for k, a in enumerate(model.attachments) for text in (a.a, a.b)]
+    places += [(f"joints[{k}]", text) for k, j in enumerate(model.joints) for text in j.ends]
+    places += [(f"supports[{k}]", support.at) for k, support in enumerate(model.supports)]
+    held = [(path, text, find(model, text)) for path, text in places if text != GROUND]
+    for index, strain in enumerate(model.strains):
+        for path, text, place in held:
+            if not isinstance(place, Place) or place.rod != strain.rod:
+                continue
+            if path.startswith("attachments") or place.s > 0.0:
+                yield Problem(
+                    f"strains[{index}].rod",
+                    show(strain.rod),
+                    f"initial strains move all of the rod but its start, and {path} holds {text}",
+                    "leave the strain out and start from an equilibrium, or hold the rod at its start only",
+                )
+                break
+        constrained = model.rods[strain.rod].constraints
+        if constrained and any(_strained(model, index)):
+            yield Problem(
+                f"strains[{index}].value",
+                show(list(constrained)),
+                "the initial strain is not zero where the rod's constraints hold it",
+                "leave the strain or the constraint out",
+            )
+
+
+def _strained(model: ModelDescription, index: int) -> Iterator[bool]:
+    """For the constrained strains of a rod, whether its initial strain differs from zero at its start or middle."""
+    strain = model.strains[index]
+    rod = model.rods[strain.rod]
+    for s in (0.0, rod.length / 2.0):
+        for value, held in zip(strain.at(s).tolist(), rod.constrained_strains, strict=True):
+            yield held and value != 0.0

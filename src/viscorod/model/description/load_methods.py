@@ -1,0 +1,92 @@
+"""The part of a model that loads make."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from viscorod.model.actions.load import (
+    AnyLoad,
+    DistributedForce,
+    DistributedMoment,
+    Force,
+    Gravity,
+    Moment,
+    MovingForce,
+)
+from viscorod.model.fields.arguments import Time, Vector, given
+
+__all__ = ["Loaded"]
+
+
+class Loaded:
+    """Methods that add loads; a part of `ModelDescription`."""
+
+    loads: list[AnyLoad]
+
+    def force(
+        self, at: str, value: Vector, following: bool = False, time: Time = None, until: float | None = None
+    ) -> None:
+        """Load a place with a force, N; see `Force`."""
+        self.loads.append(Force(**given(at=at, value=value, following=following, time=time, until=until)))
+
+    def moment(
+        self, at: str, value: Vector, following: bool = False, time: Time = None, until: float | None = None
+    ) -> None:
+        """Load a place with a moment, N m; see `Moment`."""
+        self.loads.append(Moment(**given(at=at, value=value, following=following, time=time, until=until)))
+
+    def distributed_force(
+        self,
+        rod: str,
+        value: Vector | Callable[[float], Vector],
+        following: bool = False,
+        time: Time = None,
+        until: float | None = None,
+        *,
+        from_s: float | None = None,
+        to_s: float | None = None,
+    ) -> None:
+        """Load a rod with a force per length, N/m; see `DistributedForce`."""
+        span = given(
+            rod=rod, value=value, following=following, time=time, until=until, from_s=from_s, to_s=to_s
+        )
+        self.loads.append(DistributedForce(**span))
+
+    def distributed_moment(
+        self,
+        rod: str,
+        value: Vector | Callable[[float], Vector],
+        following: bool = False,
+        time: Time = None,
+        until: float | None = None,
+        *,
+        from_s: float | None = None,
+        to_s: float | None = None,
+    ) -> None:
+        """Load a rod with a moment per length, N m/m; see `DistributedMoment`."""
+        span = given(
+            rod=rod, value=value, following=following, time=time, until=until, from_s=from_s, to_s=to_s
+        )
+        self.loads.append(DistributedMoment(**span))
+
+    def gravity(
+        self, acceleration: Vector = (0.0, 0.0, -9.81), time: Time = None, until: float | None = None
+    ) -> None:
+        """Let all rods and bodies have weight; see `Gravity`."""
+        self.loads.append(Gravity(**given(acceleration=acceleration, time=time, until=until)))
+
+    def moving_force(
+        self,
+        rod: str,
+        value: Vector,
+        *,
+        speed: float | None = None,
+        position: Time = None,
+        start: float | None = None,
+        following: bool = False,
+        time: Time = None,
+        until: float | None = None,
+    ) -> None:
+        """Load a rod with a force that travels along it; see `MovingForce`."""
+        travel = given(rod=rod, value=value, speed=speed, position=position, start=start)
+        self.loads.append(MovingForce(**travel, **given(following=following, time=time, until=until)))

@@ -1,0 +1,208 @@
+"""The description of a model: rods and bodies by name, what joins them, what holds them, what loads them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Self
+
+from viscorod.errors import InputError, Problem
+from viscorod.model.actions.initial_strain import InitialStrain
+from viscorod.model.actions.initial_velocity import InitialVelocity
+from viscorod.model.actions.load import AnyLoad
+from viscorod.model.bodies.body_base import AnyBody
+from viscorod.model.connections import resolved_places as connections
+from viscorod.model.connections.joint_base import AnyJoint, ResolvedJoint
+from viscorod.model.connections.place import GROUND, AnyPlace
+from viscorod.model.connections.rigid_attachment import Attachment
+from viscorod.model.connections.spring import AnySpring, ResolvedSpring
+from viscorod.model.connections.support_base import AnySupport, ResolvedSupport
+from viscorod.model.description import consistency as checks
+from viscorod.model.description.connection_methods import Joined
+from viscorod.model.description.load_methods import Loaded
+from viscorod.model.description.support_methods import Held
+from viscorod.model.fields.arguments import Vector, given
+from viscorod.model.fields.definition import RefusedError, plain_value, show
+from viscorod.model.fields.values import name_of_part
+from viscorod.model.rod import Rod
+from viscorod.typing import Floats
+
+__all__ = ["ModelDescription"]
+
+
+class ModelDescription(Held, Loaded, Joined):
+    """Rods and rigid bodies, supports, loads, joints and springs; the same words as in a case file.
+
+    Places are written ``"beam.start"``, ``"beam.end"``, ``"beam@0.15"`` (arc length in m), ``"plate"`` (a body's
+    mass centre) and ``"plate.corner"`` (one of its named points). What a method is given is checked at once; how
+    the parts fit together is checked by `validate`.
+
+    Attributes:
+        rods, bodies: by name, in the order in which they were added.
+        supports: in order.
+        loads: in order.
+        attachments: pairs of places that are one rigid node.
+        joints, springs: in order.
+        velocities, strains: at t = 0.
+    """
+
+    def __init__(self) -> None:
+        self.rods: dict[str, Rod] = {}
+        self.bodies: dict[str, AnyBody] = {}
+        self.supports: list[AnySupport] = []
+        self.loads: list[AnyLoad] = []
+        self.attachments: list[Attachment] = []
+        self.joints: list[AnyJoint] = []
+        self.springs: list[AnySpring] = []
+        self.velocities: list[InitialVelocity] = []
+        self.strains: list[InitialStrain] = []
+
+    def add(self, name: str, part: Rod | AnyBody) -> None:
+        """Add a rod or a rigid body under a new name (letters, digits, _ and -).
+
+        Raises:
+            InputError: the name is taken or not usable, or `part` is neither rod nor body.
+        """
+        kind = "bodies" if isinstance(part, AnyBody) else "rods"
+        try:
+            name_of_part(name)
+        except RefusedError as error:
+            raise InputError(Problem(kind, show(name), error.why, error.instead)) from None
+        path = f"{kind}.{name}"
+        if name == GROUND:
+            raise InputError(
+                Problem(path, show(name), "this word stands for what does not move", "give another name")
+            )
+        if not isinstance(part, Rod | AnyBody):
+            raise InputError(
+                Problem(
+                    path,
+                    show(part),
+                    "this is not a rod and not a rigid body",
+                    "give a Rod, such as Rod.straight(...), or a Body",
+                )
+            )
+        for noun, taken in (("rod", self.rods), ("rigid body", self.bodies)):
+            if name in taken:
+                raise InputError(
+                    Problem(path, show(name), f"there is already a {noun} of this name", "give another name")
+                )
+        if isinstance(part, Rod):
+            self.rods[name] = part
+        else:
+            self.bodies[name] = part
+
+    def velocity(
+        self,
+        rod: str,
+        linear: Vector = (0.0, 0.0, 0.0),
+        angular: Vector = (0.0, 0.0, 0.0),
+        about: Vector = (0.0, 0.0, 0.0),
+        *,
+        field: Callable[[float], tuple[Vector, Vector]] | None = None,
+    ) -> None:
+        """Give a rod, or a body by its name, an initial velocity; see `InitialVelocity`."""
+        fields = given(rod=rod, field=field)
+        if field is None or any(any(vector) for vector in (linear, angular, about)):
+            fields |= {"linear": linear, "angular": angular, "about": about}
+        self.velocities.append(InitialVelocity(**fields))
+
+    def strain(self, rod: str, value: Sequence[float] | Callable[[float], Sequence[float]]) -> None:
+        """Give a rod an initial strain; see `InitialStrain`."""
+        fields: dict[str, Any] = {"value": value}
+        self.strains.append(InitialStrain(rod, **fields))
+
+    def validate(self) -> None:
+        """Check that the parts fit together.
+
+        Raises:
+            InputError: with everything that is wrong, each with its key path and what to give instead.
+        """
+        problems = list(checks.problems(self))
+        if problems:
+            raise InputError(problems)
+
+    def place(self, text: str) -> AnyPlace:
+        """The station of a rod, or the point of a body, that `text` names.
+
+        Raises:
+            InputError: there is no such place.
+        """
+        return connections.find(self, text)
+
+    def position_of(self, place: str) -> Floats:
+        """Position (3,) of a place in the reference shape, m, global axes.
+
+        Raises:
+            InputError: there is no such place.
+        """
+        return connections.position_of(self, connections.find(self, place))[0]
+
+    def resolved_supports(self) -> list[ResolvedSupport]:
+        """The supports with their places and axes, in order."""
+        return connections.resolved_supports(self)
+
+    def resolved_joints(self) -> list[ResolvedJoint]:
+        """The joints with their places and axes, in order."""
+        return connections.resolved_joints(self)
+
+    def resolved_springs(self) -> list[ResolvedSpring]:
+        """The springs with their places and axes, in order."""
+        return connections.resolved_springs(self)
+
+    def nodes(self) -> list[tuple[AnyPlace, ...]]:
+        """The groups of places that attachments join into one node each."""
+        return connections.joined_places(self)
+
+    def stations(self, rod: str) -> tuple[float, ...]:
+        """Arc lengths at which an element must end (supports, loads, joints, section jumps), m."""
+        return connections.required_stations(self, rod)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The model as a table of the case file; Python functions appear as a note."""
+        plain: dict[str, Any] = {"rods": {name: rod.to_dict() for name, rod in self.rods.items()}}
+        return plain | {
+            key: plain_value(part) for key, part in self.parts().items() if part and key != "rods"
+        }
+
+    def parts(self) -> dict[str, Any]:
+        """What :meth:`of` makes another of, such as one of a derived class."""
+        return {
+            "rods": self.rods,
+            "bodies": self.bodies,
+            "supports": self.supports,
+            "loads": self.loads,
+            "attachments": self.attachments,
+            "joints": self.joints,
+            "springs": self.springs,
+            "velocities": self.velocities,
+            "strains": self.strains,
+        }
+
+    @classmethod
+    def of(
+        cls,
+        rods: Mapping[str, Rod],
+        supports: Iterable[AnySupport] = (),
+        loads: Iterable[AnyLoad] = (),
+        attachments: Iterable[Attachment] = (),
+        velocities: Iterable[InitialVelocity] = (),
+        strains: Iterable[InitialStrain] = (),
+        *,
+        bodies: Mapping[str, AnyBody] | None = None,
+        joints: Iterable[AnyJoint] = (),
+        springs: Iterable[AnySpring] = (),
+    ) -> Self:
+        """A model from its parts."""
+        model = cls()
+        for name, rod in rods.items():
+            model.add(name, rod)
+        for name, body in (bodies or {}).items():
+            model.add(name, body)
+        model.supports.extend(supports)
+        model.loads.extend(loads)
+        model.attachments.extend(attachments)
+        model.joints.extend(joints)
+        model.springs.extend(springs)
+        model.velocities.extend(velocities)
+        model.strains.extend(strains)
+        return model

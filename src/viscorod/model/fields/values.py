@@ -1,0 +1,270 @@
+"""Checked numbers, vectors and words: the types of the fields of everything that a user describes.
+
+Integers and NumPy numbers count as numbers; booleans, strings, NaN and infinities do not.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import Annotated, Any, TypeAlias, TypeVar
+
+import numpy as np
+from pydantic import BeforeValidator, PlainValidator
+
+from viscorod.errors import InputError, Problem
+from viscorod.model.fields.definition import Described, RefusedError, did_you_mean, inside, show
+
+NOT_GIVEN = math.nan
+"""Default of a number that is worked out from others when it is not given (a user's NaN is refused)."""
+
+LARGEST = 1e60
+"""Numbers beyond it, or positive ones below 1/LARGEST, are refused: their products leave double precision."""
+
+T = TypeVar("T")
+
+Triple: TypeAlias = tuple[float, float, float]
+
+
+def number(value: Any) -> float:
+    """`value` as a finite float."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:  # what SciPy's interpolants return for one time
+        value = value[()]
+    if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
+        raise RefusedError("a number is needed here", "give a plain number such as 0.25")
+    try:
+        converted = float(value)
+    except OverflowError:
+        converted = math.inf
+    if not math.isfinite(converted):
+        raise RefusedError("the number must be finite", "give a plain number such as 0.25")
+    if abs(converted) > LARGEST:
+        raise RefusedError("larger than any quantity in SI units", f"give a number below {LARGEST:g}")
+    return converted
+
+
+def _bounded(allowed: str, holds: Callable[[float], bool]) -> Callable[[Any], float]:
+    def check(value: Any) -> float:
+        converted = number(value)
+        if not holds(converted):
+            raise RefusedError("outside what is allowed", f"give a number {allowed}")
+        return converted
+
+    return check
+
+
+def positive(value: Any) -> float:
+    """`value` as a float > 0 that is not absurdly small."""
+    converted = number(value)
+    if converted <= 0.0:
+        raise RefusedError("outside what is allowed", "give a number > 0")
+    if converted < 1.0 / LARGEST:
+        raise RefusedError("smaller than any quantity in SI units", f"give a number above {1.0 / LARGEST:g}")
+    return converted
+
+
+def whole_number(low: int, high: int) -> Callable[[Any], int]:
+    """A check for whole numbers from `low` to `high`."""
+
+    def check(value: Any) -> int:
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
+            raise RefusedError("a whole number is needed here", f"give a whole number from {low} to {high}")
+        return int(value)
+
+    return check
+
+
+def numbers(value: Any, *, count: int | None = None, at_least: int = 1) -> tuple[float, ...]:
+    """`value` (list, tuple, array) as a tuple of finite floats."""
+    items = sequence(value)
+    if count is not None and len(items) != count:
+        raise RefusedError(
+            f"{count} numbers are needed here, {len(items)} were given", f"give a list of {count} numbers"
+        )
+    if len(items) < at_least:
+        raise RefusedError(f"at least {at_least} numbers are needed here", "give a longer list of numbers")
+    return each(items, number)
+
+
+def frequency_band(value: Any) -> tuple[float, float]:
+    """`value` as a lower and a higher frequency > 0."""
+    low, high = pair(value)
+    if not 1.0 / LARGEST <= low < high:
+        raise RefusedError(
+            "a band goes from a lower to a higher frequency", "give [low, high] in Hz, both > 0"
+        )
+    return low, high
+
+
+def sequence(value: Any) -> Sequence[Any]:
+    """`value` if it is a list, tuple or array, as a list or tuple."""
+    if isinstance(value, np.ndarray):
+        items: list[Any] = value.tolist() if value.ndim else []
+        return items
+    if not isinstance(value, list | tuple):
+        raise RefusedError("a list is needed here", "give a list in brackets, such as [0.0, 1.0, 2.0]")
+    return value
+
+
+def each(value: Any, check: Callable[[Any], T]) -> tuple[T, ...]:
+    """What `check` makes of the items of a list; what it refuses is told with its index."""
+    items, found = sequence(value), []
+    try:
+        for item in items:
+            found.append(check(item))
+    except ValueError:
+        # once for the list: to enter `inside` for every item takes longer than the check of a number
+        with inside(len(found), items[len(found)]):
+            raise
+    return tuple(found)
+
+
+def different(value: Any, check: Callable[[Any], str], noun: str) -> tuple[str, ...]:
+    """The words of a list, each once."""
+    words = each(value, check)
+    for index, given in enumerate(words):
+        if given in words[:index]:
+            raise RefusedError(f"the same {noun} twice", "give it once", found=show(given), at=(index,))
+    return words
+
+
+def entries(table: Mapping[Any, Any], name: Callable[[Any], str], check: Callable[[Any], T]) -> dict[str, T]:
+    """The keys of a table, checked by `name`, and what `check` makes of their values.
+
+    Raises:
+        InputError: everything that is wrong with keys and values.
+    """
+    found: dict[str, T] = {}
+    problems: list[Problem] = []
+    for key, value in table.items():
+        try:
+            with inside(str(key), key):
+                checked = name(key)
+            with inside(checked, value):
+                found[checked] = check(value)
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+    return found
+
+
+def pair(value: Any) -> tuple[float, float]:
+    """`value` as two finite floats."""
+    x, y = numbers(value, count=2)
+    return x, y
+
+
+def vector(value: Any) -> Triple:
+    """`value` as three finite floats."""
+    x, y, z = numbers(value, count=3)
+    return x, y, z
+
+
+def direction(value: Any) -> Triple:
+    """`value` as three floats scaled to unit length."""
+    x, y, z = vector(value)
+    size = math.hypot(x, y, z)
+    if size == 0.0 or not math.isfinite(size):
+        raise RefusedError(
+            "this vector has no direction", "give three numbers that are not all zero, such as [0, 0, 1]"
+        )
+    if abs(size - 1.0) <= 4e-16:  # a unit vector read back from a file stays what it is
+        return x, y, z
+    return x / size, y / size, z / size
+
+
+def word(value: Any) -> str:
+    """`value` as text."""
+    if not isinstance(value, str):
+        raise RefusedError("text is needed here", "give it in quotes")
+    return value
+
+
+def name_of_part(value: Any) -> str:
+    """A name of a rod, material or section: letters, digits, _ and -."""
+    if not re.fullmatch(r"[A-Za-z_][\w-]{0,59}", word(value), flags=re.ASCII):
+        raise RefusedError("not usable as a name", "use a letter, then letters, digits, _ or - (60 at most)")
+    return str(value)
+
+
+def one_of(*allowed: str) -> PlainValidator:
+    """A check for one of some fixed words."""
+
+    def check(value: Any) -> str:
+        if value not in allowed if isinstance(value, str) else True:
+            raise RefusedError(
+                "not one of the words that are known here",
+                f"{did_you_mean(value, allowed)}give one of {', '.join(map(repr, allowed))}",
+            )
+        return str(value)
+
+    return PlainValidator(check)
+
+
+def true_or_false(value: Any) -> bool:
+    """`value` if it is a boolean."""
+    if not isinstance(value, bool):
+        raise RefusedError("neither true nor false", "give true or false")
+    return value
+
+
+def function(value: Any) -> Callable[..., Any]:
+    """`value` if it can be called."""
+    if not callable(value):
+        raise RefusedError("a Python function is needed here", "this can be given in the Python API only")
+    result: Callable[..., Any] = value
+    return result
+
+
+def optional(check: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """`check`, with None let through."""
+    return lambda value: None if value is None else check(value)
+
+
+def choose(
+    tag: str, kinds: Mapping[str, type[Described]], default: str | None = None
+) -> Callable[[Any], Described]:
+    """A parser that lets objects of the given kinds through and reads a table by its key `tag`."""
+
+    def parse(value: Any) -> Described:
+        if isinstance(value, Described) and isinstance(value, tuple(kinds.values())):
+            return value
+        known = ", ".join(map(repr, kinds))
+        if not isinstance(value, Mapping):
+            raise RefusedError(
+                "a table of keys and values is needed here", f"give a table with {tag} = one of {known}"
+            )
+        kind = value.get(tag, default)
+        if kind is None:
+            raise RefusedError(
+                "this key is required and missing", f"add {tag} = one of {known}", found="", at=(tag,)
+            )
+        if not isinstance(kind, str) or kind not in kinds:
+            advice = f"{did_you_mean(kind, kinds)}give one of {known}"
+            raise RefusedError(f"no such {tag}", advice, found=show(kind), at=(tag,))
+        return kinds[kind].model_validate(value)
+
+    return parse
+
+
+Number = Annotated[float, BeforeValidator(number)]
+Positive = Annotated[float, BeforeValidator(positive)]
+NonNegative = Annotated[float, BeforeValidator(_bounded(">= 0", lambda x: x >= 0.0))]
+OptionalUnitInterval = Annotated[
+    float | None, BeforeValidator(optional(_bounded("from 0 to 1", lambda x: 0.0 <= x <= 1.0)))
+]
+PoissonsRatio = Annotated[
+    float, BeforeValidator(_bounded("> -1 and <= 0.5 (0.5 is incompressible)", lambda x: -1.0 < x <= 0.5))
+]
+OptionalPositive = Annotated[float | None, BeforeValidator(optional(positive))]
+OptionalNonNegative = Annotated[
+    float | None, BeforeValidator(optional(_bounded(">= 0, or leave the key out", lambda x: x >= 0.0)))
+]
+OptionalNumber = Annotated[float | None, BeforeValidator(optional(number))]
+Vector = Annotated[Triple, PlainValidator(vector)]
+Direction = Annotated[Triple, PlainValidator(direction)]
+OptionalDirection = Annotated[Triple | None, PlainValidator(optional(direction))]
+Flag = Annotated[bool, PlainValidator(true_or_false)]
+Name = Annotated[str, PlainValidator(name_of_part)]

@@ -1,0 +1,1 @@
+"""Materials and the descriptions of their damping."""

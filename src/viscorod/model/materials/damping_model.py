@@ -1,0 +1,132 @@
+"""What every description of a material's damping tells: moduli at rest, Kelvin-Voigt times, Maxwell branches."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from viscorod.model.fields.definition import Described, RefusedError
+from viscorod.model.materials.relaxation_modulus import Relaxation
+
+__all__ = ["Behaviour", "Branch", "Damping", "Elastic", "bulk_time_of"]
+
+
+class Branch(NamedTuple):
+    """A Maxwell branch of an isotropic material: spring and dashpot in series, beside the equilibrium moduli.
+
+    Attributes:
+        time: relaxation time, s.
+        youngs_modulus: what it adds to Young's modulus in fast extension, Pa.
+        shear_modulus: what it adds to the shear modulus in fast shear, Pa.
+    """
+
+    time: float
+    youngs_modulus: float
+    shear_modulus: float
+
+
+class Elastic(NamedTuple):
+    """The elastic constants that were given with a material; NaN for those that were not.
+
+    Attributes:
+        youngs_modulus: E, Pa.
+        poissons_ratio: nu.
+    """
+
+    youngs_modulus: float
+    poissons_ratio: float
+
+    @property
+    def shear_modulus(self) -> float:
+        """G = E/2(1+nu), Pa."""
+        return self.youngs_modulus / (2.0 * (1.0 + self.poissons_ratio))
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K = E/3(1-2nu), Pa; infinite for nu = 0.5."""
+        compressibility = 1.0 - 2.0 * self.poissons_ratio
+        return self.youngs_modulus / (3.0 * compressibility) if compressibility != 0.0 else math.inf
+
+
+@dataclass(frozen=True)
+class Behaviour:
+    """How a material behaves: what a :class:`Damping` makes of the given elastic constants.
+
+    Attributes:
+        youngs_modulus, poissons_ratio: E (Pa) and nu in equilibrium, after a long time.
+        shear_time, bulk_time: Kelvin-Voigt times of slow motion, s.
+        bulk_viscosity: where it does not follow from the bulk time, Pa s.
+        branches: Maxwell branches, by time; with them the times above are only those of slow motion.
+        extension, shear: the relaxation moduli, where more is known than the times.
+        assumptions: what was assumed, one sentence each.
+        pending: whether the times are only known once a model has been built.
+    """
+
+    youngs_modulus: float
+    poissons_ratio: float
+    shear_time: float = 0.0
+    bulk_time: float = 0.0
+    bulk_viscosity: float | None = None
+    branches: tuple[Branch, ...] = ()
+    extension: Relaxation | None = None
+    shear: Relaxation | None = None
+    assumptions: tuple[str, ...] = ()
+    pending: bool = False
+
+    def assuming(self, *sentences: str) -> Behaviour:
+        """The same, with more assumptions."""
+        return replace(self, assumptions=self.assumptions + sentences)
+
+
+class Damping(Described):
+    """Base class of the descriptions of a material's damping."""
+
+    @abstractmethod
+    def behaviour(self, elastic: Elastic) -> Behaviour:
+        """What it makes of a material with these elastic constants.
+
+        Raises:
+            InputError: the two do not go together.
+        """
+
+
+def bulk_time_of(
+    extensional: float, shear: float, nu: float, keys: tuple[str, ...], unit: str = " s"
+) -> float:
+    """The bulk time that goes with times in extension and shear, s (LLT 4 solved for tau_B).
+
+    Loss factors at one frequency go together like times.
+
+    Args:
+        extensional: retardation time in extension, s.
+        shear: retardation time in shear, s.
+        nu: Poisson's ratio.
+        keys: where the extensional time was given, for the message.
+        unit: of the numbers, for the message.
+
+    Raises:
+        InputError: the bulk time would be negative, or nu = 0.5 and the two times differ.
+    """
+    part = 2.0 * (1.0 + nu) / 3.0
+    if nu == 0.5:
+        if abs(extensional - shear) > 1e-9 * max(extensional, shear):
+            raise RefusedError(
+                "an incompressible material (nu = 0.5) has the same time in extension and shear, and "
+                f"that of shear is {shear:.6g}{unit}",
+                f"give {shear:.6g}{unit} for both, or a Poisson's ratio below 0.5",
+                found=f"{extensional:.6g}{unit} in extension",
+                at=keys,
+            )
+        return shear
+    bulk = (3.0 * extensional - 2.0 * (1.0 + nu) * shear) / (1.0 - 2.0 * nu)
+    if bulk < -1e-9 * max(extensional, shear) / (1.0 - 2.0 * nu):
+        raise RefusedError(
+            f"with {shear:.6g}{unit} in shear and nu = {nu:.6g} it means a negative bulk viscosity",
+            f"give at least {part * shear:.6g}{unit} in extension, 2(1+nu)/3 of the time in shear, "
+            f"or at most {extensional / part:.6g}{unit} in shear",
+            found=f"{extensional:.6g}{unit} in extension",
+            at=keys,
+        )
+    return max(bulk, 0.0)

@@ -1,0 +1,71 @@
+"""Kelvin-Voigt damping by times or viscosities (Linn, Lang and Tuganov 2013, called LLT, equations 3-4)."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from viscorod.model.fields.definition import RefusedError
+from viscorod.model.fields.values import OptionalNonNegative
+from viscorod.model.materials.damping_model import Behaviour, Damping, Elastic, bulk_time_of
+
+__all__ = ["KelvinVoigt"]
+
+
+class KelvinVoigt(Damping):
+    """Kelvin-Voigt viscosity of a material: one pair of times or one pair of viscosities.
+
+    Args:
+        shear_time: retardation time in shear, viscosity over shear modulus, s.
+        bulk_time: retardation time in volume change, viscosity over bulk modulus, s.
+        shear_viscosity: Pa s.
+        bulk_viscosity: Pa s.
+        extensional_time: retardation time in extension, with shear_time and in place of bulk_time, s.
+    """
+
+    tag: ClassVar[str | None] = "kind"
+
+    kind: Literal["kelvin_voigt"] = Field(default="kelvin_voigt", kw_only=True, repr=False)
+    shear_time: OptionalNonNegative = None
+    bulk_time: OptionalNonNegative = None
+    shear_viscosity: OptionalNonNegative = None
+    bulk_viscosity: OptionalNonNegative = None
+    extensional_time: OptionalNonNegative = None
+
+    @model_validator(mode="after")
+    def _one_pair(self) -> Self:
+        pairs = (
+            (self.shear_time, self.bulk_time),
+            (self.shear_viscosity, self.bulk_viscosity),
+            (self.shear_time, self.extensional_time),
+        )
+        given = [
+            name for name in type(self).model_fields if name != "kind" and getattr(self, name) is not None
+        ]
+        complete = [pair for pair in pairs if None not in pair]
+        if len(given) != 2 or len(complete) != 1:
+            raise RefusedError(
+                "the viscosity needs one complete pair",
+                "give shear_time and bulk_time (s), shear_viscosity and bulk_viscosity (Pa s), or "
+                "shear_time and extensional_time (s)",
+                found=f"given: {', '.join(given) or 'nothing'}",
+            )
+        return self
+
+    def behaviour(self, elastic: Elastic) -> Behaviour:
+        """The two times; a bulk time from that in extension by LLT (4)."""
+        young, nu = elastic
+        assumptions: tuple[str, ...] = ()
+        if self.shear_viscosity is not None:
+            assert self.bulk_viscosity is not None
+            shear = self.shear_viscosity / elastic.shear_modulus
+            bulk = self.bulk_viscosity / elastic.bulk_modulus
+        elif self.extensional_time is not None:
+            shear = self.shear_time or 0.0
+            bulk = bulk_time_of(self.extensional_time, shear, nu, ("extensional_time",))
+            text = f"the bulk time of {bulk:.4g} s follows from the times in extension and shear (LLT 4)"
+            assumptions = (text,)
+        else:
+            shear, bulk = self.shear_time or 0.0, self.bulk_time or 0.0
+        return Behaviour(young, nu, shear, bulk, self.bulk_viscosity, assumptions=assumptions)

@@ -1,0 +1,229 @@
+"""Isotropic materials: elastic constants, density, and the damping that one of several kinds of data gives."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Self, cast
+
+import numpy as np
+from pydantic import PlainValidator, PrivateAttr, model_validator
+
+from viscorod.errors import InputError, Problem
+from viscorod.model.fields.definition import Described, RefusedError, plain_value, show
+from viscorod.model.fields.values import NOT_GIVEN, PoissonsRatio, Positive, choose
+from viscorod.model.materials.complex_moduli import ComplexModuli
+from viscorod.model.materials.damping_model import Behaviour, Branch, Damping, Elastic
+from viscorod.model.materials.kelvin_voigt import KelvinVoigt
+from viscorod.model.materials.loss_factor import LossFactor
+from viscorod.model.materials.measured_damping import ModalDamping
+from viscorod.model.materials.prony import Prony
+from viscorod.model.materials.relaxation_modulus import Relaxation
+
+__all__ = ["DAMPINGS", "Branch", "KelvinVoigt", "Material"]
+
+DAMPINGS: dict[str, type[Described]] = {
+    "kelvin_voigt": KelvinVoigt,
+    "loss_factor": LossFactor,
+    "complex_moduli": ComplexModuli,
+    "prony": Prony,
+    "modal": ModalDamping,
+}
+"""The kinds of damping by their word in a case file; a new one is one class and one line here."""
+
+_one_damping = choose("kind", DAMPINGS, "kelvin_voigt")
+
+
+def _damping(value: Any) -> Damping | None:
+    return None if value is None else cast(Damping, _one_damping(value))
+
+
+class Material(Described):
+    """Isotropic, linearly viscoelastic material.
+
+    Young's modulus E is given, and one of Poisson's ratio nu and shear modulus G = E/2(1+nu); both can be
+    read afterwards. Read back, they are the moduli in equilibrium, also if instantaneous ones were given (`Prony`).
+
+    Args:
+        youngs_modulus: E > 0, Pa; may be left out where complex moduli tell it.
+        poissons_ratio: nu in (-1, 0.5]; 0.5 is incompressible.
+        density: mass per volume > 0, kg/m^3.
+        shear_modulus: G > 0, Pa, instead of Poisson's ratio.
+        damping: `KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `ModalDamping`; None for an elastic material.
+    """
+
+    youngs_modulus: Positive = NOT_GIVEN
+    poissons_ratio: PoissonsRatio = NOT_GIVEN
+    density: Positive = NOT_GIVEN
+    shear_modulus: Positive = NOT_GIVEN
+    damping: Annotated[Damping | None, PlainValidator(_damping)] = None
+
+    _behaviour: Behaviour = PrivateAttr()
+    _given: dict[str, float] = PrivateAttr(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        if math.isnan(self.density):
+            raise RefusedError(
+                "this key is required and missing", "add density (kg/m^3)", found="", at=("density",)
+            )
+        young, nu, shear = self.youngs_modulus, self.poissons_ratio, self.shear_modulus
+        if math.isnan(young) and not isinstance(self.damping, ComplexModuli):
+            raise RefusedError(
+                "this key is required and missing",
+                "add youngs_modulus (Young's modulus, Pa)",
+                found="",
+                at=("youngs_modulus",),
+            )
+        if math.isnan(young) and not math.isnan(shear):
+            raise RefusedError(
+                "a shear modulus goes with Young's modulus only",
+                "give poissons_ratio in its place, or youngs_modulus with it",
+                found=show(shear),
+                at=("shear_modulus",),
+            )
+        if not math.isnan(young) and math.isnan(nu) == math.isnan(shear):
+            given = "neither" if math.isnan(nu) else f"both, {show(nu)} and {show(shear)}"
+            raise RefusedError(
+                "with Young's modulus exactly one of Poisson's ratio and shear modulus is needed",
+                "give poissons_ratio, or shear_modulus (Pa)",
+                found=f"given: {given}",
+            )
+        self._given = {
+            name: value
+            for name, value in (("youngs_modulus", young), ("poissons_ratio", nu), ("shear_modulus", shear))
+            if not math.isnan(value)
+        }
+        if not math.isnan(shear):
+            nu = self._ratio(young, shear)
+        self._behaviour = self._resolved(Elastic(young, nu))
+        found = self._behaviour
+        self.__dict__["youngs_modulus"] = found.youngs_modulus
+        self.__dict__["poissons_ratio"] = found.poissons_ratio
+        if math.isnan(shear) or found.youngs_modulus != young:
+            self.__dict__["shear_modulus"] = found.youngs_modulus / (2.0 * (1.0 + found.poissons_ratio))
+        return self
+
+    @staticmethod
+    def _ratio(young: float, shear: float) -> float:
+        """Poisson's ratio from the two moduli."""
+        nu = young / (2.0 * shear) - 1.0
+        if not -1.0 < nu <= 0.5 + 1e-12:
+            raise RefusedError(
+                f"with E = {young:.6g} Pa it means a Poisson's ratio of {nu:.6g}, outside (-1, 0.5]",
+                f"give a shear modulus of at least a third of Young's modulus, {young / 3.0:.6g} Pa",
+                found=show(shear),
+                at=("shear_modulus",),
+            )
+        return min(nu, 0.5)
+
+    def _resolved(self, elastic: Elastic) -> Behaviour:
+        """What the damping makes of the elastic constants."""
+        if self.damping is None:
+            return Behaviour(*elastic)
+        try:
+            with np.errstate(all="ignore"):
+                found = self.damping.behaviour(elastic)
+        except RefusedError as error:
+            raise RefusedError(
+                error.why, error.instead, found=error.found, at=("damping", *error.at)
+            ) from None
+        except InputError as error:
+            raise RefusedError(str(error), "change the values", found="", at=("damping",)) from None
+        except ArithmeticError:
+            found = Behaviour(*elastic, math.nan)
+        numbers = [found.youngs_modulus, found.poissons_ratio, found.shear_time, found.bulk_time]
+        numbers += [value for branch in found.branches for value in branch]
+        if not found.pending and not all(map(math.isfinite, numbers)):
+            raise RefusedError(
+                "its times and moduli leave double precision",
+                "give values in SI units",
+                found="",
+                at=("damping",),
+            )
+        return found
+
+    def to_dict(self) -> dict[str, Any]:
+        """The material as it was given, in the words of the case file."""
+        given = {name: plain_value(value) for name, value in self._given.items()}
+        return {name: given.get(name, value) for name, value in super().to_dict().items()}
+
+    @property
+    def pending(self) -> bool:
+        """Whether the damping follows from a mode (`ModalDamping`) and is known in a built model only."""
+        return self._behaviour.pending
+
+    @property
+    def _known(self) -> Behaviour:
+        if self._behaviour.pending:
+            raise InputError(
+                Problem(
+                    "damping",
+                    show(self.damping),
+                    "its times follow from a mode of a model, and this material stands alone",
+                    "ask the materials of Model.with_known_times()",
+                )
+            )
+        return self._behaviour
+
+    def with_damping(self, damping: Damping | None, *assumptions: str) -> Material:
+        """The same material with another damping, and sentences about how it was found.
+
+        Raises:
+            InputError: the damping does not go with the elastic constants.
+        """
+        other = Material.model_validate({**self._given, "density": self.density, "damping": damping})
+        other._behaviour = other._behaviour.assuming(*assumptions)
+        return other
+
+    @property
+    def bulk_modulus(self) -> float:
+        """K = E/3(1-2nu), Pa; infinite for nu = 0.5."""
+        compressibility = 1.0 - 2.0 * self.poissons_ratio
+        return self.youngs_modulus / (3.0 * compressibility) if compressibility > 0.0 else math.inf
+
+    @property
+    def branches(self) -> tuple[Branch, ...]:
+        """Maxwell branches, by time; none in a Kelvin-Voigt material."""
+        return self._behaviour.branches
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What was assumed of the damping, one sentence each."""
+        return self._behaviour.assumptions
+
+    def relaxation(self, strain: str) -> Relaxation | None:
+        """The relaxation modulus of "extension" or "shear"; None where only times are known."""
+        return self._behaviour.extension if strain == "extension" else self._behaviour.shear
+
+    @property
+    def shear_time(self) -> float:
+        """Retardation time in shear, tau_S = eta/G, s; of a Maxwell material that of slow motion."""
+        return self._known.shear_time
+
+    @property
+    def bulk_time(self) -> float:
+        """Retardation time in volume change, tau_B = zeta/K, s; of a Maxwell material that of slow motion."""
+        return self._known.bulk_time
+
+    @property
+    def shear_viscosity(self) -> float:
+        """Viscosity in shear eta = G tau_S, Pa s."""
+        return self.shear_modulus * self.shear_time
+
+    @property
+    def bulk_viscosity(self) -> float:
+        """Viscosity in volume change zeta = K tau_B, Pa s; infinite for nu = 0.5 and a positive bulk time."""
+        if self._behaviour.bulk_viscosity is not None:
+            return self._behaviour.bulk_viscosity
+        return self.bulk_modulus * self.bulk_time if self.bulk_time > 0.0 else 0.0
+
+    @property
+    def extensional_time(self) -> float:
+        """Retardation time in uniaxial extension, s (LLT 4): tau_E = [(1-2nu) tau_B + 2(1+nu) tau_S]/3."""
+        nu = self.poissons_ratio
+        return ((1.0 - 2.0 * nu) * self.bulk_time + 2.0 * (1.0 + nu) * self.shear_time) / 3.0
+
+    @property
+    def extensional_viscosity(self) -> float:
+        """Viscosity in extension eta_E = E tau_E = zeta (1-2nu)^2 + 4/3 eta (1+nu)^2, Pa s (LLT 3)."""
+        return self.youngs_modulus * self.extensional_time

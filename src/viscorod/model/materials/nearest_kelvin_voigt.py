@@ -1,0 +1,127 @@
+"""Kelvin-Voigt and Maxwell materials nearest to a complex modulus that is known at some frequencies.
+
+Nearest means the least mean square of |M* - fit|/|M*| over the logarithm of the frequency. For a Kelvin-Voigt
+material, M + i omega eta, storage and loss then separate: M is the mean of the storage modulus and eta the slope of
+the loss modulus over omega, both weighted with 1/|M*|^2, whether M is free or not.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from viscorod.model.fields.definition import RefusedError
+from viscorod.model.materials.relaxation_modulus import Complexes, Relaxation
+from viscorod.typing import Floats
+
+__all__ = ["Viscous", "band_of", "errors", "log_weights", "nearest_kelvin_voigt", "nearest_maxwell"]
+
+PER_DECADE = 60
+"""Frequencies per decade at which a Prony series is compared."""
+
+
+class Viscous(NamedTuple):
+    """A Kelvin-Voigt solid of one strain.
+
+    Attributes:
+        modulus: Pa.
+        viscosity: Pa s.
+    """
+
+    modulus: float
+    viscosity: float
+
+    @property
+    def time(self) -> float:
+        """Retardation time, viscosity over modulus, s."""
+        return self.viscosity / self.modulus
+
+    def complex_modulus(self, omega: Floats) -> Complexes:
+        """Storage and loss modulus at angular frequencies [rad/s], Pa."""
+        total: Complexes = self.modulus + 1j * self.viscosity * np.asarray(omega, dtype=float)
+        return total
+
+
+def band_of(band: tuple[float, float]) -> Floats:
+    """Angular frequencies [rad/s] over a band [Hz], evenly spaced in their logarithm, ends included."""
+    low, high = band
+    count = max(2, 1 + math.ceil(PER_DECADE * math.log10(high / low)))
+    return 2.0 * math.pi * np.geomspace(low, high, count)
+
+
+def log_weights(omega: Floats) -> Floats:
+    """Weights of increasing frequencies in a mean over their logarithm (trapezoidal rule), with the sum 1."""
+    if len(omega) == 1:
+        return np.ones(1)
+    steps = np.diff(np.log(omega))
+    weights = np.zeros(len(omega))
+    weights[:-1] += steps
+    weights[1:] += steps
+    total: Floats = weights / weights.sum()
+    return total
+
+
+def nearest_kelvin_voigt(omega: Floats, modulus: Complexes) -> Viscous:
+    """The Kelvin-Voigt solid nearest to a complex modulus.
+
+    Args:
+        omega: increasing angular frequencies (n,), rad/s.
+        modulus: complex modulus at them (n,), Pa.
+    """
+    weights = log_weights(omega) / np.abs(modulus) ** 2
+    storage = float(np.sum(weights * modulus.real) / np.sum(weights))
+    viscosity = float(np.sum(weights * omega * modulus.imag) / np.sum(weights * omega**2))
+    return Viscous(storage, viscosity)
+
+
+def nearest_maxwell(
+    omega: Floats, modulus: Complexes, per_decade: int, equilibrium: float | None = None
+) -> Relaxation:
+    """The generalised Maxwell solid nearest to a complex modulus: non-negative least squares over fixed times.
+
+    The relaxation times go from the inverse of the highest frequency to that of the lowest, half a decade beyond both.
+
+    Args:
+        omega: increasing angular frequencies (n,), rad/s.
+        modulus: complex modulus at them (n,), Pa.
+        per_decade: relaxation times per decade.
+        equilibrium: the modulus in equilibrium if it is known, Pa.
+
+    Raises:
+        RefusedError: no modulus in equilibrium can be told from the data.
+    """
+    from scipy.optimize import nnls
+
+    margin = math.sqrt(10.0)
+    low, high = 1.0 / (margin * float(omega[-1])), margin / float(omega[0])
+    times = np.geomspace(low, high, max(2, 1 + round(per_decade * math.log10(high / low))))
+    product = omega[:, None] * times
+    columns = product / (1.0 + product**2) * (product + 1j)
+    target = modulus
+    if equilibrium is None:
+        columns = np.column_stack([np.ones(len(omega)), columns])
+    else:
+        target = modulus - equilibrium
+    scale = np.sqrt(log_weights(omega)) / np.abs(modulus)
+    unit = float(np.abs(modulus).max())
+    rows = np.concatenate([(scale[:, None] * columns).real, (scale[:, None] * columns).imag]) * unit
+    sides = np.concatenate([(scale * target).real, (scale * target).imag])
+    found = nnls(rows, sides)[0] * unit
+    if equilibrium is None:
+        equilibrium, found = float(found[0]), found[1:]
+        if equilibrium <= 1e-9 * unit:
+            raise RefusedError(
+                "the storage modulus goes on falling with the frequency; no modulus in equilibrium can be told from it",
+                "give youngs_modulus, the modulus after a long time (Pa)",
+                found="",
+            )
+    kept = found > 1e-12 * unit
+    return Relaxation(equilibrium, tuple(found[kept].tolist()), tuple(times[kept].tolist()))
+
+
+def errors(modulus: Complexes, fit: Complexes) -> tuple[Floats, Floats]:
+    """Relative errors of the storage and the loss modulus of a fit; of a vanishing loss modulus over the modulus."""
+    loss = np.where(modulus.imag > 0.0, modulus.imag, np.abs(modulus))
+    return (fit.real - modulus.real) / modulus.real, (fit.imag - modulus.imag) / loss

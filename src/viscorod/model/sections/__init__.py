@@ -1,0 +1,1 @@
+"""Cross sections and how they change along a rod."""

@@ -1,0 +1,251 @@
+"""Sections of several viscoelastic materials."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import BeforeValidator, Field, PlainValidator, model_validator
+
+from viscorod.model.fields.definition import Described, RefusedError, inside, show
+from viscorod.model.fields.values import Number, choose, optional, pair, sequence
+from viscorod.model.materials.material import Material
+from viscorod.model.sections.meshed_section import (
+    Axes,
+    MeshSize,
+    Origin,
+    Parts,
+    SectionPoints,
+    meshed_remark,
+    parts,
+    reach,
+)
+from viscorod.model.sections.polygons import (
+    Holes,
+    Polygon,
+    corners,
+    placed,
+    polygon,
+    polygon_area,
+    polygon_of,
+    refuse_improper,
+)
+from viscorod.model.sections.saint_venant import SectionAnalysis, analysed
+from viscorod.model.sections.section_base import AnySection, Branches, Matrices
+from viscorod.model.sections.section_mesh import refuse_misfits
+from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
+
+__all__ = ["Composite", "Region"]
+
+SIMPLE: dict[str, type[Described]] = {
+    "circle": Circle,
+    "annulus": Annulus,
+    "rectangle": Rectangle,
+    "ellipse": Ellipse,
+    "square_tube": SquareTube,
+}
+"""The sections that can be a region of a composite one."""
+
+
+def _material(value: Any) -> Material:
+    material = value if isinstance(value, Material) else Material.model_validate(value)
+    if material.pending:
+        raise RefusedError(
+            "the damping of a region cannot follow from a mode: the other regions take part in it",
+            "give times, a loss factor or another measure of the material itself",
+            found=show(material.damping),
+            at=("damping",),
+        )
+    return material
+
+
+class Region(Described):
+    """A part of a composite section, of one material: a polygon or a simple shape, at its place.
+
+    Args:
+        material: of the region.
+        section: a circle, annulus, rectangle, ellipse or square tube; or `points`.
+        points: corners of a polygon in order, once around, [along d1, along d2]; m; or `section`.
+        holes: of the polygon, each a list of corners; m.
+        at: where the centre of the section, or the origin of the points, lies in the whole section; m.
+        angle: by which the region is turned about that point, from d1 towards d2; rad.
+    """
+
+    material: Annotated[Material, PlainValidator(_material)] = Field(description="of the region")
+    section: Annotated[AnySection | None, PlainValidator(optional(choose("shape", SIMPLE)))] = None
+    points: Annotated[Sequence[Sequence[float]] | None, PlainValidator(optional(corners))] = None
+    holes: Holes = ()
+    at: Annotated[Sequence[float], PlainValidator(pair)] = (0.0, 0.0)
+    angle: Number = 0.0
+
+    @model_validator(mode="after")
+    def _one_outline(self) -> Self:
+        if (self.section is None) == (self.points is None):
+            given = "neither" if self.section is None else "both"
+            raise RefusedError(
+                "a region has one outline, by section or by points", "give one of the two", found=given
+            )
+        if self.section is not None and self.holes:
+            raise RefusedError(
+                "holes belong to an outline given by points",
+                "leave holes out, or give points instead of section",
+                found=type(self.section).__name__,
+                at=("holes",),
+            )
+        if self.section is not None:
+            with inside("section", self.section):
+                polygon_of(self.section)
+        else:
+            refuse_improper(self._own)
+        return self
+
+    @property
+    def _own(self) -> Polygon:
+        if self.section is not None:
+            return polygon_of(self.section)
+        return polygon(self.points or (), self.holes)
+
+    @property
+    def polygon(self) -> Polygon:
+        """Outline and holes in the coordinates of the whole section, m."""
+        return placed(self._own, self.at, self.angle)
+
+
+def _some_regions(value: Any) -> tuple[Any, ...]:
+    items = tuple(sequence(value))
+    if not items:
+        raise RefusedError("a composite section needs at least one region", "give regions")
+    return items
+
+
+class Composite(AnySection):
+    """A section of several materials that stick together, each with its own elasticity, viscosity and density.
+
+    Needs the package sectionproperties: ``pip install 'viscorod[sections]'``. Stiffness by finite elements of
+    Saint-Venant's torsion and flexure with the moduli of every region. Damping is the power that the strains of the
+    elastic section dissipate: eta_E times what a region takes of extension and bending, eta times what it takes of
+    shear and torsion. In extension, bending and torsion this is the first order of the section's complex stiffness
+    in the frequency, since the elastic energy is stationary in the warping; the shear of flexure keeps the
+    distribution of the elastic section. Maxwell branches are taken in the same way.
+
+    Args:
+        regions: the parts, which share edges and do not overlap.
+        origin: where the centre line goes through: "centroid" (the tension centre, weighted by Young's modulus),
+            "shear_centre", or "given" (the point [0, 0]).
+        axes: "given", or "principal": d1 and d2 turned into the principal axes of bending, d1 the nearer to the first.
+        mesh_size: side of the largest triangles, m; None refines until the stiffnesses stay within 0.2 %.
+    """
+
+    no_material: ClassVar[str | None] = "the regions of a composite section have their own materials"
+    can_taper: ClassVar[bool] = False
+    shape: Literal["composite"] = Field(default="composite", kw_only=True, repr=False)
+    regions: Annotated[Sequence[Region], BeforeValidator(_some_regions)] = Field(description="list of tables")
+    origin: Origin = "centroid"
+    axes: Axes = "given"
+    mesh_size: MeshSize = None
+
+    @model_validator(mode="after")
+    def _usable(self) -> Self:
+        try:
+            refuse_misfits(self._polygons)
+            self.matrices()
+        except RefusedError as error:
+            at = error.at if error.at == ("mesh_size",) else ("regions", *error.at)
+            found = f"{len(self.regions)} regions" if error.found == "" else error.found
+            raise RefusedError(error.why, error.instead, found=found, at=at) from None
+        return self
+
+    @property
+    def _polygons(self) -> tuple[Polygon, ...]:
+        return tuple(region.polygon for region in self.regions)
+
+    @property
+    def _materials(self) -> list[Material]:
+        return [region.material for region in self.regions]
+
+    @property
+    def _moduli(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        materials = self._materials
+        return tuple(m.youngs_modulus for m in materials), tuple(m.shear_modulus for m in materials)
+
+    @property
+    def _analysis(self) -> SectionAnalysis:
+        """With Poisson's ratio of the regions, or the mean EA/2GA - 1 where they differ."""
+        youngs, shear = self._moduli
+        nu = self._materials[0].poissons_ratio if self._one_ratio else self._mean_ratio
+        return analysed(self._polygons, youngs, shear, nu, self.mesh_size)
+
+    @property
+    def _one_ratio(self) -> bool:
+        return len({m.poissons_ratio for m in self._materials}) == 1
+
+    @property
+    def _mean_ratio(self) -> float:
+        youngs, shear = (np.array(moduli) for moduli in self._moduli)
+        areas = np.array([polygon_area(shape) for shape in self._polygons])
+        return float(youngs @ areas / (2.0 * (shear @ areas)) - 1.0)
+
+    @cached_property
+    def _parts(self) -> Parts:
+        densities = [m.density for m in self._materials]
+        return parts(self._analysis, *self._moduli, densities, origin=self.origin, axes=self.axes)
+
+    @property
+    def centres(self) -> SectionPoints:
+        """Tension centre, shear centre, mass centre and the origin of the centre line, in given coordinates, m."""
+        return self._parts.points
+
+    @property
+    def half_width(self) -> float:
+        """Largest distance of a corner from the centre line, m."""
+        return reach(self._polygons, self.centres.origin)
+
+    def remarks(self) -> tuple[str, ...]:
+        """The mesh and its error; what is neglected where Poisson's ratios differ."""
+        mesh = meshed_remark(self._analysis)
+        if self._one_ratio:
+            return (mesh,)
+        return (
+            mesh,
+            "its materials differ in Poisson's ratio: the stresses by which they hinder each other's lateral "
+            "contraction are neglected",
+        )
+
+    def matrices(self, material: Material | None = None) -> Matrices:
+        """Stiffness C, damping D and inertia M per length, (6, 6) each.
+
+        C = sum E_m C_E,m + G_m C_G,m, D = sum eta_E,m C_E,m + eta_m C_G,m over the regions. A material with Maxwell
+        branches adds nothing to D; its viscosity is in the :meth:`branch_matrices`.
+
+        Raises:
+            InputError: there is a material.
+        """
+        self.refuse_material(material)
+        found = self._parts
+        youngs, shear = self._moduli
+        viscous = [
+            (0.0, 0.0) if m.branches else (m.extensional_viscosity, m.shear_viscosity)
+            for m in self._materials
+        ]
+        stiffness = np.tensordot(youngs, found.extensional, 1) + np.tensordot(shear, found.shearing, 1)
+        extension, shearing = np.array(viscous).T
+        damping = np.tensordot(extension, found.extensional, 1) + np.tensordot(shearing, found.shearing, 1)
+        density = [m.density for m in self._materials]
+        return stiffness, damping, np.tensordot(density, found.inertia, 1)
+
+    def branch_matrices(self, material: Material | None = None) -> Branches:
+        """Maxwell branches: times (n,), s, and E_j C_E,m + G_j C_G,m (n, 6, 6) of every material's branches.
+
+        Branches of the same time become one. The strains are those of the section at its equilibrium moduli.
+        """
+        del material
+        found = self._parts
+        sums: dict[float, Any] = {}
+        for index, m in enumerate(self._materials):
+            for b in m.branches:
+                share = b.youngs_modulus * found.extensional[index] + b.shear_modulus * found.shearing[index]
+                sums[b.time] = sums.get(b.time, 0.0) + share
+        times = sorted(sums)
+        return np.array(times), np.array([sums[time] for time in times]).reshape(-1, 6, 6)

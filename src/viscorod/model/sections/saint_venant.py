@@ -1,0 +1,253 @@
+"""Saint-Venant's torsion and flexure of a section of one or several isotropic materials, by finite elements.
+
+The section lies in the plane of d1 (x) and d2 (y). Its points have the strains (LLT 12-19, with warping w)
+
+    e33 = stretch + bend_1 y - bend_2 x
+    (2 e31, 2 e32) = (shear_1 - twist y, shear_2 + twist x) + grad w
+
+and the stresses E e33, G (2 e31, 2 e32). Torsion: w makes the shear stress divergence-free with no traction on
+the boundary. Flexure: under shear forces (N1, N2) the curvatures change along the rod, B q' = (0, N2, -N1) with
+the 3x3 stiffness B of (stretch, bend_1, bend_2), so that the shear stress t balances
+
+    div t + E (q' . (1, y, -x)) = 0,    t = G (grad w - nu g),    t.n = 0 on the boundary,
+
+where nu g is the lateral contraction that q' lets grow along the rod,
+
+    g = (q1' x + q2' x y - q3' (x^2 - y^2)/2,  q1' y + q2' (y^2 - x^2)/2 - q3' x y).
+
+(A. E. H. Love, Mathematical theory of elasticity, chapter XV; W. D. Pilkey, Analysis and design of elastic beams,
+2002, chapters 5 and 6, the formulation of sectionproperties too.) With forces N1, N2 that exert no torque about the
+origin and a torque T there are three stress fields t^i, and the shear strains they make give
+
+    P_m[i, j] = int over material m of t^i . t^j / G^2,
+
+so that F = sum G_m P_m is the compliance of (shear_1, shear_2, twist) under (N1, N2, T), and K = F^-1 their
+stiffness. K P_m K is the part of the stiffness that material m holds, per its shear modulus: the shear centre's
+offset is in the couplings. Forces in proportion to their shares (extension, bending: the moments of the regions)
+then give damping and Maxwell branches of the section as sums over its materials.
+
+Why not the library's own warping analysis: it weights shear with Young's modulus and one mean Poisson's ratio, and
+tells the sum over all materials only. For one material both agree (tests/unit/test_composite_sections.py).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from viscorod.model.sections.polygons import Polygon
+from viscorod.model.sections.section_mesh import SectionMesh, first_size, triangulate
+from viscorod.typing import Floats
+
+__all__ = ["SectionAnalysis", "analysed", "area_moments", "shear_shares"]
+
+ACCURACY = 2e-3
+"""Refinement ends when the shear and torsion stiffnesses change by less than this fraction."""
+ENOUGH = 10_000
+"""Triangles beyond which the mesh is not refined further."""
+
+
+@dataclass(frozen=True)
+class SectionAnalysis:
+    """What the shape and the ratios of the moduli give, about the tension centre and along the given axes.
+
+    Attributes:
+        centre: tension centre (2,), where an axial force stretches without bending, in the given coordinates, m.
+        moments: of every region (r, 6): int of 1, x, y, x^2, y^2, x y, m^2 to m^4.
+        strains: P of every region (r, 3, 3): int of products of the shear strains under unit forces along d1, d2
+            and a unit torque; 1/N^2 m^2 times m^0 to m^-2.
+        triangles: number of triangles; side: of the largest, m.
+        error: change of the largest relative entry against the mesh before; NaN for a given mesh size.
+    """
+
+    centre: Floats
+    moments: Floats
+    strains: Floats
+    triangles: int
+    side: float
+    error: float
+
+
+@lru_cache(maxsize=256)
+def analysed(
+    polygons: tuple[Polygon, ...],
+    youngs: tuple[float, ...],
+    shear: tuple[float, ...],
+    nu: float,
+    side: float | None,
+) -> SectionAnalysis:
+    """Analyse regions of the given moduli, Pa, on a mesh that is refined until the stiffnesses stay.
+
+    Args:
+        polygons: of the regions, m.
+        youngs: Young's modulus of every region.
+        shear: shear modulus of every region.
+        nu: Poisson's ratio of the lateral contraction in flexure.
+        side: of the triangles, m; None refines automatically.
+
+    Raises:
+        RefusedError: the given side makes too many triangles.
+    """
+    moduli = np.array(youngs), np.array(shear)
+    if side is not None:
+        return _once(polygons, *moduli, nu, side)
+    side = first_size(polygons)
+    coarse = _once(polygons, *moduli, nu, side)
+    while coarse.triangles < ENOUGH:
+        side /= 2.0
+        fine = _once(polygons, *moduli, nu, side)
+        before, after = (np.einsum("r,rii->i", moduli[1], x.strains) for x in (coarse, fine))
+        change = float(np.abs(before / after - 1.0).max())
+        coarse = SectionAnalysis(fine.centre, fine.moments, fine.strains, fine.triangles, side, change)
+        if change < ACCURACY:
+            break
+    return coarse
+
+
+def _once(
+    polygons: tuple[Polygon, ...], youngs: Floats, shear: Floats, nu: float, side: float
+) -> SectionAnalysis:
+    mesh = _mesh(polygons, side)
+    first = area_moments(mesh, np.zeros(2))
+    stiffness = youngs @ first
+    centre = stiffness[1:3] / stiffness[0]
+    moments = area_moments(mesh, centre)
+    strains = shear_shares(mesh, centre, youngs, shear, nu)
+    return SectionAnalysis(centre, moments, strains, len(mesh.triangles), side, math.nan)
+
+
+@lru_cache(maxsize=32)
+def _mesh(polygons: tuple[Polygon, ...], side: float) -> SectionMesh:
+    return triangulate(polygons, side)
+
+
+def area_moments(mesh: SectionMesh, about: Floats) -> Floats:
+    """Int of 1, x, y, x^2, y^2, x y over every region (r, 6) about a point (2,)."""
+    rule = _Rule(mesh, about)
+    x, y = rule.x, rule.y
+    parts = np.stack([np.ones_like(x), x, y, x**2, y**2, x * y], axis=-1)
+    per_triangle = np.einsum("mq,mqk->mk", rule.weight, parts)
+    regions = int(mesh.region.max()) + 1
+    return np.stack([np.bincount(mesh.region, column, regions) for column in per_triangle.T], axis=-1)
+
+
+def shear_shares(mesh: SectionMesh, about: Floats, youngs: Floats, shear: Floats, nu: float) -> Floats:
+    """The strains P of every region (r, 3, 3) under unit forces and torque at the point `about`; see the module.
+
+    `about` is the tension centre. Lengths are scaled by the size of the section inside, moduli by the largest.
+    """
+    length = float(np.sqrt(area_moments(mesh, about)[:, 0].sum()))
+    top = float(shear.max())
+    e, g = youngs[mesh.region] / top, shear[mesh.region] / top
+    scaled = SectionMesh((mesh.points - about) / length, mesh.triangles, mesh.region)
+    rule = _Rule(scaled, np.zeros(2))
+    x, y, weight = rule.x, rule.y, rule.weight
+
+    # B q' = (0, N2, -N1): B from the moduli and moments, columns q' for N1 = 1 and N2 = 1
+    axial = np.stack([np.ones_like(x), y, -x], axis=-1)
+    bending = np.einsum("m,mq,mqi,mqj->ij", e, weight, axial, axial)
+    rates = np.linalg.solve(bending, np.array([[0.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]))
+    spread = np.stack(
+        [
+            np.stack([x, y], axis=-1),
+            np.stack([x * y, (y**2 - x**2) / 2.0], axis=-1),
+            np.stack([-(x**2 - y**2) / 2.0, -x * y], axis=-1),
+        ],
+        axis=-1,
+    )
+    # strains without warping (m, q, 2, 3): lateral contraction in flexure, rotation in torsion
+    given = np.concatenate([-nu * spread @ rates, np.stack([-y, x], axis=-1)[..., None]], axis=-1)
+    source = np.concatenate([axial @ rates, np.zeros((*x.shape, 1))], axis=-1)
+    load = np.einsum("m,mq,mqk,qa->mak", e, weight, source, rule.values)
+    load -= np.einsum("m,mq,mqdk,mqad->mak", g, weight, given, rule.slopes)
+    warping = _solved(rule, g, load)
+    strains = given + np.einsum("mak,mqad->mqdk", warping[mesh.triangles], rule.slopes)
+
+    # torque of each field about the origin; the forces' fields are freed of theirs by torsion
+    torque = np.einsum(
+        "m,mq,mqk->k", g, weight, x[..., None] * strains[:, :, 1] - y[..., None] * strains[:, :, 0]
+    )
+    twisted = strains[..., 2] / torque[2]
+    fields = np.stack(
+        [strains[..., 0] - torque[0] * twisted, strains[..., 1] - torque[1] * twisted, twisted], axis=-1
+    )
+    products = np.einsum("mq,mqdi,mqdj->mij", weight, fields, fields)
+    regions = len(youngs)
+    scale = 1.0 / np.array([1.0, 1.0, length])
+    shares = np.zeros((regions, 3, 3))
+    np.add.at(shares, mesh.region, products)
+    return shares * np.outer(scale, scale) / length**2 / top**2
+
+
+class _Rule:
+    """Integration points of six-noded triangles: weights (m, 6), positions, shape functions and their slopes."""
+
+    def __init__(self, mesh: SectionMesh, about: Floats) -> None:
+        corners = mesh.points[mesh.triangles[:, :3]] - about
+        u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        double = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+        self.nodes, self.size = mesh.triangles, len(mesh.points)
+        self.weight = 0.5 * np.abs(double)[:, None] * WEIGHTS
+        self.x, self.y = np.einsum("qc,mcd->dmq", POINTS, corners)
+        edges = np.stack([v - u, -v, u], axis=1)  # opposite to each corner
+        slopes = np.stack([-edges[:, :, 1], edges[:, :, 0]], axis=-1) / double[:, None, None]
+        self.values = _values(POINTS)
+        self.slopes = np.einsum("qac,mcd->mqad", _slopes(POINTS), slopes)
+
+
+def _solved(rule: _Rule, modulus: Floats, load: Floats) -> Floats:
+    """Warping (n, k) for the element loads (m, 6, k); one node is held, since a constant warping strains nothing."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.linalg import splu
+
+    stiffness = np.einsum("m,mq,mqad,mqbd->mab", modulus, rule.weight, rule.slopes, rule.slopes)
+    rows, columns = np.repeat(rule.nodes, 6, axis=1).ravel(), np.tile(rule.nodes, (1, 6)).ravel()
+    matrix = coo_matrix((stiffness.ravel(), (rows, columns)), shape=(rule.size, rule.size)).tocsc()
+    right = np.zeros((rule.size, load.shape[2]))
+    np.add.at(right, rule.nodes, load)
+    warping = np.zeros_like(right)
+    factors = splu(matrix[1:, 1:], permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    warping[1:] = factors.solve(right[1:])
+    return warping
+
+
+def _dunavant() -> tuple[Floats, Floats]:
+    """Six points that integrate polynomials of degree 4 over a triangle (Dunavant 1985), in area coordinates."""
+    root = math.sqrt(38.0 - 44.0 * math.sqrt(2.0 / 5.0))
+    near, far = ((8.0 - math.sqrt(10.0) + sign * root) / 18.0 for sign in (1.0, -1.0))
+    big, small = (
+        (620.0 + sign * math.sqrt(213125.0 - 53320.0 * math.sqrt(10.0))) / 3720.0 for sign in (1.0, -1.0)
+    )
+    points = [np.roll([1.0 - 2.0 * a, a, a], k) for a in (near, far) for k in range(3)]
+    return np.array(points), np.array([big] * 3 + [small] * 3)
+
+
+POINTS, WEIGHTS = _dunavant()
+
+
+def _values(points: Floats) -> Floats:
+    """The quadratic shape functions (q, 6) at points in area coordinates (q, 3)."""
+    a, b, c = points.T
+    return np.stack(
+        [a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * c * a], axis=-1
+    )
+
+
+def _slopes(points: Floats) -> Floats:
+    """Derivatives (q, 6, 3) of the shape functions by the area coordinates."""
+    a, b, c = points.T
+    zero = np.zeros_like(a)
+    return np.stack(
+        [
+            np.stack([4 * a - 1, zero, zero], axis=-1),
+            np.stack([zero, 4 * b - 1, zero], axis=-1),
+            np.stack([zero, zero, 4 * c - 1], axis=-1),
+            np.stack([4 * b, 4 * a, zero], axis=-1),
+            np.stack([zero, 4 * c, 4 * b], axis=-1),
+            np.stack([4 * c, zero, 4 * a], axis=-1),
+        ],
+        axis=1,
+    )

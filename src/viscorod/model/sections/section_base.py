@@ -1,0 +1,61 @@
+"""What all cross sections have in common: matrices per length, and how far they reach from the centre line."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import ClassVar, TypeAlias
+
+from viscorod.errors import InputError, Problem
+from viscorod.model.fields.definition import Described
+from viscorod.model.materials.material import Material
+from viscorod.typing import Floats
+
+__all__ = ["AnySection", "Branches", "Matrices"]
+
+Matrices: TypeAlias = tuple[Floats, Floats, Floats]
+Branches: TypeAlias = tuple[Floats, Floats]
+
+
+class AnySection(Described):
+    """A cross section in the plane of d1 and d2.
+
+    The order is (shear_1, shear_2, stretch, bend_1, bend_2, twist) in C and D, (v1, v2, v3, w1, w2, w3) in M.
+    """
+
+    tag: ClassVar[str | None] = "shape"
+
+    #: Why the section takes no `Material` from its rod; None where it needs one.
+    no_material: ClassVar[str | None] = None
+    #: Whether a section between two such sections can be had by changing every dimension linearly.
+    can_taper: ClassVar[bool] = True
+
+    @property
+    def needs_material(self) -> bool:
+        """Whether stiffness, damping and inertia come from a `Material` given beside the section."""
+        return self.no_material is None
+
+    def refuse_material(self, material: Material | None) -> None:
+        """Refuse a material beside a section that takes none.
+
+        Raises:
+            InputError: there is one.
+        """
+        if material is not None and self.no_material is not None:
+            raise InputError(Problem("material", "", self.no_material, "leave material out"))
+
+    @property
+    def half_width(self) -> float | None:
+        """Largest distance of a point of the section from the centre line, m; None where it is not known."""
+        return None
+
+    def remarks(self) -> tuple[str, ...]:
+        """What the user should know about the formulas used for this section."""
+        return ()
+
+    @abstractmethod
+    def matrices(self, material: Material | None = None) -> Matrices:
+        """Stiffness C (N, N m, N m^2), damping D (the same times s) and inertia M (kg/m, kg, kg m), (6, 6) each."""
+
+    @abstractmethod
+    def branch_matrices(self, material: Material | None = None) -> Branches:
+        """Maxwell branches: relaxation times (n,), s, and their stiffnesses (n, 6, 6)."""

@@ -1,0 +1,117 @@
+"""Whether a model can be computed as the settings ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from viscorod.errors import InputError, Problem
+from viscorod.model.actions.event import Crossing
+from viscorod.model.connections.resolved_places import find
+from viscorod.model.connections.velocity_support import BodyVelocity
+from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.settings import SimulateSettings
+
+if TYPE_CHECKING:
+    from viscorod.model.description.model_description import ModelDescription
+
+__all__ = ["require_fit", "unfit_for_steady"]
+
+
+_KELVIN_VOIGT = "take Kelvin-Voigt damping instead of the branches, or {}"
+
+
+def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
+    """Refuse settings that do not go with the model.
+
+    Raises:
+        InputError: with everything that does not fit, by name, and what to take instead.
+    """
+    problems = list(_unfit(model, settings))
+    if problems:
+        raise InputError(problems)
+
+
+def unfit_for_steady(model: ModelDescription) -> Iterator[Problem]:
+    """What a steady rotation cannot be computed with: joints, springs, constrained strains, Maxwell branches."""
+    why = "steady rotations are computed without {}"
+    instead = "leave it out, or compute the motion with simulate"
+    yield from _joints(model, why.format("joints"), instead)
+    yield from _springs(model, why.format("springs"), instead)
+    yield from _constraints(model, why.format("constrained strains"), instead)
+    yield from _branches(
+        model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("compute the motion with simulate")
+    )
+
+
+def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Problem]:
+    for index, support in enumerate(model.supports):
+        if isinstance(support, BodyVelocity) and settings.integrator == "generalized_alpha":
+            yield Problem(
+                f"supports[{index}].kind",
+                support.label,
+                "generalised-alpha cannot hold velocities along moving axes",
+                "give integrator = 'radau' or 'midpoint', or hold positions by another support",
+            )
+        if settings.dynamics == "linear" and (
+            support.motion or (isinstance(support, BodyVelocity) and support.velocity)
+        ):
+            yield Problem(
+                f"supports[{index}].{'motion' if support.motion else 'velocity'}",
+                support.label,
+                "linear dynamics need supports that stay where they are",
+                "leave it out, or take dynamics = 'nonlinear'",
+            )
+    if settings.dynamics == "linear":
+        why, instead = "linear dynamics have no {}", "leave it out, or take formulation = 'geometric'"
+        yield from _joints(model, why.format("joints"), instead)
+        yield from _springs(model, why.format("springs"), instead)
+        yield from _constraints(model, why.format("constrained strains"), instead)
+        yield from _branches(
+            model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("take dynamics = 'nonlinear'")
+        )
+    elif settings.formulation == "intrinsic":
+        why, instead = (
+            "the intrinsic formulation has no {}",
+            "leave it out, or take formulation = 'geometric'",
+        )
+        yield from _joints(model, why.format("joints"), instead)
+        yield from _constraints(model, why.format("constrained strains"), instead)
+        if settings.damping == "linearised":
+            why = "linearised damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
+            yield from _branches(model, why, "take damping = 'full'")
+    for index, event in enumerate(settings.events):
+        if isinstance(event, Crossing):
+            try:
+                find(model, event.at)
+            except RefusedError as error:
+                yield Problem(f"events[{index}].at", show(event.at), error.why, error.instead)
+    if model.strains and settings.initial == "equilibrium":
+        yield Problem(
+            "initial",
+            "'equilibrium'",
+            "the model has initial strains, which are no equilibrium",
+            "give initial = 'reference' to start from the shape that they make, or remove the strains",
+        )
+
+
+def _joints(model: ModelDescription, why: str, instead: str) -> Iterator[Problem]:
+    for index, joint in enumerate(model.joints):
+        yield Problem(f"joints[{index}]", joint.label, why, instead)
+
+
+def _springs(model: ModelDescription, why: str, instead: str) -> Iterator[Problem]:
+    for index, spring in enumerate(model.springs):
+        yield Problem(f"springs[{index}]", spring.label, why, instead)
+
+
+def _constraints(model: ModelDescription, why: str, instead: str) -> Iterator[Problem]:
+    for name, rod in model.rods.items():
+        if any(rod.constrained_strains):
+            yield Problem(f"rods.{name}.constraints", show(list(rod.constraints)), why, instead)
+
+
+def _branches(model: ModelDescription, why: str, instead: str) -> Iterator[Problem]:
+    for name, rod in model.rods.items():
+        if rod.relaxing:
+            yield Problem(f"rods.{name}", "Maxwell branches", why, instead)

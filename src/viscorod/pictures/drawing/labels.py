@@ -1,0 +1,116 @@
+"""Labels that find room: near what they name, off lines and off each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.pictures.style import GREY, INK, SMALL
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_DIRECTIONS = np.array([(1, 1), (-1, 1), (1, -1), (-1, -1), (0, 1), (0, -1), (1, 0), (-1, 0)], dtype=float)
+_DISTANCES = (6.0, 12.0, 22.0, 36.0)
+"""From the point to the text [pixels at 72 per inch]."""
+_FAR = 18.0
+"""Distance from which on a line leads from the point to its text."""
+
+
+@dataclass(frozen=True)
+class Label:
+    """A text at a point on paper."""
+
+    point: Floats
+    text: str
+    colour: str
+
+
+class Labels:
+    """Collects labels, and lines and symbols to keep clear of, in the paper's coordinates."""
+
+    def __init__(self) -> None:
+        self._labels: list[Label] = []
+        self._taken: list[Floats] = []
+
+    def add(self, point: Floats, text: str, colour: str = INK) -> None:
+        """Ask for a text near a point (2,)."""
+        self._labels.append(Label(np.asarray(point, dtype=float), text, colour))
+
+    def avoid(self, points: Floats) -> None:
+        """Keep texts off points ``(2, n)``, which lines have enough of."""
+        self._taken.append(np.asarray(points, dtype=float).reshape(2, -1))
+
+    def place(self, axes: Axes) -> None:
+        """Write all labels, once everything else is drawn; what is in the way is what :meth:`avoid` was told."""
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+        figure = axes.get_figure(root=True)
+        assert figure is not None
+        figure.draw_without_rendering()  # settles the limits
+        axes.set_xlim(axes.get_xlim())
+        axes.set_ylim(axes.get_ylim())
+        canvas: Any = figure.canvas
+        assert isinstance(figure.canvas, FigureCanvasAgg)
+        renderer = canvas.get_renderer()
+        dot = figure.dpi / 72.0
+        pixels = axes.transData.transform
+        taken = pixels(np.concatenate([np.zeros((2, 0)), *self._taken], axis=1).T)
+        frame = axes.get_window_extent(renderer)
+        boxes = np.zeros((0, 4))
+        for label in self._labels:
+            text = axes.annotate(
+                label.text,
+                tuple(label.point),
+                (0.0, 0.0),
+                textcoords="offset points",
+                fontsize=SMALL,
+                color=label.colour,
+                ha="center",
+                va="center",
+                zorder=9,
+            )
+            extent = text.get_window_extent(renderer)
+            half = 0.5 * np.array([extent.width, extent.height]) + dot
+            at = pixels(label.point)
+            best, chosen, box = np.inf, np.zeros(2), np.zeros(4)
+            for rank, distance in enumerate(_DISTANCES):
+                for direction in _DIRECTIONS:
+                    shift = direction * (
+                        half + dot * distance / max(1.0, float(np.abs(direction).sum()) ** 0.5)
+                    )
+                    low, high = at + shift - half, at + shift + half
+                    lines = np.count_nonzero(np.all((taken > low) & (taken < high), axis=1))
+                    crossed = np.count_nonzero(
+                        (boxes[:, 0] < high[0])
+                        & (boxes[:, 2] > low[0])
+                        & (boxes[:, 1] < high[1])
+                        & (boxes[:, 3] > low[1])
+                    )
+                    outside = not (
+                        frame.x0 < low[0] and high[0] < frame.x1 and frame.y0 < low[1] and high[1] < frame.y1
+                    )
+                    cost = 1.0 * lines + 300.0 * crossed + 300.0 * outside + 1.5 * rank
+                    if cost < best:
+                        best, chosen, box = cost, shift, np.concatenate([low, high])
+            text.set_position(tuple(chosen / dot))
+            boxes = np.append(boxes, box[None], axis=0)
+            gap = np.maximum(np.abs(chosen) - half, 0.0)
+            if float(np.hypot(*gap)) > _FAR * dot:
+                near = chosen - np.clip(chosen, -half, half)
+                axes.annotate(
+                    "",
+                    tuple(label.point),
+                    tuple(near / dot),
+                    textcoords="offset points",
+                    arrowprops={
+                        "arrowstyle": "-",
+                        "color": GREY,
+                        "linewidth": 0.6,
+                        "shrinkA": 0.0,
+                        "shrinkB": 2.0,
+                    },
+                )

@@ -1,0 +1,77 @@
+"""The picture of small vibrations: shape, frequency and damping ratio of every mode."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.pictures.plots.projection_view import Curves, View, mark_supports
+from viscorod.pictures.style import BLUE, GREY, SKY, SMALL, titled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from viscorod.results.result import Result
+    from viscorod.solve.modes.vibrations import Modes
+
+_SIZE = 0.15  # of the largest displacement, as a part of the model
+_COLUMNS = 3
+_ZERO = 1e-5  # eigenvalues below this part of the largest are round-off
+
+
+def draw_modes(result: Result, modes: Modes, count: int | None = None) -> Figure:
+    """Return the figure of modes, each in the plane of its motion or in space, in both directions of the swing.
+
+    Args:
+        result: tells where the stations are on the rods, and the supports.
+        modes: of its model.
+        count: how many are drawn, all by default; the others help to tell motions without stiffness from slow ones.
+    """
+    base = modes.positions
+    count = min(count or len(modes.frequencies), len(modes.frequencies))
+    columns = min(_COLUMNS, count)
+    rows = -(-count // columns)
+    width, height = 1.2 + 3.6 * columns, 1.4 + 3.5 * rows
+    picture = titled(result, width, height)
+    picture.subplots_adjust(top=1.0 - 1.3 / height, hspace=0.42, wspace=0.3)
+    curves = Curves(result)
+    reach = _SIZE * float(np.max(np.ptp(base, axis=0)))
+    for k in range(count):
+        shape = modes.shapes[k]
+        # the instant of the swing at which most is displaced
+        phase = 0.5 * np.angle(np.sum(shape * shape))
+        real = np.real(shape * np.exp(-1j * phase))
+        largest = float(np.max(np.linalg.norm(real, axis=-1)))
+        swing = reach / largest * real if largest > 0.0 else real
+        axes = picture.add_subplot(rows, columns, k + 1)
+        view = View.of(np.stack([base, base + swing, base - swing]))
+        view.prepare(axes, _name(k, modes, view))
+        curves.draw(axes, view, base + swing, color=BLUE, linewidth=2.0, label="mode")
+        curves.draw(axes, view, base - swing, color=SKY, linewidth=1.2, label="half a period later")
+        curves.draw(axes, view, base, color=GREY, linestyle=(0, (4, 3)), linewidth=1.1, label="at rest")
+        axes.margins(0.08)
+        mark_supports(axes, view, result, base)
+        axes.title.set_fontsize(SMALL)
+        view.finish(axes)
+    handles, labels = picture.axes[0].get_legend_handles_labels()
+    wanted = [k for k, label in enumerate(labels) if "shadow" not in label]
+    picture.legend(
+        [handles[k] for k in wanted],
+        [labels[k] for k in wanted],
+        loc="upper left",
+        bbox_to_anchor=(0.005, 1.0 - 0.36 / height),
+        ncols=4,
+        frameon=False,
+        fontsize=SMALL,
+    )
+    return picture
+
+
+def _name(k: int, modes: Modes, view: View) -> str:
+    eigenvalue, ratio = modes.eigenvalues[k], modes.damping_ratios[k]
+    if abs(eigenvalue) <= _ZERO * np.max(np.abs(modes.eigenvalues)):
+        return f"{k + 1}: free motion without stiffness\n{view.name}"
+    if abs(eigenvalue.imag) <= 1e-9 * abs(eigenvalue):
+        return f"{k + 1}: overdamped, decays at {-eigenvalue.real:.4g} 1/s\n{view.name}"
+    return f"{k + 1}: {modes.frequencies[k]:.4g} Hz, damping ratio {ratio:.3g}\n{view.name}"

@@ -1,0 +1,58 @@
+"""The picture of a static equilibrium, or of the shape that turns steadily."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.pictures.plots.assemblies import Assembly
+from viscorod.pictures.plots.projection_view import Curves, View, draw_reference, mark_supports
+from viscorod.pictures.style import BLUE, SKY, TEXT, figure, legend_inside
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from viscorod.results.run import Equilibrium
+    from viscorod.results.steady_result import Steady
+
+
+def draw_shape(equilibrium: Equilibrium | Steady) -> Figure:
+    """Return the figure of the reference shape, the load steps on the way and the equilibrium."""
+    picture = figure(8.0, 6.4)
+    if equilibrium.title:
+        picture.suptitle(equilibrium.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+    draw_shapes(picture.add_subplot(), equilibrium)
+    return picture
+
+
+def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady) -> None:
+    """Draw the shapes into an axes."""
+    positions = equilibrium.field("position")
+    reference = np.asarray(equilibrium.data["reference_position"].values, dtype=float)
+    rotations = np.asarray(equilibrium.data["rotation"].values, dtype=float)
+    assembly = Assembly(equilibrium)
+    ends = assembly.ends(positions[-1], rotations[-1]).reshape(-1, 3)
+    view = View.of(np.concatenate([*positions, reference, ends]))
+    turning = equilibrium.kind == "steady"
+    view.prepare(axes, f"{'Steady rotation' if turning else 'Static equilibrium'} {view.name}")
+    curves = Curves(equilibrium)
+    draw_reference(axes, view, curves, equilibrium)
+    label = "on the way"
+    level = equilibrium.data[equilibrium.dimension].values
+    for factor, position in zip(level[:-1], positions[:-1], strict=True):
+        if factor != 0.0:
+            curves.draw(axes, view, position, color=SKY, linewidth=1.0, label=label)
+            label = "_"
+    reached = level[-1]
+    name = "equilibrium" if reached == 1.0 else f"at {100.0 * reached:.3g} % of the loads"
+    if turning:
+        name = f"at {reached:.3g} rad/s"
+    curves.draw(axes, view, positions[-1], color=BLUE, linewidth=2.4, label=name)
+    if not assembly.empty:
+        assembly.draw(axes, view, positions[-1], rotations[-1], BLUE)
+        assembly.draw_springs(axes, view, positions[-1], rotations[-1], BLUE)
+    mark_supports(axes, view, equilibrium, positions[-1])
+    view.finish(axes)
+    legend_inside(axes)

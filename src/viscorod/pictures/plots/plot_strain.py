@@ -1,0 +1,191 @@
+"""Pictures of strains and section forces: along the rods, over time, and over both."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.pictures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    SMALL,
+    clean,
+    colour_bar,
+    heading,
+    legend_above,
+    scaled,
+    time_colours,
+    titled,
+)
+from viscorod.results.array_pieces import extremes, largest
+from viscorod.results.components import STRAINS, Component, chosen_component
+from viscorod.results.run import Run
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from viscorod.results.result import Result
+
+_INSTANTS, _ALONG = 9, 120  # profiles, points along a rod
+_TIMES, _PLACES = 600, 120  # of an image
+_MOST_RODS = 4  # below each other
+
+_LEVELS = {"time": "time [s]", "load_factor": "load factor", "spin": "angular speed [rad/s]"}
+
+
+def draw_strain(result: Result, component: str | None = None, rod: str | None = None) -> Figure:
+    """Return the figure of the strains: the largest of every component over time, and one of them along a rod.
+
+    Args:
+        result: a run, or load factors of an equilibrium.
+        component: "shear_1", "shear_2", "stretch", "bend_1", "bend_2" or "twist"; by default what changes most.
+        rod: by default the one where it changes most.
+    """
+    shown = chosen_component(result, "strain", component)
+    rod = rod or _busiest(result, shown)
+    picture = titled(result, 10.0, 7.4)
+    level = np.asarray(result.data[result.dimension].values, dtype=float)
+    several = level.size > 1
+    grid = picture.add_gridspec(2 if several else 1, 2, height_ratios=(1.0, 1.15) if several else None)
+    if several:
+        size = largest(result, "strain")
+        for column, words in enumerate((list(STRAINS)[:3], list(STRAINS)[3:])):
+            axes = picture.add_subplot(grid[0, column])
+            first = 3 * column
+            scale, unit = _percent(size[:, :3]) if column == 0 else (1.0, "1/m")
+            clean(axes, _LEVELS[result.dimension], f"largest size along the rods [{unit}]")
+            for k, (word, colour) in enumerate(zip(words, (BLUE, ORANGE, GREEN), strict=True)):
+                style = ("-", "--", ":")[k]
+                axes.plot(
+                    level,
+                    scale * size[:, first + k],
+                    style,
+                    color=colour,
+                    linewidth=1.4,
+                    label=word.replace("_", " "),
+                )
+            axes.margins(x=0.01)
+            axes.set_ylim(bottom=0.0)
+            legend_above(axes, 3)
+    _profiles(picture, picture.add_subplot(grid[-1, :]), result, shown, rod)
+    return picture
+
+
+def draw_space_time(
+    result: Run, quantity: str = "section_force", component: str | None = None, rod: str | None = None
+) -> Figure:
+    """Return the figure of one component over arc length and time, an image for every rod.
+
+    Args:
+        result: the run.
+        quantity: "strain", "section_force" or "dissipation".
+        component: by default the one that changes most.
+        rod: by default all, up to four.
+
+    Raises:
+        InputError: no such quantity, component or rod, or a run of one state.
+    """
+    shown = chosen_component(result, quantity, component)
+    if result.time.size < 2:
+        raise InputError("this run holds one state only; an image over time needs two or more")
+    rods = [rod] if rod is not None else list(result.sites.rods[:_MOST_RODS])
+    for name in rods:
+        _require_rod(result, name)
+    times = np.linspace(result.time[0], result.time[-1], _TIMES)
+    images = []
+    for name in rods:
+        s = _arc(result, name, _PLACES)
+        found = result.probe(name, times, s=s)[quantity].values
+        images.append((name, s, shown.of(found)))
+    most = max(float(np.max(np.abs(image))) for _, _, image in images)
+    scale, unit = scaled(shown.unit, most) if shown.unit in ("N", "W/m") else (1.0, shown.unit)
+    signed = quantity != "dissipation"
+    picture = titled(result, 10.0, 1.6 + 2.9 * len(rods))
+    panels = np.atleast_1d(np.asarray(picture.subplots(len(rods), 1, sharex=True)))
+    top = scale * most or 1.0
+    for axes, (name, s, image) in zip(panels, images, strict=True):
+        clean(axes, "time [s]" if axes is panels[-1] else "", "arc length [m]")
+        axes.grid(visible=False)
+        mesh = axes.pcolormesh(
+            times,
+            s,
+            scale * image.T,
+            cmap="RdBu_r" if signed else "viridis",
+            vmin=-top if signed else 0.0,
+            vmax=top,
+            shading="gouraud",
+            rasterized=True,
+        )
+        heading(axes, f"{shown.name.capitalize()} along {name}")
+        colour_bar(picture, axes, mesh, f"{shown.short} [{unit}]")
+    return picture
+
+
+def _profiles(picture: Figure, axes: Axes, result: Result, shown: Component, rod: str) -> None:
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    _require_rod(result, rod)
+    s = _arc(result, rod, _ALONG)
+    level = np.asarray(result.data[result.dimension].values, dtype=float)
+    if isinstance(result, Run) and level.size > 1:
+        levels = np.linspace(level[0], level[-1], _INSTANTS)
+        values = shown.of(result.probe(rod, levels, s=s)[shown.quantity].values)
+    else:
+        chosen = np.unique(np.linspace(0, level.size - 1, _INSTANTS).round().astype(int))
+        levels = level[chosen]
+        values = shown.of(result.probe(rod, s=s)[shown.quantity].values[chosen])
+    scale, unit = _percent(values) if shown.unit == "1" else (1.0, shown.unit)
+    clean(axes, f"arc length of {rod} [m]", f"{shown.name} [{unit}]")
+    colours = time_colours()
+    ordered = np.sort(levels)
+    span = Normalize(ordered[0], ordered[-1] if ordered[-1] > ordered[0] else ordered[0] + 1.0)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    for at, profile in zip(levels, values, strict=True):
+        axes.plot(s, scale * profile, color=colours(span(at)), linewidth=1.6)
+    axes.margins(x=0.01)
+    word = result.dimension.replace("_", " ")
+    heading(
+        axes,
+        f"{shown.name.capitalize()} at {len(levels)} instants" if word == "time" else shown.name.capitalize(),
+    )
+    if len(levels) > 1:
+        colour_bar(picture, axes, ScalarMappable(span, colours), _LEVELS[result.dimension])
+    else:
+        axes.annotate(
+            f"{word} {levels[0]:.3g}",
+            (1.0, 1.0),
+            xycoords="axes fraction",
+            ha="right",
+            va="bottom",
+            fontsize=SMALL,
+        )
+
+
+def _percent(values: Floats) -> tuple[float, str]:
+    """Factor and unit of a strain without dimension: percent, or millionths where it is small."""
+    size = float(np.max(np.abs(values), initial=0.0))
+    return (1e6, "1e-6") if 0.0 < size < 1e-4 else (100.0, "%")
+
+
+def _busiest(result: Result, shown: Component) -> str:
+    """The rod in which a component is largest."""
+    low, high = extremes(result, shown.quantity)
+    size = np.maximum(np.abs(shown.of(low)), np.abs(shown.of(high)))
+    return str(result.data["point_rod"].values[int(np.argmax(size))])
+
+
+def _require_rod(result: Result, rod: str) -> None:
+    if rod not in result.sites.rods:
+        raise InputError(f"rod = {rod!r}: no rod is called so; it can be {', '.join(result.sites.rods)}")
+
+
+def _arc(result: Result, rod: str, count: int) -> Floats:
+    ends = [site.s for site in result.sites.ends(rod)]
+    return np.linspace(ends[0], ends[1], count)

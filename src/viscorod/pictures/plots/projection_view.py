@@ -1,0 +1,196 @@
+"""Drawing rods in space: smooth centre lines, in the plane of the motion or in a parallel projection."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.pictures.style import GREY, INK, LIGHT, SMALL, clean, heading, label_once, scaled
+from viscorod.results.data_schema import AXES
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from viscorod.results.result import Result
+
+_FLAT = 1e-3  # a motion whose extent across a plane is below this part of the largest is drawn in that plane
+_FINE = 12  # drawn points between neighbouring stations
+_AZIMUTH, _ELEVATION = math.radians(-60.0), math.radians(25.0)  # of the eye, z upwards
+_COILED = 2.5  # a rod longer than this multiple of its extent hides what is drawn over it
+_GAP = 1.25  # from picture to picture in a strip, as a multiple of their width
+
+
+@dataclass(frozen=True)
+class View:
+    """How a picture shows space.
+
+    Attributes:
+        projection: from global components to those on paper, right and up, shape (2, 3).
+        plane: the two global axes of a planar motion, None for a view in space.
+        floor: height of the floor that bears the shadows of a view in space [m].
+        scale: from m to the shown unit.
+        unit: the shown unit.
+        origin: what is in the middle of the paper's coordinates, (3,) [m].
+    """
+
+    projection: Floats
+    plane: tuple[int, int] | None
+    floor: float
+    scale: float
+    unit: str
+    origin: Floats = field(default_factory=lambda: np.zeros(3))
+
+    @classmethod
+    def of(cls, positions: Floats) -> View:
+        """Choose the view of positions ``(..., 3)`` [m]."""
+        points = positions.reshape(-1, 3)
+        extent = np.ptp(points, axis=0)
+        thin = int(np.argmin(extent))
+        largest = float(np.max(extent))
+        scale, unit = scaled("m", largest)
+        if extent[thin] <= _FLAT * largest:
+            first, second = (axis for axis in range(3) if axis != thin)
+            return cls(np.eye(3)[[first, second]], (first, second), 0.0, scale, unit)
+        a, e = _AZIMUTH, _ELEVATION
+        right = (-math.sin(a), math.cos(a), 0.0)
+        up = (-math.sin(e) * math.cos(a), -math.sin(e) * math.sin(a), math.cos(e))
+        floor = float(points[:, 2].min()) - 0.1 * largest
+        return cls(np.array([right, up]), None, floor, scale, unit)
+
+    def strip(self, positions: Floats) -> Floats:
+        """Return shifts ``(count, 3)`` [m] that set states ``(count, station, 3)`` side by side on paper."""
+        right = self.projection[0]
+        shift: Floats = _GAP * float(np.ptp(positions @ right)) * np.arange(len(positions))[:, None] * right
+        return shift
+
+    def shifted(self, shift: Floats) -> View:
+        """Return this view of everything moved by ``shift (3,)`` [m]."""
+        return replace(self, origin=self.origin - shift)
+
+    @property
+    def name(self) -> str:
+        """Where the picture is, in words: "in the xy plane" or "in space"."""
+        return "in space" if self.plane is None else f"in the {''.join(AXES[k] for k in self.plane)} plane"
+
+    def on_paper(self, points: Floats) -> Floats:
+        """Return points ``(n, 3)`` [m] on paper, ``(2, n)`` in the shown unit."""
+        paper: Floats = self.scale * self.projection @ (points - self.origin).T
+        return paper
+
+    def prepare(self, axes: Axes, title: str) -> None:
+        """Give an axes equal scales, a heading and, in a plane, labels."""
+        axes.set_aspect("equal", adjustable="datalim")
+        heading(axes, title)
+        if self.plane is None:
+            axes.set_axis_off()
+        else:
+            first, second = (f"{AXES[axis]} [{self.unit}]" for axis in self.plane)
+            clean(axes, first, second)
+
+    def finish(self, axes: Axes, headroom: float = 0.0) -> None:
+        """Add the directions of the axes and a scale to a view in space, once everything is drawn.
+
+        Args:
+            axes: where the view is.
+            headroom: free height above it, as a part of its own.
+        """
+        if self.plane is not None:
+            return
+        for axis, direction in enumerate(self.projection.T):
+            axes.annotate(
+                AXES[axis],
+                (0.09, 0.05),
+                xycoords="axes fraction",
+                xytext=tuple(34.0 * direction),
+                textcoords="offset points",
+                ha="center",
+                va="center",
+                fontsize=SMALL,
+                arrowprops={"arrowstyle": "<-", "color": INK, "shrinkA": 2.0, "shrinkB": 0.0},
+            )
+        (left, bottom), (right, _) = axes.dataLim.get_points()
+        length = _round_length(0.3 * (right - left))
+        gap = 0.06 * axes.dataLim.height
+        axes.plot([right - length, right], [bottom - gap, bottom - gap], color=INK, linewidth=2.0)
+        text = f"{length:g} {self.unit}"
+        axes.annotate(
+            text,
+            (right - 0.5 * length, bottom - gap),
+            (0, -4),
+            textcoords="offset points",
+            ha="center",
+            va="top",
+            fontsize=SMALL,
+        )
+        above = bottom + (1.0 + headroom) * axes.dataLim.height
+        axes.update_datalim([(right, bottom - 4.5 * gap), (right, above)])  # room for the text
+        axes.autoscale_view()
+
+
+class Curves:
+    """Smooth centre lines through the stations of every rod."""
+
+    def __init__(self, result: Result) -> None:
+        self._matrices = []
+        self._shadow = "shadow on the floor"
+        sites = result.sites
+        count = int(result.data.sizes["station"])
+        arc = np.asarray(result.data["station_s"].values, dtype=float)
+        for rod in sites.rods:
+            known = arc[sites.stations(rod)]
+            u = np.linspace(0.0, known.size - 1.0, _FINE * (known.size - 1) + 1)
+            matrix = np.zeros((u.size, count))
+            for row, s in enumerate(np.interp(u, np.arange(known.size), known)):
+                site = sites.along(rod, float(s))
+                matrix[row, site.stations] = site.weights
+            self._matrices.append(matrix)
+
+    def draw(self, axes: Axes, view: View, positions: Floats, **line: Any) -> None:
+        """Draw all rods at station positions ``(station, 3)`` [m], with matplotlib's line properties."""
+        for matrix in self._matrices:
+            points = matrix @ positions
+            if view.plane is None:
+                shadow = points.copy()
+                shadow[:, 2] = view.floor
+                axes.plot(*view.on_paper(shadow), color=LIGHT, linewidth=1.0, zorder=1, label=self._shadow)
+                self._shadow = "_"
+            axes.plot(*view.on_paper(points), **line)
+            line.pop("label", None)
+
+    def coiled(self, positions: Floats) -> bool:
+        """Whether some rod is so coiled at station positions ``(station, 3)`` that states hide each other."""
+        curves = [matrix @ positions for matrix in self._matrices]
+        lengths = (float(np.sum(np.linalg.norm(np.diff(curve, axis=0), axis=1))) for curve in curves)
+        extents = (float(np.linalg.norm(np.ptp(curve, axis=0))) for curve in curves)
+        return any(length > _COILED * extent for length, extent in zip(lengths, extents, strict=True))
+
+
+def mark_supports(axes: Axes, view: View, result: Result, positions: Floats) -> None:
+    """Mark the supported places on station positions ``(station, 3)`` [m]."""
+    points = []
+    for name in result.data["support"].values if "support" in result.data.coords else ():
+        place = str(name).rsplit(" at ")[-1]  # "clamp at beam.start"
+        try:
+            points.append(result.sites.at(place).of(positions))
+        except InputError:  # a support may bear a name of its own that is no place
+            continue
+    if points:
+        name = label_once(axes, "support" if len(points) == 1 else "supports")
+        axes.plot(*view.on_paper(np.array(points)), "s", markersize=7, color=INK, zorder=5, label=name)
+
+
+def draw_reference(axes: Axes, view: View, curves: Curves, result: Result) -> None:
+    """Draw the reference shape as a dashed grey line."""
+    reference = np.asarray(result.data["reference_position"].values, dtype=float)
+    curves.draw(axes, view, reference, color=GREY, linestyle=(0, (4, 3)), linewidth=1.2, label="reference")
+
+
+def _round_length(length: float) -> float:
+    """Return the largest of 1, 2 and 5 times a power of ten that is not above ``length``."""
+    power = 10.0 ** math.floor(math.log10(length))
+    return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= length * (1.0 + 1e-9))

@@ -1,0 +1,218 @@
+"""From a result to the page: choose frames, collect what is drawn, keep the file small."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.errors import InputError, writing
+from viscorod.pictures.style import scaled
+from viscorod.pictures.viewer.camera import first_look, weight_of
+from viscorod.pictures.viewer.coloured_fields import fields_of, points_of, speed_of
+from viscorod.pictures.viewer.colours import colour_tables
+from viscorod.pictures.viewer.frames import Frames
+from viscorod.pictures.viewer.histories import decay_of, energy_of, histories_of, places_of, samples_of
+from viscorod.pictures.viewer.marks import Marks
+from viscorod.pictures.viewer.moving_arrows import loads_of, tips_of
+from viscorod.pictures.viewer.packing import LEVELS, Pack
+from viscorod.pictures.viewer.page import page
+from viscorod.pictures.viewer.rod_lines import MOST_NODES, Line, lines_of
+from viscorod.pictures.viewer.symbols import bodies_of, connections_of, supports_of
+from viscorod.results.data_schema import AXES
+from viscorod.results.element_points import aligned
+from viscorod.results.result import Result
+from viscorod.results.result_warnings import warnings_of
+from viscorod.results.run import Equilibrium, Run
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from viscorod.model.description.model_description import ModelDescription
+    from viscorod.results.sweep_result import Sweep
+
+__all__ = ["FRAMES", "MEGABYTES", "view"]
+
+FRAMES = 1500
+"""Frames of a page by default."""
+MEGABYTES = 12.0
+"""Size of a page by default at most; a model that is too large is shown with fewer frames."""
+_FEWEST = 2
+_TRIES = 6
+
+
+def view(
+    result: Result | Sweep, path: str | Path, *, frames: int = FRAMES, megabytes: float = MEGABYTES
+) -> Path:
+    """Write a result as one HTML file that shows it moving; it needs no server and no network.
+
+    Beside the rods in space, coloured by a strain, a section force, the dissipation or the speed, are histories, the
+    energy account and the damping ratio of every cycle, all at the same time.
+
+    Args:
+        result: a motion, an equilibrium or a path.
+        path: file to write, usually ``.html``; its folder is made.
+        frames: states in the page at most, 2 or more; more stored ones are shown at even times, of fewer
+            positions in between follow from velocities.
+        megabytes: size of the file at most; if it would be larger, there are fewer frames.
+
+    Returns:
+        The path.
+
+    Raises:
+        InputError: the result is of another kind, a number is out of range, or the place cannot be written.
+    """
+    if not isinstance(result, Run | Equilibrium):
+        what = {"Steady": "a steady rotation", "Sweep": "a sweep"}.get(type(result).__name__, "this")
+        instead = "give one of its members" if what == "a sweep" else "give a run, an equilibrium or a path"
+        raise InputError(
+            f"{what} has no states that follow each other, so there is nothing to play; {instead}"
+        )
+    if isinstance(frames, bool) or not isinstance(frames, int) or frames < _FEWEST:
+        raise InputError(f"frames = {frames!r}: give a whole number of 2 or more")
+    if not megabytes > 1.0:
+        raise InputError(f"megabytes = {megabytes!r}: the scripts alone take 0.7; give a number above 1")
+    text, limit = "", frames
+    for _ in range(_TRIES):
+        text = _text(result, limit)
+        size = len(text.encode("utf-8")) / 1e6
+        if size <= megabytes or limit <= _FEWEST:
+            break
+        # what does not depend on the frames is a megabyte or less
+        limit = max(_FEWEST, int(0.95 * limit * max(megabytes - 1.0, 0.1) / max(size - 1.0, 0.1)))
+    path = Path(path)
+    with writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return path
+
+
+def described(result: Result) -> ModelDescription | None:
+    """The model that a result was computed from, None where the file does not tell it whole."""
+    from viscorod.casefile.case import case_from_dict
+
+    try:
+        content = json.loads(result.data.attrs.get("case", "{}"))
+        return case_from_dict({**content, "title": "", "equilibrium": {}}).description
+    except (InputError, ValueError, TypeError, AttributeError):
+        return None  # functions of Python are in no file, and other versions have other words
+
+
+def _text(result: Run | Equilibrium, limit: int) -> str:
+    model = described(result)
+    frames, pack = Frames.of(result, limit), Pack()
+    positions, rotations = frames.positions(), frames.rotations()
+    lines = lines_of(result, model)
+    marks = Marks(result, positions, rotations)
+    scene: dict[str, Any] = {
+        "supports": supports_of(result, model, marks),
+        "bodies": bodies_of(result, model, marks),
+        "connections": connections_of(result, model, marks),
+        "loads": [],
+        "places": [{"label": site.label, "mark": marks.site(site)} for site in places_of(result)],
+    }
+    sizes = np.zeros((frames.count, 0))
+    if model is not None:
+        scene["loads"], sizes = loads_of(result, model, frames, marks)
+    pack.plain("load_sizes", sizes)
+    pack.plain("instants", frames.instants)
+    pack.plain("numbers", frames.before + frames.part)
+    _pack_lines(result, lines, positions, rotations, pack)
+    pack.quantised("marks", marks.points, 3)
+    pack.quantised("turns", marks.turns)
+    fields = _pack_fields(result, frames, lines, pack)
+    samples = samples_of(result)
+    known = np.asarray(result.data[result.dimension].values, dtype=float)
+    pack.plain("samples", known[samples])
+    pack.whole("sample_numbers", samples)
+    reference = np.asarray(result.data["reference_position"].values, dtype=float)
+    meta = {
+        "title": result.title,
+        "kind": result.kind,
+        "dimension": result.dimension,
+        "version": str(result.data.attrs.get("version", "")),
+        "outcome": result.outcome,
+        "warnings": warnings_of(result),
+        "notes": _notes(result, frames, lines, samples.size, model),
+        "stored": frames.stored,
+        "clock": scaled("s", known) if result.dimension == "time" else (1.0, ""),
+        "scene": scene,
+        "lines": [
+            {"rod": line.rod, "nodes": int(line.s.size), "rings": int(line.ring_s.size), "outline": line.outline,
+             "known": bool(line.halves.any()),
+             "contours": [[contour.tolist() for contour in region] for region in line.contours]}
+            for line in lines
+        ],
+        "fields": fields,
+        "colours": colour_tables(),
+        "look": first_look(
+            np.concatenate([positions, reference[None]]), weight_of(model), tips_of(scene["loads"], marks)
+        ),
+        "histories": histories_of(result, samples, pack),
+        "main": AXES.index(result.main_motion[1]),
+        "energy": energy_of(result, samples, pack),
+        "decay": decay_of(result),
+    }  # fmt: skip
+    return page(result.title, meta, pack)
+
+
+def _pack_lines(result: Result, lines: list[Line], positions: Floats, rotations: Floats, pack: Pack) -> None:
+    reference = np.asarray(result.data["reference_position"].values, dtype=float)[None]
+    pack.quantised("positions", np.concatenate([line.nodes(positions) for line in lines], axis=1), 3)
+    turns = [aligned(line.nodes(rotations)) for line in lines]
+    pack.quantised("rotations", np.concatenate(turns, axis=1))
+    pack.plain("reference", np.concatenate([line.nodes(reference)[0] for line in lines]))
+    pack.plain("ring_s", np.concatenate([line.ring_s for line in lines]))
+    pack.plain("halves", np.concatenate([line.halves for line in lines]))
+    pack.plain("holes", np.concatenate([line.holes for line in lines]))
+    start = np.cumsum([0, *(line.s.size for line in lines)])
+    pack.whole(
+        "ring_first", np.concatenate([line.ring_first + k for line, k in zip(lines, start, strict=False)])
+    )
+    width = max(line.ring_weights.shape[1] for line in lines)
+    padded = [np.pad(line.ring_weights, ((0, 0), (0, width - line.ring_weights.shape[1]))) for line in lines]
+    pack.plain("ring_weights", np.concatenate(padded))
+    pack.plain("node_s", np.concatenate([line.s for line in lines]))
+
+
+def _pack_fields(result: Result, frames: Frames, lines: list[Line], pack: Pack) -> list[dict[str, Any]]:
+    """Put the fields into the page; returns how each is called and read."""
+    found: list[dict[str, Any]] = []
+    points = points_of(result, lines, MOST_NODES)
+    if points is not None:
+        pack.plain("point_s", points.s)
+        pack.whole("point_line", points.line)
+        if "half_width" in result.data:
+            widths = np.asarray(result.data["half_width"].values, dtype=float)
+            pack.plain("point_half_width", points.of(widths[None])[0])
+        for field, values in fields_of(result, frames, points):
+            pack.quantised(f"field_{field['key']}", values)
+            found.append({**field, "at": "points"})
+    speed = speed_of(result, frames, lines)
+    if speed is not None:
+        pack.quantised("field_speed", speed)
+        found.append({"key": "speed", "title": "speed", "unit": "m/s", "scale": 1.0, "at": "nodes"})
+    return found
+
+
+def _notes(
+    result: Result, frames: Frames, lines: list[Line], samples: int, model: ModelDescription | None
+) -> list[str]:
+    """What a reader should know of what was left out."""
+    stations = int(sum(result.sites.stations(line.rod).size for line in lines))
+    nodes = sum(line.s.size for line in lines)
+    what = "times" if result.dimension == "time" else "states"
+    notes = [f"{frames.count} frames shown of {frames.stored} stored {what}"]
+    if frames.stored == 1:
+        notes[0] = "one state"
+    if frames.count > frames.stored:
+        notes[0] = f"{frames.count} frames shown: {frames.stored} stored times and positions between them"
+    if nodes < stations:
+        notes.append(f"{nodes} stations shown of {stations}")
+    if samples < frames.stored:
+        notes.append(f"charts: {samples} of {frames.stored} stored {what}, extremes kept")
+    notes.append(f"positions and fields to 1/{LEVELS} of their range")
+    if model is None:
+        notes.append("the file does not tell the model: loads are not drawn, sections are drawn as tubes")
+    return notes

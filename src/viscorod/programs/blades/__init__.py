@@ -1,0 +1,1 @@
+"""Blade and beam files of other programs, read and written."""

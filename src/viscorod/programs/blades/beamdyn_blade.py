@@ -1,0 +1,162 @@
+"""BeamDyn blade files: stiffness, mass and the six damping coefficients at stations along a blade.
+
+Format and meaning: OpenFAST/openfast, modules/beamdyn/src/BeamDyn_IO.f90 (BD_ReadBladeFile) and
+docs/source/user/beamdyn/input_files.rst. BeamDyn's local axes x, y, z are viscorod's d1, d2, d3 (z the tangent),
+its components (shear x, shear y, extension, bending x, bending y, torsion) are viscorod's, and so are their signs:
+both have strains ``R^T r' - e3`` and curvatures ``axial(R^T R')``, both matrices act on them directly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from viscorod.errors import InputError, Problem
+from viscorod.programs.blades.blade_text import Lines
+from viscorod.programs.energy_creation import EnergyCheck, check_product
+from viscorod.programs.matrices import symmetric_part
+from viscorod.programs.times import six_times
+from viscorod.typing import Floats
+
+__all__ = ["BeamDynBlade", "read_beamdyn_blade", "write_beamdyn_blade_file"]
+
+_SYMMETRIC = 1e-6  # relative difference of two entries that printed digits explain
+
+
+@dataclass(frozen=True, eq=False)
+class BeamDynBlade:
+    """The content of a blade file.
+
+    Attributes:
+        stations: fractions eta of the reference line (n,), from 0 to 1.
+        stiffness: (n, 6, 6); N, N m, N m^2.
+        inertia: per length (n, 6, 6); kg/m, kg, kg m.
+        mu: six times, s (the files say "-"), (6,).
+        damp_type: 0 none, 1 proportional to the stiffness, 2 modal (not a law of sections).
+        title: second line of the file.
+    """
+
+    stations: Floats
+    stiffness: Floats
+    inertia: Floats
+    mu: Floats
+    damp_type: int = 1
+    title: str = ""
+
+    def at(self, fraction: float) -> tuple[Floats, Floats]:
+        """Stiffness and inertia (6, 6) at a fraction of the reference line, linear between stations as in BeamDyn."""
+        k = int(
+            np.clip(np.searchsorted(self.stations, fraction, side="right") - 1, 0, len(self.stations) - 2)
+        )
+        first, last = self.stations[k], self.stations[k + 1]
+        part = min(max((fraction - first) / (last - first), 0.0), 1.0)
+        mixed = [(1.0 - part) * array[k] + part * array[k + 1] for array in (self.stiffness, self.inertia)]
+        return mixed[0], mixed[1]
+
+    def checks(self) -> tuple[EnergyCheck, ...]:
+        """For every station, whether BeamDyn's product mu S creates energy."""
+        return tuple(check_product(stiffness, self.mu) for stiffness in self.stiffness)
+
+
+def read_beamdyn_blade(path: str | Path) -> BeamDynBlade:
+    """Read a blade file, of the format with or without the section on modal damping.
+
+    Raises:
+        InputError: the file cannot be read, ends early, or holds something that is no blade; the message names the
+            line.
+    """
+    lines = Lines(path)
+    title = lines.skip(2).strip()
+    lines.skip()
+    count = lines.whole("station_total", 2)
+    damp_type = lines.whole("damp_type")
+    if damp_type > 2:
+        raise lines.problem(f"{damp_type}", "damp_type is 0, 1 or 2", "give one of them")
+    lines.skip(3)
+    mu = lines.numbers(6, "mu1 to mu6")
+    if (mu < 0.0).any():
+        raise lines.problem(
+            f"{mu.min():g}", "a damping coefficient must not be negative", "give numbers >= 0"
+        )
+    heading = lines.skip()
+    if "modal" in heading.lower():
+        lines.skip(3)
+    stations, stiffness, inertia = np.zeros(count), np.zeros((count, 6, 6)), np.zeros((count, 6, 6))
+    for k in range(count):
+        lines.skip_blank()
+        (stations[k],) = lines.numbers(1, f"the position of station {k + 1}")
+        stiffness[k] = _matrix(lines, f"a row of the stiffness of station {k + 1}")
+        lines.skip_blank()
+        inertia[k] = _matrix(lines, f"a row of the mass of station {k + 1}")
+    if stations[0] != 0.0 or stations[-1] != 1.0 or (np.diff(stations) <= 0.0).any():
+        raise InputError(
+            Problem(
+                str(path),
+                f"stations from {stations[0]:g} to {stations[-1]:g}",
+                "they must rise from 0 to 1",
+                "give each station once, in order",
+            )
+        )
+    return BeamDynBlade(stations, stiffness, inertia, six_times(mu, "mu"), damp_type, title)
+
+
+def _matrix(lines: Lines, what: str) -> Floats:
+    """Six rows of six; symmetric to the printed digits, returned exactly symmetric."""
+    matrix = np.array([lines.numbers(6, what) for _ in range(6)])
+    size = np.sqrt(np.abs(np.outer(np.diag(matrix), np.diag(matrix))))
+    skew = np.abs(matrix - matrix.T)
+    if (skew > _SYMMETRIC * np.maximum(np.abs(matrix) + np.abs(matrix.T), 1e-9 * size)).any():
+        i, j = (int(k) for k in np.argwhere(skew == skew.max())[0])
+        raise lines.problem(
+            f"{matrix[i, j]:g} against {matrix[j, i]:g} in rows {i + 1} and {j + 1}",
+            f"the matrix must be symmetric ({what.removeprefix('a row of ')})",
+            "give the same number twice",
+        )
+    return symmetric_part(matrix)
+
+
+def write_beamdyn_blade_file(blade: BeamDynBlade, path: str | Path, *, modal_section: bool = False) -> Path:
+    """Write a blade file with 17 digits, so that reading it gives the same numbers.
+
+    Args:
+        blade: what is written.
+        path: of the file.
+        modal_section: whether the lines on modal damping of newer BeamDyn versions are there; they are not used.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    text = [
+        " ------- BEAMDYN V1.00.* INDIVIDUAL BLADE INPUT FILE --------------------------",
+        f" {blade.title or 'written by viscorod'}",
+        "---------------------- BLADE PARAMETERS --------------------------------------",
+        f"{len(blade.stations)}   station_total    - Number of blade input stations (-)",
+        f"{blade.damp_type}   damp_type        - Damping type: 0 none, 1 proportional to the stiffness",
+        "---------------------- DAMPING COEFFICIENT -----------------------------------",
+        "   mu1   mu2   mu3   mu4   mu5   mu6",
+        "   (s)   (s)   (s)   (s)   (s)   (s)",
+        _row(blade.mu),
+    ]
+    if modal_section:
+        text += [
+            "---------------------- MODAL DAMPING [used only if damp_type=2] --------------",
+            "1   n_modes",
+            "0.0   zeta",
+        ]
+    text.append("---------------------- DISTRIBUTED PROPERTIES --------------------------------")
+    for station, stiffness, inertia in zip(blade.stations, blade.stiffness, blade.inertia, strict=True):
+        text += [f"  {station:.17g}", *map(_row, stiffness), "", *map(_row, inertia), ""]
+    target = Path(path)
+    try:
+        target.write_text("\n".join(text) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise InputError(
+            Problem(str(path), "", f"the file cannot be written ({error.strerror})", "name another folder")
+        ) from None
+    return target
+
+
+def _row(values: Floats) -> str:
+    return "".join(f"  {value: .16E}" for value in values)

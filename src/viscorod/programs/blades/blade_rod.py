@@ -1,0 +1,202 @@
+"""A BeamDyn blade as a viscorod rod, and a rod as a BeamDyn blade."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from viscorod.errors import InputError, Problem
+from viscorod.model.rod import Rod
+from viscorod.model.sections.stiffness_section import StiffnessSection
+from viscorod.programs.blades.beamdyn_blade import (
+    BeamDynBlade,
+    read_beamdyn_blade,
+    write_beamdyn_blade_file,
+)
+from viscorod.programs.blades.beamdyn_line import BladeTwist, LineLike, beamdyn_axis, reference_line
+from viscorod.programs.branches import refuse_branches
+from viscorod.programs.energy_creation import check_product
+from viscorod.programs.matrices import by_sizes
+from viscorod.programs.times import component_times, symmetric_damping
+from viscorod.typing import Floats
+
+__all__ = ["BladeSections", "blade_from_rod", "product_damping", "rod_from_blade", "write_beamdyn_blade"]
+
+Law = Literal["symmetric", "same power"]
+_CONSTANT = 1e-9  # relative change of a time along the rod that counts as none
+
+
+def product_damping(stiffness: Floats, times: Floats) -> Floats:
+    """(mu S + S mu)/2 (6, 6): the symmetric matrix that takes the same power as the products mu S and S mu.
+
+    Raises:
+        InputError: it creates energy in some motion; the message tells from which coupling on.
+    """
+    check = check_product(stiffness, times)
+    if check.creates_energy:
+        raise InputError(
+            Problem(
+                "mu",
+                "",
+                check.text(),
+                'take the law "symmetric", D = T C T with the same six times, or equal times',
+            )
+        )
+    return np.asarray((times[:, None] + times[None, :]) / 2.0 * stiffness)
+
+
+class BladeSections:
+    """The section of a blade as a function of the arc length, linear between stations as in BeamDyn.
+
+    Args:
+        blade: with its stations.
+        length: of the reference line, m.
+        law: "symmetric" for D = T C T with the six times mu, "same power" for the symmetric part of mu S.
+    """
+
+    def __init__(self, blade: BeamDynBlade, length: float, law: Law = "symmetric") -> None:
+        self.blade, self.length, self.law = blade, length, law
+
+    def damping(self, stiffness: Floats) -> Floats:
+        """D (6, 6) that belongs to a stiffness (6, 6)."""
+        if self.blade.damp_type == 0:
+            return np.zeros((6, 6))
+        if self.law == "symmetric":
+            return symmetric_damping(stiffness, self.blade.mu)
+        return product_damping(stiffness, self.blade.mu)
+
+    def difference(self) -> float:
+        """Largest difference of D from BeamDyn's mu S over all stations, in parts of sqrt(D_ii D_jj)."""
+        largest = 0.0
+        if self.blade.damp_type == 0:
+            return largest
+        damped = np.where(self.blade.mu > 0.0, self.blade.mu, np.inf)
+        for stiffness in self.blade.stiffness:
+            product = self.blade.mu[:, None] * stiffness
+            scaled = by_sizes(self.damping(stiffness) - product, damped * np.diag(stiffness))
+            largest = max(largest, float(np.abs(scaled).max()))
+        return largest
+
+    def __call__(self, s: float) -> StiffnessSection:
+        """The section at the arc length `s`, m."""
+        stiffness, inertia = self.blade.at(s / self.length)
+        return StiffnessSection(stiffness, inertia, self.damping(stiffness))
+
+
+def rod_from_blade(
+    blade: BeamDynBlade | str | Path,
+    centreline: LineLike,
+    *,
+    law: Law = "symmetric",
+    elements: int | None = None,
+    order: int | None = None,
+) -> Rod:
+    """A BeamDyn blade as a rod, in the blade's root axes (X, Y, Z).
+
+    Sections are interpolated linearly between the stations, their axes are BeamDyn's with its initial twist.
+    BeamDyn's damping mu S is not symmetric where coupled strains have different mu; D is T C T with the same six
+    times, or with law="same power" the symmetric part of mu S, which takes the same power from every strain rate.
+    BeamDyn's extension-twist term of large twist (the trapeze effect, `cet` in its source) is not in the rod.
+
+    Args:
+        blade: a blade or the path of its file.
+        centreline: key points (n, 3) in m, with twist (n, 4) in degrees, or the path of a primary file.
+        law: "symmetric" or "same power".
+        elements: see `Rod`.
+        order: see `Rod`.
+
+    Raises:
+        InputError: a file cannot be read, the blade has modal damping, a section cannot be used, or with
+            law="same power" one creates energy.
+    """
+    if not isinstance(blade, BeamDynBlade):
+        blade = read_beamdyn_blade(blade)
+    if law not in ("symmetric", "same power"):
+        raise InputError(
+            Problem("law", repr(law), "there is no such law", 'give "symmetric" or "same power"')
+        )
+    if blade.damp_type == 2:
+        raise InputError(
+            Problem(
+                "damp_type",
+                "2",
+                "modal damping belongs to modes, not to sections",
+                "give damp_type 1 with mu_i = 2 zeta/omega of a mode of each kind, or 0",
+            )
+        )
+    line = reference_line(centreline)
+    curve = line.centreline()
+    sections = BladeSections(blade, curve.length, law)
+    for station, stiffness, inertia in zip(blade.stations, blade.stiffness, blade.inertia, strict=True):
+        try:
+            StiffnessSection(stiffness, inertia, sections.damping(stiffness))
+        except InputError as error:
+            raise InputError([problem.within(f"station {station:g}") for problem in error.problems]) from None
+    tangent = curve.bishop(np.zeros(1))[1][0][:, 2]
+    d1 = beamdyn_axis(tangent, -float(np.deg2rad(line.initial_twist[0])))
+    twist = BladeTwist(line, curve, d1) if line.initial_twist.any() or len(line.points) > 2 else 0.0
+    return Rod(curve, sections, elements=elements, order=order, d1=tuple(d1.tolist()), twist=twist)
+
+
+def blade_from_rod(
+    rod: Rod, stations: Sequence[float] | Floats | None = None
+) -> tuple[BeamDynBlade, tuple[str, ...]]:
+    """A rod as a BeamDyn blade.
+
+    Args:
+        rod: any rod.
+        stations: fractions of the length, from 0 to 1; by default the stations of the blade the rod was read from,
+            else eleven.
+
+    Returns:
+        the blade, and what is lost, in sentences.
+
+    Raises:
+        InputError: the stations do not rise from 0 to 1, or the rod has Maxwell branches.
+    """
+    given = (
+        rod.section.blade.stations if isinstance(rod.section, BladeSections) else np.linspace(0.0, 1.0, 11)
+    )
+    fractions = np.asarray(given if stations is None else stations, dtype=np.float64)
+    if (
+        fractions.ndim != 1
+        or len(fractions) < 2
+        or fractions[0] != 0.0
+        or fractions[-1] != 1.0
+        or (np.diff(fractions) <= 0.0).any()
+    ):
+        raise InputError(
+            Problem("stations", f"{len(np.atleast_1d(fractions))} numbers", "they must rise from 0 to 1",
+                    "give fractions of the length, such as 0, 0.5, 1")
+        )  # fmt: skip
+    refuse_branches(rod, fractions * rod.length)
+    matrices = [rod.matrices_at(float(s)) for s in fractions * rod.length]
+    stiffness, damping, inertia = (np.array(parts) for parts in zip(*matrices, strict=True))
+    times = np.array([component_times(c, d) for c, d in zip(stiffness, damping, strict=True)])
+    mu = times.mean(axis=0)
+    losses: list[str] = []
+    spread = float(np.abs(times - mu).max())
+    if spread > _CONSTANT * max(float(mu.max()), 1e-300):
+        losses.append(
+            "BeamDyn has one mu for the whole blade: the times along the rod differ from their mean by "
+            f"up to {spread:.3g} s"
+        )
+    else:
+        mu = times[0]
+    checks = [check_product(c, mu) for c in stiffness]
+    worst = min(checks, key=lambda check: check.factor)
+    if np.isfinite(worst.factor):
+        losses.append(worst.text())
+    return BeamDynBlade(fractions, stiffness, inertia, mu, int(bool(mu.any()))), tuple(losses)
+
+
+def write_beamdyn_blade(
+    rod: Rod, path: str | Path, stations: Sequence[float] | Floats | None = None
+) -> tuple[str, ...]:
+    """Write a rod as a BeamDyn blade file; returns what is lost, in sentences. See `blade_from_rod`."""
+    blade, losses = blade_from_rod(rod, stations)
+    write_beamdyn_blade_file(blade, path)
+    return losses

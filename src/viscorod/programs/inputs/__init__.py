@@ -1,0 +1,69 @@
+"""The damping inputs of other programs, each in a module of its own."""
+
+from __future__ import annotations
+
+from viscorod.errors import InputError, Problem
+from viscorod.model.fields.definition import did_you_mean
+from viscorod.programs.inputs.beamdyn import BeamDyn
+from viscorod.programs.inputs.chrono import ChronoLinear, ChronoRayleigh, ChronoTapered
+from viscorod.programs.inputs.exudyn import Exudyn
+from viscorod.programs.inputs.gxbeam import GXBeam
+from viscorod.programs.inputs.mbdyn import MBDyn
+from viscorod.programs.inputs.mujoco import MuJoCo
+from viscorod.programs.inputs.newton_physics import Newton
+from viscorod.programs.inputs.program_inputs import ProgramInputs, Recovered, SectionData
+from viscorod.programs.inputs.pyelastica import PyElastica
+from viscorod.programs.inputs.sorosim import SoRoMoX, SoRoSim
+
+__all__ = [
+    "PROGRAMS",
+    "BeamDyn",
+    "ChronoLinear",
+    "ChronoRayleigh",
+    "ChronoTapered",
+    "Exudyn",
+    "GXBeam",
+    "MBDyn",
+    "MuJoCo",
+    "Newton",
+    "ProgramInputs",
+    "PyElastica",
+    "Recovered",
+    "SectionData",
+    "SoRoMoX",
+    "SoRoSim",
+    "program",
+]
+
+PROGRAMS: dict[str, type[ProgramInputs]] = {
+    kind.program: kind
+    for kind in (
+        BeamDyn,
+        GXBeam,
+        MBDyn,
+        ChronoTapered,
+        ChronoLinear,
+        ChronoRayleigh,
+        Exudyn,
+        MuJoCo,
+        Newton,
+        SoRoSim,
+        SoRoMoX,
+        PyElastica,
+    )
+}
+"""The programs by their word; a new one is one module and one line here."""
+
+
+def program(word: str) -> type[ProgramInputs]:
+    """The inputs of a program by its word.
+
+    Raises:
+        InputError: there is no such program; the message names the nearest and all of them.
+    """
+    if word in PROGRAMS:
+        return PROGRAMS[word]
+    advice = did_you_mean(word, PROGRAMS, str)
+    raise InputError(
+        Problem("program", word, "no such program", f"{advice}The programs are {', '.join(PROGRAMS)}")
+    )

@@ -1,0 +1,292 @@
+"""What the inputs of every program have in common: a damping law, a text to paste, and what is lost."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from viscorod.errors import InputError, Problem
+from viscorod.model.materials.material import Material
+from viscorod.model.rod import Rod
+from viscorod.model.sections.isotropic_section import MaterialSection
+from viscorod.model.sections.stiffness_section import STRAINS
+from viscorod.programs.branches import refuse_branches
+from viscorod.programs.energy_creation import creates_energy, least_power
+from viscorod.programs.matrices import by_sizes, symmetric_part
+from viscorod.programs.times import MaterialFit, component_times, fit_material, symmetric_damping
+from viscorod.typing import Floats
+
+__all__ = [
+    "ProgramInputs",
+    "Recovered",
+    "SectionData",
+    "checked_options",
+    "listed",
+    "matrix_of",
+    "number_text",
+]
+
+UNITS = {"segment_length": "m", "frequency": "Hz"}
+"""Units of the options of programs."""
+
+
+@dataclass(frozen=True, eq=False)
+class SectionData:
+    """One section of a rod, as translations need it.
+
+    Attributes:
+        stiffness: C (6, 6); N, N m, N m^2; strains in viscorod's order.
+        damping: D (6, 6), the units of the stiffness times s.
+        inertia: M per length (6, 6); kg/m, kg, kg m.
+        material: for a section given by its shape.
+        section: the section given by its shape, if it is.
+    """
+
+    stiffness: Floats
+    damping: Floats
+    inertia: Floats
+    material: Material | None = None
+    section: MaterialSection | None = None
+
+    @classmethod
+    def of(cls, rod: Rod, s: float = 0.0) -> Self:
+        """The section of a rod at the arc length `s`, m.
+
+        Raises:
+            InputError: the section has Maxwell branches, which no Kelvin-Voigt law of another program has.
+        """
+        refuse_branches(rod, [s])
+        section = rod.section_at(s)
+        shaped = section if isinstance(section, MaterialSection) else None
+        return cls(*rod.matrices_at(s), material=rod.material if shaped else None, section=shaped)
+
+    @property
+    def times(self) -> Floats:
+        """Six times D_ii/C_ii (6,), s."""
+        return component_times(self.stiffness, self.damping)
+
+
+@dataclass(frozen=True, eq=False)
+class Recovered:
+    """A program's inputs as viscorod's damping.
+
+    Attributes:
+        damping: D (6, 6), symmetric and positive semi-definite, for a `StiffnessSection`.
+        times: six times of the program's law, s, (6,).
+        material: the two times of an isotropic material closest to them; None without Poisson's ratio.
+        difference: largest difference of D from the program's law, in parts of the law's largest entry, both
+            scaled by sqrt(C_ii C_jj); 0 where the law is symmetric.
+        warnings: sentences for the user.
+    """
+
+    damping: Floats
+    times: Floats
+    material: MaterialFit | None
+    difference: float
+    warnings: tuple[str, ...]
+
+
+class ProgramInputs(ABC):
+    """The inputs of one program that describe a beam's damping."""
+
+    program: ClassVar[str]
+    """Word for the command line."""
+    title: ClassVar[str]
+    """Name of the program."""
+    sources: ClassVar[tuple[str, ...]]
+    """Where its meaning was read: repository and file, or package and version."""
+    meaning: ClassVar[str]
+    """Its damping law in a sentence."""
+    words: ClassVar[tuple[str, ...]]
+    """What its numbers are, in their order."""
+    options: ClassVar[tuple[str, ...]] = ()
+    """Further keywords of `from_section` and `from_numbers`."""
+    missing: ClassVar[tuple[int, ...]] = ()
+    """Places of strains that the program does not have: it holds them."""
+
+    @classmethod
+    @abstractmethod
+    def from_section(cls, data: SectionData, **options: float) -> Self:
+        """The inputs for a section."""
+
+    @classmethod
+    @abstractmethod
+    def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
+        """The inputs from the program's numbers (see `words`), with what it takes from the section."""
+
+    @property
+    @abstractmethod
+    def numbers(self) -> tuple[float, ...]:
+        """The program's numbers, in the order of `words`."""
+
+    @abstractmethod
+    def law(self, stiffness: Floats) -> Floats:
+        """The matrix P (6, 6) of the program's viscous section force P eps_t, in viscorod's order.
+
+        It need not be symmetric. Strains the program does not have are rows and columns of zeros.
+        """
+
+    @abstractmethod
+    def text(self) -> str:
+        """The inputs as the user pastes them."""
+
+    def losses(self, data: SectionData) -> tuple[str, ...]:
+        """What is lost when the section's damping becomes these inputs, in sentences with numbers."""
+        law = self.law(data.stiffness)
+        out: list[str] = []
+        given, taken = data.times, component_times(data.stiffness, law)
+        if self.missing:
+            out.append(f"{self.title} has no {', '.join(STRAINS[k] for k in self.missing)}: held rigid")
+        for place, (word, before, after) in enumerate(zip(STRAINS, given, taken, strict=True)):
+            if place in self.missing:
+                continue
+            if before > 0.0 and after == 0.0:
+                out.append(f"{word} is not damped")
+            elif abs(after - before) > 1e-9 * max(abs(before), abs(after)):
+                change = f", {after / before - 1.0:+.1%}" if before > 0.0 else ""
+                out.append(f"{word} has the time {after:.6g} s instead of {before:.6g} s{change}")
+        coupling = _coupling_difference(law, data)
+        if coupling > 1e-9:
+            out.append(
+                f"the viscous couplings differ by {coupling:.3g} of sqrt(D_ii D_jj) from the symmetric law of "
+                "viscorod"
+            )
+        return tuple(out)
+
+    def warnings(self, data: SectionData) -> tuple[str, ...]:
+        """What the user must know before running the program with these inputs."""
+        law = self.law(data.stiffness)
+        if creates_energy(law, data.stiffness):
+            power = least_power(law, data.stiffness)
+            return (f"this law creates energy in some motions (least scaled power {power:.3g})",)
+        return ()
+
+    def recovered(self, data: SectionData, poissons_ratio: float | None = None) -> Recovered:
+        """The inputs as viscorod's damping of a section with this stiffness.
+
+        A law that is symmetric and never creates energy is taken as it is. For any other one the symmetric
+        D = T C T with the same six times is taken, and the difference is told.
+        """
+        law = self.law(data.stiffness)
+        times = component_times(data.stiffness, law)
+        scaled = by_sizes(law, np.diag(data.stiffness))
+        largest = float(np.abs(scaled).max())
+        skew = float(np.abs(scaled - scaled.T).max())
+        warnings: list[str] = []
+        if skew <= 1e-9 * largest and not creates_energy(law, data.stiffness):
+            damping, difference = symmetric_part(law), 0.0
+        else:
+            damping = symmetric_damping(data.stiffness, times)
+            taken = by_sizes(damping, np.diag(data.stiffness))
+            difference = float(np.abs(taken - scaled).max()) / largest
+            warnings.append(
+                f"the program's law is not symmetric; D = T C T with its six times is taken, which differs by "
+                f"{difference:.3g} of the law's largest entry"
+            )
+        nu = poissons_ratio
+        if nu is None and data.material is not None:
+            nu = data.material.poissons_ratio
+        fit = None if nu is None else fit_material(times, nu, left_out=self.missing)
+        if fit is not None and fit.largest_deviation > 1e-9:
+            warnings.append(
+                "no two times of an isotropic material give these six; the closest two, "
+                f"shear {fit.shear_time:.6g} s and bulk {fit.bulk_time:.6g} s, deviate by up to "
+                f"{fit.largest_deviation:.3g}"
+            )
+        return Recovered(damping, times, fit, difference, (*self.warnings(data), *warnings))
+
+
+def _coupling_difference(law: Floats, data: SectionData) -> float:
+    """Largest off-diagonal difference between a law and D, scaled by sqrt(D_ii D_jj)."""
+    diagonal = np.diag(data.damping)
+    difference = by_sizes(law - data.damping, np.where(diagonal > 0.0, diagonal, np.inf))
+    np.fill_diagonal(difference, 0.0)
+    return float(np.abs(difference).max())
+
+
+def listed(program: type[ProgramInputs], numbers: Sequence[float]) -> tuple[float, ...]:
+    """Finite, non-negative numbers of a program, one for each of its words.
+
+    Raises:
+        InputError: there are more or fewer, or one is negative or not finite.
+    """
+    values = tuple(float(value) for value in numbers)
+    if len(values) != len(program.words):
+        raise InputError(
+            Problem(
+                program.program,
+                f"{len(values)} numbers",
+                f"{program.title} has {len(program.words)} here",
+                f"give {', '.join(program.words)}",
+            )
+        )
+    for word, value in zip(program.words, values, strict=True):
+        if not (math.isfinite(value) and value >= 0.0):
+            raise InputError(
+                Problem(
+                    f"{program.program}.{word}", f"{value:g}", "outside what is allowed", "give a number >= 0"
+                )
+            )
+    return values
+
+
+def matrix_of(program: type[ProgramInputs], numbers: Sequence[float]) -> Floats:
+    """A 6x6 matrix from 6 numbers (a diagonal), 21 (the upper triangle, row by row) or 36 (row by row).
+
+    Raises:
+        InputError: there is another count, or a number is not finite.
+    """
+    values = np.array([float(value) for value in numbers])
+    if values.size not in (6, 21, 36) or not np.isfinite(values).all():
+        raise InputError(
+            Problem(
+                program.program,
+                f"{values.size} numbers",
+                f"{program.title} has a 6x6 matrix here",
+                "give 6 numbers (its diagonal), 21 (its upper triangle, row by row) or 36, in the program's order",
+            )
+        )
+    if values.size == 6:
+        return np.diag(values)
+    if values.size == 36:
+        return values.reshape(6, 6)
+    matrix = np.zeros((6, 6))
+    matrix[np.triu_indices(6)] = values
+    return np.asarray(matrix + np.triu(matrix, 1).T)
+
+
+def checked_options(program: type[ProgramInputs], options: Mapping[str, float]) -> tuple[float, ...]:
+    """The options of a program in their order, all of them required and positive.
+
+    Raises:
+        InputError: one is missing or not positive, or the program does not take it.
+    """
+    for name in options:
+        if name not in program.options:
+            raise InputError(
+                Problem(name, f"{options[name]:g}", f"{program.title} has no use for it", "leave it out")
+            )
+    for name in program.options:
+        if name not in options:
+            raise InputError(Problem(name, "", "this program needs it", f"give {name} ({UNITS[name]})"))
+        if not (math.isfinite(options[name]) and options[name] > 0.0):
+            raise InputError(
+                Problem(
+                    name,
+                    f"{options[name]:g}",
+                    "outside what is allowed",
+                    f"give a number > 0 ({UNITS[name]})",
+                )
+            )
+    return tuple(options[name] for name in program.options)
+
+
+def number_text(value: float) -> str:
+    """A number as it is pasted: ten digits, always with a point or an exponent, as Fortran and C++ like it."""
+    text = f"{value:.10g}"
+    return text if any(mark in text for mark in ".en") else f"{text}.0"

@@ -1,0 +1,128 @@
+"""PyElastica: no damping of strains; the nearest mass-proportional constant."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from viscorod.errors import InputError, Problem
+from viscorod.programs.inputs.program_inputs import (
+    ProgramInputs,
+    Recovered,
+    SectionData,
+    checked_options,
+    listed,
+    number_text,
+)
+from viscorod.typing import Floats
+
+__all__ = ["PyElastica"]
+
+
+@dataclass(frozen=True)
+class PyElastica(ProgramInputs):
+    """The uniform damping constant of AnalyticalLinearDamper that agrees at one frequency.
+
+    Attributes:
+        constant: 1/s; velocities and angular velocities decay as exp(-constant t).
+        frequency: undamped frequency of the mode whose damping ratio agrees, Hz.
+    """
+
+    constant: float
+    frequency: float
+
+    program: ClassVar[str] = "pyelastica"
+    title: ClassVar[str] = "PyElastica"
+    meaning: ClassVar[str] = (
+        "velocities decay as exp(-constant t), whatever the strains do: damping by the mass"
+    )
+    words: ClassVar[tuple[str, ...]] = ("uniform_damping_constant",)
+    options: ClassVar[tuple[str, ...]] = ("frequency",)
+    sources: ClassVar[tuple[str, ...]] = (
+        "GazzolaLab/PyElastica: elastica/dissipation.py, AnalyticalLinearDamper (package pyelastica 1.0.0)",
+    )
+
+    @classmethod
+    def from_section(cls, data: SectionData, **options: float) -> Self:
+        """The constant tau omega^2 with the time of bending, so that the ratio constant/(2 omega) is tau omega/2."""
+        (frequency,) = checked_options(cls, options)
+        return cls(float(data.times[3:5].mean()) * (2.0 * math.pi * frequency) ** 2, frequency)
+
+    @classmethod
+    def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
+        """One number."""
+        del data
+        return cls(*listed(cls, numbers), *checked_options(cls, options))
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """The constant."""
+        return (self.constant,)
+
+    @property
+    def time(self) -> float:
+        """The retardation time (s) with the same damping ratio at the frequency."""
+        return self.constant / (2.0 * math.pi * self.frequency) ** 2
+
+    def ratio(self, frequency: float) -> float:
+        """Damping ratio in PyElastica of a mode with this undamped frequency (Hz), constant/(2 omega)."""
+        return self.constant / (4.0 * math.pi * frequency)
+
+    def law(self, stiffness: Floats) -> Floats:
+        """Zero: no force belongs to a strain rate."""
+        del stiffness
+        return np.zeros((6, 6))
+
+    def text(self) -> str:
+        """A Python call."""
+        return (
+            "simulator.dampen(rod).using(\n"
+            "    elastica.AnalyticalLinearDamper,\n"
+            f"    uniform_damping_constant={number_text(self.constant)},  # 1/s\n"
+            "    time_step=time_step,\n)"
+        )
+
+    def losses(self, data: SectionData) -> tuple[str, ...]:
+        """Everything but one number."""
+        del data
+        ratio = self.ratio(self.frequency)
+        return (
+            "there is no equivalent: PyElastica damps velocities, not strain rates, so it also brakes "
+            "rigid motions, and its "
+            "ratio falls with the frequency where a material's rises",
+            f"the constant agrees at {self.frequency:.6g} Hz (ratio {ratio:.6g}); a mode at ten times "
+            "that frequency has the "
+            f"ratio {ratio / 10.0:.3g} instead of {ratio * 10.0:.3g}",
+            "the ratio of bending is used; stretch, shear and twist get the same constant",
+        )
+
+    def warnings(self, data: SectionData) -> tuple[str, ...]:
+        """The older keyword."""
+        del data
+        return (
+            "the older keyword damping_constant turns angular velocities down by exp(-constant m/J t), "
+            "which depends on the "
+            "unit of length: take uniform_damping_constant",
+        )
+
+    def recovered(self, data: SectionData, poissons_ratio: float | None = None) -> Recovered:
+        """Refused: a constant of the mass is no law of a section.
+
+        Raises:
+            InputError: always.
+        """
+        del data, poissons_ratio
+        raise InputError(
+            Problem(
+                self.program,
+                number_text(self.constant),
+                "a constant of the mass is no damping of strains",
+                f"a bending mode at {self.frequency:g} Hz has the same ratio with the extensional time "
+                f"{self.time:.6g} s; "
+                "give that to the material",
+            )
+        )

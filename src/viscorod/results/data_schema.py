@@ -1,0 +1,221 @@
+"""The data set that results are built from: names, units and what must be there.
+
+Everything a result says is derived from one ``xarray.Dataset`` with these variables, so a file read back does
+all that a fresh run does. States are stored along ``time`` (kind "simulate"), ``load_factor`` (kind "equilibrium") or
+``spin`` (kind "steady", one state).
+
+Stations are the nodes of the rods, by increasing arc length rod by rod, and after them the mass centres of rigid
+bodies, each followed by the body's named points: ``station_rod`` is the name of the body, or "plate.corner", with
+``station_order`` 0. A joint or spring has a ``joint_coordinate`` for each motion that it holds, drives, springs
+or measures. Where a rod holds a strain, ``section_force`` is the reaction that holds it, and no energy is stored
+or lost there. Springs of joints are part of the elastic energy, their dampers of what is lost to viscosity,
+motors of the work from outside. Runs with joints or held strains have the attributes ``drift_position`` and
+``drift_velocity``: the largest gap that was found between what these hold and the motion, over the size of the
+model (or in rad, or strain), and that of velocities over the fastest one, before it was removed. The attributes
+``damping_assumptions`` and ``damping_laws`` (JSON by rod) tell what was assumed of the damping and what it was
+computed with (``viscorod.analyses.material_record``).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from viscorod.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+AXES = ("x", "y", "z")
+"""Global axes, in the order of every ``axis`` dimension."""
+
+DIMENSION = {"simulate": "time", "equilibrium": "load_factor", "steady": "spin"}
+"""Kind of result -> the dimension along which its states are stored."""
+
+VARIABLES: dict[str, tuple[str, str]] = {
+    "time": ("s", "time"),
+    "load_factor": ("1", "part of the loads applied"),
+    "spin": ("rad/s", "angular speed"),
+    "station_rod": ("", "rod of the station, or body or named point of a body"),
+    "station_s": ("m", "arc length of the station in the reference shape, 0 on bodies"),
+    "station_order": ("1", "order of the elements of the station's rod, 0 on bodies"),
+    "station_body": ("", "body that the station belongs to or is rigidly attached to, empty for none"),
+    "point_rod": ("", "rod of the Gauss point"),
+    "point_s": ("m", "arc length of the Gauss point in the reference shape"),
+    "point_weight": ("m", "quadrature length of the Gauss point"),
+    "reference_position": ("m", "position in the reference shape"),
+    "reference_rotation": ("1", "orientation in the reference shape, quaternion from body to global axes"),
+    "position": ("m", "position"),
+    "rotation": ("1", "orientation, quaternion from body to global axes"),
+    "velocity": ("m/s", "velocity, global axes"),
+    "angular_velocity": ("rad/s", "angular velocity, body axes"),
+    "strain": ("1, 1, 1, 1/m, 1/m, 1/m", "strain: shear 1, shear 2, stretch, bend 1, bend 2, twist"),
+    "section_force": (
+        "N, N m",
+        "force and moment of the section, elastic and viscous, reactions of held strains, body axes",
+    ),
+    "half_width": ("m", "largest distance of the section's outline from the centre line, 0 if unknown"),
+    "dissipation": ("W/m", "power lost to viscosity per length"),
+    "relaxation_time": ("s", "relaxation time of a Maxwell branch"),
+    "branch_loss": ("J", "energy lost by the Maxwell branch so far, part of viscous"),
+    "kinetic": ("J", "kinetic energy"),
+    "elastic": ("J", "elastic energy of rods, their Maxwell branches and springs"),
+    "viscous": ("J", "energy lost to viscosity, Maxwell branches and dampers so far"),
+    "external": ("J", "work of loads, moving supports and motors so far"),
+    "numerical": ("J", "numerical remainder of the energy account"),
+    "reaction": ("N, N m", "force and moment of the support on the rod, global axes"),
+    "joint": ("", "joint or spring of the coordinate"),
+    "joint_motion": ("", "motion word of the coordinate, of a relative to b along the joint's axes"),
+    "joint_held": ("", "whether the joint or a motor holds the coordinate"),
+    "joint_value": (
+        "m, rad",
+        "coordinate of a joint or spring, from the reference shape; of a line its length",
+    ),
+    "joint_rate": ("m/s, rad/s", "rate of the coordinate"),
+    "joint_force": (
+        "N, N m",
+        "force or moment of the joint or spring on its first place, along the coordinate",
+    ),
+    "connection": ("", "joint or spring"),
+    "connection_kind": ("", "joint or spring"),
+    "connection_station": ("1", "stations that it connects, the carrier of its axes first, -1 the ground"),
+    "connection_arm": ("m", "where it sits, in the axes of each station; global at the ground"),
+    "step_size": ("s", "step that ended here"),
+    "linear_momentum": ("N s", "linear momentum of all rods and bodies, global axes"),
+    "angular_momentum": ("N m s", "angular momentum of all rods and bodies about the origin, global axes"),
+    "spin_vector": ("rad/s", "angular velocity, global axes"),
+    "joint_spin": ("rad/s", "angular velocity in the axes of the node at the joint, or of the first one"),
+    "centre": ("m", "point on the axis of rotation"),
+    "momentum": ("N m s", "angular momentum about the centre, global axes"),
+    "eigenvalue": ("1/s", "real and imaginary part of s, small motions exp(s t) about the rotation"),
+    "negative_eigenvalues": ("1", "number of negative eigenvalues of the tangent stiffness"),
+    "iterations": ("1", "Newton iterations of the step that ended here"),
+}
+"""Name -> (unit, long name), written into the attributes of every data set."""
+
+STATES = "states"
+"""Stands for the dimension of the states in ``DIMENSIONS``: time, load_factor or spin (see ``DIMENSION``)."""
+
+DIMENSIONS: dict[str, tuple[str, ...]] = {
+    "time": ("time",),
+    "load_factor": ("load_factor",),
+    "spin": ("spin",),
+    **dict.fromkeys(("station_rod", "station_s", "station_order", "station_body"), ("station",)),
+    **dict.fromkeys(("point_rod", "point_s", "point_weight", "half_width"), ("point",)),
+    "reference_position": ("station", "axis"),
+    "reference_rotation": ("station", "quaternion"),
+    **dict.fromkeys(("position", "velocity", "angular_velocity"), (STATES, "station", "axis")),
+    "rotation": (STATES, "station", "quaternion"),
+    **dict.fromkeys(("strain", "section_force"), (STATES, "point", "component")),
+    "dissipation": (STATES, "point"),
+    "relaxation_time": ("branch",),
+    "branch_loss": (STATES, "branch"),
+    **dict.fromkeys(("kinetic", "elastic", "viscous", "external", "numerical"), (STATES,)),
+    "reaction": (STATES, "support", "motion"),
+    **dict.fromkeys(("joint", "joint_motion", "joint_held"), ("joint_coordinate",)),
+    **dict.fromkeys(("joint_value", "joint_rate", "joint_force"), (STATES, "joint_coordinate")),
+    **dict.fromkeys(("connection", "connection_kind"), ("connection",)),
+    "connection_station": ("connection", "side"),
+    "connection_arm": ("connection", "side", "axis"),
+    **dict.fromkeys(("step_size", "iterations", "negative_eigenvalues"), (STATES,)),
+    **dict.fromkeys(("linear_momentum", "angular_momentum"), (STATES, "axis")),
+    **dict.fromkeys(("spin_vector", "joint_spin", "centre", "momentum"), ("axis",)),
+    "eigenvalue": ("small_motion", "part"),
+}
+"""Name -> dimensions of every variable."""
+
+FRAMES = {
+    **dict.fromkeys(
+        (
+            "reference_position",
+            "position",
+            "velocity",
+            "reaction",
+            "linear_momentum",
+            "angular_momentum",
+            "spin_vector",
+            "centre",
+            "momentum",
+        ),
+        "global",
+    ),
+    **dict.fromkeys(("reference_rotation", "rotation"), "body to global"),
+    **dict.fromkeys(("angular_velocity", "strain", "section_force", "joint_spin"), "body (d1, d2, d3)"),
+    **dict.fromkeys(("joint_value", "joint_rate", "joint_force"), "of the joint"),
+    "connection_arm": "of the station",
+}
+"""Name -> axes in which the components of a vector are."""
+
+PLACES = {
+    "station": "nodes of the elements, rod by rod by increasing arc length, then bodies and their points",
+    "point": "Gauss points of the elements, rod by rod by increasing arc length",
+    "axis": "x, y, z: components in the axes that the variable names (body axes: d1, d2, d3)",
+    "quaternion": "w, x, y, z",
+    "component": "shear_1, shear_2, stretch, bend_1, bend_2, twist: along and about d1, d2, d3",
+    "support": "supports, by name",
+    "motion": "fx, fy, fz, mx, my, mz",
+    "branch": "Maxwell branches, by relaxation time",
+    "joint_coordinate": "motions of joints and springs",
+    "connection": "joints and springs",
+    "side": "the two places of a connection",
+    "small_motion": "eigenvalues, slowest first",
+    "part": "real and imaginary",
+}
+"""Dimension -> what its places are."""
+
+COUNTERS = {
+    "steps": "steps",
+    "rejected": "rejected steps",
+    "iterations": "iterations",
+    "evaluations": "evaluations of the forces",
+    "jacobians": "Jacobians",
+    "factorisations": "factorisations",
+}
+"""Integer attributes, what the solution took, and what they count."""
+
+_ALWAYS = (
+    "station_rod",
+    "station_s",
+    "station_order",
+    "reference_position",
+    "reference_rotation",
+    "position",
+    "rotation",
+    "elastic",
+)
+_REQUIRED = {
+    "simulate": (*_ALWAYS, "velocity", "kinetic", "viscous", "external", "numerical"),
+    "equilibrium": _ALWAYS,
+    "steady": (*_ALWAYS, "velocity", "kinetic", "spin_vector", "eigenvalue"),
+}
+
+
+def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
+    """Return ``data`` with units and long names, after checking that it is a result of this kind.
+
+    Args:
+        data: the data set; it is not changed.
+        kind: "simulate", "equilibrium" or "steady".
+
+    Raises:
+        InputError: the data set is of another kind, or variables are missing.
+    """
+    found = data.attrs.get("kind")
+    if found != kind:
+        raise InputError(
+            f"this data set has kind = {found!r} where {kind!r} is needed; viscorod.load opens any kind"
+        )
+    missing = [name for name in (DIMENSION[kind], *_REQUIRED[kind]) if name not in data.variables]
+    if missing:
+        raise InputError(
+            f"this data set is no complete viscorod result: {', '.join(missing)} missing; "
+            "use a file that viscorod wrote"
+        )
+    result = data.copy()
+    for name, variable in result.variables.items():
+        unit, long_name = VARIABLES.get(str(name), ("", ""))
+        attributes = variable.attrs
+        if unit:
+            attributes.setdefault("units", unit)
+        if long_name:
+            attributes.setdefault("long_name", long_name)
+    return result

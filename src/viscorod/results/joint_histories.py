@@ -1,0 +1,64 @@
+"""Where bodies, joints and springs are, in terms of stations: what a picture of a result needs to know of them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from viscorod.mechanics.joints.joint_coordinates import AT_RHO_A, AT_RHO_B
+from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.solve.history import StationReader
+from viscorod.solve.problem.joint_set import GROUND
+from viscorod.solve.problem.problem import Problem
+from viscorod.typing import Floats
+
+
+def unique(names: Sequence[str]) -> list[str]:
+    """Return the names with a number added from the second of the same on."""
+    seen: Counter[str] = Counter()
+    found = []
+    for name in names:
+        seen[name] += 1
+        found.append(name if seen[name] == 1 else f"{name} ({seen[name]})")
+    return found
+
+
+def bodies_of_stations(problem: Problem, reader: StationReader) -> np.ndarray:
+    """Return the name of the body that each station is part of, or is rigidly attached to; empty for none."""
+    bodies = problem.bodies
+    names = {int(node): name.partition(".")[0] for node, name in zip(bodies.nodes, bodies.names, strict=True)}
+    return np.array([names.get(node, "") for node in reader.nodes.tolist()])
+
+
+def connections(problem: Problem, reader: StationReader) -> dict[str, Any]:
+    """Return the coordinates that tell where joints and springs are: two stations each, and points in their axes."""
+    joints = problem.joints
+    geometry = joints.arrays.geometry
+    count = len(joints.names)
+    station = np.full((count, 2), -1, dtype=np.int64)
+    arm = np.zeros((count, 2, 3))
+    for k in range(count):
+        c = int(np.argmax(joints.joint == k))
+        for side, at in enumerate((AT_RHO_A, AT_RHO_B)):
+            point = geometry[c, at : at + 3]
+            station[k, side], arm[k, side] = _seat(reader, int(joints.arrays.nodes[c, side]), point)
+    return {
+        "connection": unique(joints.names),
+        "connection_kind": ("connection", np.where(joints.row >= 0, "joint", "spring")),
+        "connection_station": (("connection", "side"), station),
+        "connection_arm": (("connection", "side", "axis"), arm),
+    }
+
+
+def _seat(reader: StationReader, node: int, point: Floats) -> tuple[int, Floats]:
+    """Return the nearest station of a node and a point, given in the node's axes, in the axes of that station."""
+    if node == GROUND:
+        return GROUND, point
+    offset, turn = reader.places
+    mine = np.flatnonzero(reader.nodes == node)
+    distance = np.linalg.norm(offset[mine] - point, axis=1)
+    nearest = int(mine[np.argmin(distance)])
+    return nearest, np.asarray(matrices(turn[nearest][None])[0].T @ (point - offset[nearest]))

@@ -1,0 +1,97 @@
+"""What a reader of a result should know before trusting it."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.results.array_pieces import extremes
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from viscorod.results.result import Result
+
+_GAP = 1e-2
+_MESH = 0.01  # accepted error of positions by the mesh, as a part of the length of a rod
+_NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
+_STRAIN = 0.1  # strain beyond which a linear material law for small strains is doubtful
+
+
+def warnings_of(result: Result) -> list[str]:
+    """Return the warnings stored with a result and those that its data call for.
+
+    Stored ones are the JSON list of texts in the attribute ``warnings``. Added are: a remainder of the energy
+    account above 1 % of the energy that moved, steps that had to be halved, a mesh whose error is estimated as more
+    than 1 % of a rod's length, and shear, stretch or bending strain
+    times half width beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang and Tuganov,
+    section 2.2) is doubtful.
+    """
+    data = result.data
+    texts = [str(text) for text in json.loads(data.attrs.get("warnings", "[]"))]
+    if "numerical" in data and "kinetic" in data:
+        from viscorod.results.energy import Energy
+
+        fraction = Energy.of(data).numerical_fraction
+        if fraction > _NUMERICAL:
+            texts.append(
+                f"the numerical remainder of the energy account reaches {100.0 * fraction:.2g} % "
+                f"of the energy that moved; use a smaller {'tolerance' if 'tolerance' in data.attrs else 'time_step'}"
+            )
+    rejected = int(data.attrs.get("rejected", 0))
+    # steps that follow the error, or a path, are rejected now and then
+    if rejected and not {"tolerance", "limit_points"} & set(data.attrs):
+        what = "time step" if result.dimension == "time" else "load step"
+        plural = "s" if rejected > 1 else ""
+        texts.append(
+            f"{rejected} {what}{plural} did not converge and had to be tried again with a smaller one"
+        )
+    gap = float(data.attrs.get("pose_gap", 0.0)) / float(data.attrs.get("scale_length", 1.0))
+    if gap > _GAP:
+        texts.append(
+            f"poses integrated in time and along the rods differ by {gap:.2g} of the model's size: "
+            "the mesh is too coarse for this motion; use more elements or a higher order"
+        )
+    texts += [
+        f"positions may be off by {100.0 * error:.2g} % of the length of rod {rod!r}, whose mesh is coarse for this; "
+        "use more elements or a higher order"
+        for rod, error in result.mesh_errors.items()
+        if error > _MESH
+    ]
+    return texts + _strain_warnings(result)
+
+
+def _strain_warnings(result: Result) -> list[str]:
+    """Return one warning each for shear or stretch and for bending that are too large for small strains."""
+    data = result.data
+    if "strain" not in data or not data.sizes.get("point", 0):
+        return []
+    strain = np.maximum(*map(np.abs, extremes(result, "strain")))
+    texts = []
+    value, component, where = _largest(data, strain[:, :3])
+    if value > _STRAIN:
+        name = ("shear 1", "shear 2", "stretch")[component]
+        texts.append(
+            f"the strain {name} reaches {value:.2g}{where}; the material law is meant for strains well below 1"
+        )
+    if "half_width" in data:
+        half = np.asarray(data["half_width"].values, dtype=float)
+        value, component, where = _largest(data, strain[:, 3:5] * half[:, None])
+        if value > _STRAIN:
+            texts.append(
+                f"bend {component + 1} times the half width of the section reaches {value:.2g}{where}; "
+                "the material law is meant for strains well below 1"
+            )
+    return texts
+
+
+def _largest(data: xr.Dataset, values: Floats) -> tuple[float, int, str]:
+    """Return the largest of ``(point, component)``, its component and " at rod@s"."""
+    point, component = (int(k) for k in np.unravel_index(int(np.argmax(values)), values.shape))
+    where = ""
+    if "point_rod" in data and "point_s" in data:
+        where = f" at {data['point_rod'].values[point]}@{float(data['point_s'].values[point]):.4g}"
+    return float(values[point, component]), component, where

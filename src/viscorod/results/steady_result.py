@@ -1,0 +1,126 @@
+"""The result of looking for a steady rotation."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from viscorod.results.result import Result
+from viscorod.typing import Floats
+
+
+class Steady(Result):
+    """A steady rotation: every rod turns like a rigid body, bent and stressed; and its small motions.
+
+    ``data`` holds one state along the dimension ``spin``, at one instant of the rotation.
+    """
+
+    kind: ClassVar[str] = "steady"
+
+    @property
+    def spin(self) -> Floats:
+        """Angular velocity [rad/s], global axes, shape (3,)."""
+        return self._values("spin_vector")
+
+    @property
+    def joint_spin(self) -> Floats:
+        """Angular velocity [rad/s] in the axes d1, d2, d3 of the node at the ball joint (or of the first), (3,)."""
+        return self._values("joint_spin")
+
+    @property
+    def centre(self) -> Floats:
+        """A point on the axis [m]: the ball joint, the mass centre, or what was given, shape (3,)."""
+        return self._values("centre")
+
+    @property
+    def angular_momentum(self) -> Floats:
+        """Angular momentum about the centre [N m s], global axes, shape (3,)."""
+        return self._values("momentum")
+
+    @property
+    def kinetic_energy(self) -> float:
+        """Kinetic energy [J]."""
+        return float(self._values("kinetic")[0])
+
+    @property
+    def elastic_energy(self) -> float:
+        """Energy stored in the strains [J]."""
+        return float(self._values("elastic")[0])
+
+    @property
+    def formulation(self) -> str:
+        """The word "geometric" or "intrinsic"."""
+        return str(self.data.attrs["formulation"])
+
+    @property
+    def damping(self) -> str:
+        """The word "full" or "linearised"."""
+        return str(self.data.attrs["damping"])
+
+    @property
+    def residual(self) -> float:
+        """Largest imbalance of a node, as a part of the largest force that balances; 0 is exact."""
+        return float(self.data.attrs["residual"])
+
+    @cached_property
+    def eigenvalues(self) -> np.ndarray:
+        """``s`` [1/s] of the small motions ``exp(s t)`` about the rotation: one of each conjugate pair, slowest first.
+
+        Turning all in space, or moving it, makes a copy of the same rotation and is no small motion here. A change of
+        the angular speed of a rod that turns freely is one, with s = 0.
+        """
+        real, imaginary = self._values("eigenvalue").T
+        values: np.ndarray = real + 1j * imaginary
+        return values
+
+    @property
+    def frequencies(self) -> Floats:
+        """``|s|/2 pi`` of the eigenvalues [Hz]."""
+        size: Floats = np.abs(self.eigenvalues) / (2.0 * np.pi)
+        return size
+
+    @property
+    def damping_ratios(self) -> Floats:
+        """``-Re s/|s|`` of the eigenvalues; 0 where s = 0."""
+        s = self.eigenvalues
+        ratios: Floats = np.divide(-s.real, np.abs(s), out=np.zeros(len(s)), where=np.abs(s) > 0.0)
+        return ratios
+
+    @property
+    def stable(self) -> bool:
+        """Whether no small motion grows faster than round-off lets it seem to."""
+        return int(self.data.attrs["unstable"]) == 0
+
+    @property
+    def growth_rate(self) -> float:
+        """The largest rate of growth [1/s] of a small motion; 0 if stable."""
+        return float(self.data.attrs["growth_rate"])
+
+    @property
+    def neutral(self) -> int:
+        """Number of small motions, both of a conjugate pair, that neither grow nor fade beyond round-off."""
+        return int(self.data.attrs["neutral"])
+
+    def position(self, place: str | int) -> Floats:
+        """Return the position of a place [m], shape (3,), global axes, at the instant that is stored."""
+        return self.sites.at(place).of(self.field("position", states=-1))
+
+    def report(self) -> str:
+        """Return a report: the rotation, ends of the rods, energies, stability, the effort, warnings."""
+        from viscorod.results.report import steady_report
+
+        return steady_report(self)
+
+    def plot(self, path: str | Path) -> Path:
+        """Draw the reference shape and the one that turns; returns the path."""
+        from viscorod.pictures.plots.plot_shape import draw_shape
+        from viscorod.pictures.style import write
+
+        return write(draw_shape(self), path)
+
+    def _values(self, name: str) -> Floats:
+        values: Floats = np.asarray(self.data[name].values, dtype=float)
+        return values

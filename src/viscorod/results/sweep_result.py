@@ -1,0 +1,258 @@
+"""What a sweep answers: its members, one data set over all of them, a table, the file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.results.data_schema import DIMENSION
+from viscorod.results.energy import Energy
+from viscorod.results.files.storage import read, write
+from viscorod.results.run import Equilibrium, Run
+from viscorod.results.steady_result import Steady
+from viscorod.results.text_table import table
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+KIND = "sweep"
+COMPLETED = "completed"
+TABLE = {
+    "steps": ("1", "steps taken"),
+    "wall_time_s": ("s", "wall time"),
+    "numerical_fraction": (
+        "1",
+        "largest numerical remainder of the energy account over the energy that moved",
+    ),
+}
+"""Variables of every member that are no fields -> (unit, long name)."""
+
+KINDS: dict[str, type[Run | Equilibrium | Steady]] = {kind.kind: kind for kind in (Run, Equilibrium, Steady)}
+"""The results that members may have, by their word."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """One run of a sweep.
+
+    Attributes:
+        number: place in the table of values, from 0.
+        values: parameter -> value, as given.
+        result: the run, equilibrium or steady rotation; where it failed, what there is up to there, or None.
+        message: why it failed, empty if it did not.
+        outcome: "completed", or what stopped it.
+    """
+
+    number: int
+    values: Mapping[str, Any]
+    result: Run | Equilibrium | Steady | None
+    message: str = ""
+    outcome: str = COMPLETED
+
+    @property
+    def completed(self) -> bool:
+        """Whether there is a whole result."""
+        return self.outcome == COMPLETED and self.result is not None
+
+    def figures(self) -> dict[str, float]:
+        """Steps, wall time [s] and, of a run, the numerical part of its energy account."""
+        if self.result is None:
+            return {}
+        attrs = self.result.data.attrs
+        found = {name: float(attrs[name]) for name in ("steps", "wall_time_s") if name in attrs}
+        if isinstance(self.result, Run):
+            found["numerical_fraction"] = Energy.of(self.result.data).numerical_fraction
+        return found
+
+
+class Sweep:
+    """The members of a sweep, in the order of their values.
+
+    Attributes:
+        members: all of them, failed ones too.
+        notes: what was chosen for the user.
+    """
+
+    def __init__(self, members: Sequence[Member], title: str = "", notes: Sequence[str] = ()) -> None:
+        self.members = tuple(members)
+        self.title = title
+        self.notes = tuple(notes)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """The keys that were varied."""
+        return tuple(self.members[0].values) if self.members else ()
+
+    @property
+    def completed(self) -> tuple[Member, ...]:
+        """The members with a whole result."""
+        return tuple(member for member in self.members if member.completed)
+
+    @property
+    def failed(self) -> tuple[Member, ...]:
+        """The other members."""
+        return tuple(member for member in self.members if not member.completed)
+
+    @cached_property
+    def separate(self) -> str:
+        """Why ``data`` holds no fields: what differs between the completed members; empty if they are stacked."""
+        results = [member.result.data for member in self.completed if member.result is not None]
+        return next((text for other in results[1:] if (text := _difference(results[0], other))), "")
+
+    @cached_property
+    def data(self) -> xr.Dataset:
+        """The completed members as one ``xarray.Dataset`` with a dimension ``member``.
+
+        Coordinates along it are the number of the member and its values. Fields of the runs are stacked if all
+        members have the same stations and the same times (or load factors); otherwise, see ``separate``, only steps,
+        wall time and numerical fraction are there, and fields are read from ``members``. Nothing is padded.
+        """
+        import xarray as xr
+
+        kept = self.completed
+        variables: dict[str, Any] = {}
+        coordinates: dict[str, Any] = {"member": np.array([member.number for member in kept], dtype=np.int64)}
+        for name in self.parameters:
+            coordinates[name] = ("member", _column([member.values[name] for member in kept]))
+        rows = [member.figures() for member in kept]
+        for name, (unit, long_name) in TABLE.items():
+            if rows and all(name in row for row in rows):
+                attributes = {"units": unit, "long_name": long_name}
+                dtype = np.int64 if name == "steps" else np.float64
+                variables[name] = ("member", np.array([row[name] for row in rows], dtype), attributes)
+        if kept and not self.separate:
+            fields, axes = _stacked([member.result.data for member in kept if member.result is not None])
+            variables |= fields
+            coordinates |= axes
+        return xr.Dataset(variables, coordinates, attrs={"kind": KIND, "title": self.title})
+
+    def report(self) -> str:
+        """Return a table of the members: values, steps, wall time, numerical remainder, outcome; then what failed."""
+        header = ("member", *self.parameters, "steps", "wall time [s]", "numerical [%]", "outcome")
+        rows = []
+        for member in self.members:
+            figures = member.figures()
+            fraction = figures.get("numerical_fraction")
+            rows.append(
+                (
+                    str(member.number),
+                    *(_text(value) for value in member.values.values()),
+                    f"{figures['steps']:.0f}" if "steps" in figures else "-",
+                    f"{figures['wall_time_s']:.3g}" if "wall_time_s" in figures else "-",
+                    "-" if fraction is None else f"{100.0 * fraction:.2g}",
+                    member.outcome,
+                )
+            )
+        count = f"{len(self.members)} members, {len(self.completed)} completed"
+        blocks = [table(f"{self.title}: {count}" if self.title else count, header, rows)]
+        blocks += [f"member {member.number}: {member.message}" for member in self.failed]
+        blocks += self.notes
+        if self.separate:
+            blocks.append(f"The members are kept apart: {self.separate}")
+        return "\n\n".join(blocks)
+
+    def __str__(self) -> str:
+        return self.report()
+
+    def save(self, path: str | Path) -> Path:
+        """Write one netCDF4 file, for ``viscorod.load`` and any HDF5 tool; returns the path.
+
+        Its root is ``data``; results that are not in there (of members that failed or differ) are groups
+        ``member_0``, ``member_1``, ...
+        """
+        record = {
+            "notes": self.notes,
+            "members": [
+                {
+                    "number": member.number,
+                    "values": member.values,
+                    "message": member.message,
+                    "outcome": member.outcome,
+                    "attrs": None if member.result is None else member.result.data.attrs,
+                }
+                for member in self.members
+            ],
+        }
+        path = write(self.data.assign_attrs(sweep=json.dumps(record, default=_plain)), path)
+        for member in self.members:
+            if member.result is not None and (self.separate or not member.completed):
+                write(member.result.data, path, group=f"member_{member.number}")
+        return path
+
+    @classmethod
+    def of(cls, data: xr.Dataset, path: Path) -> Sweep:
+        """The sweep whose file is ``path`` and whose root is ``data``."""
+        record = json.loads(data.attrs["sweep"])
+        members = []
+        for row in record["members"]:
+            result = None
+            if row["attrs"] is not None:
+                number = row["number"]
+                stacked = number in data["member"].values and DIMENSION[row["attrs"]["kind"]] in data
+                whole = _unstacked(data, number) if stacked else read(path, group=f"member_{number}")
+                whole.attrs = row["attrs"]
+                result = KINDS[row["attrs"]["kind"]](whole)
+            members.append(Member(row["number"], row["values"], result, row["message"], row["outcome"]))
+        return cls(members, str(data.attrs["title"]), record["notes"])
+
+
+def _difference(one: xr.Dataset, other: xr.Dataset) -> str:
+    """What keeps two results from being stacked, in words; empty if nothing does."""
+    if one.attrs["kind"] != other.attrs["kind"] or set(one.variables) != set(other.variables):
+        return "they hold different quantities"
+    along = DIMENSION[one.attrs["kind"]]
+    for name in one.dims:
+        if one.sizes[name] != other.sizes[name] and name != along:
+            return f"their numbers of {name}s differ ({one.sizes[name]} and {other.sizes[name]})"
+    for name in one.variables:
+        a, b = one[name].values, other[name].values
+        fixed = name in one.dims or a.dtype.kind not in "fi"
+        if a.shape != b.shape or (fixed and not np.array_equal(a, b)):
+            differ = {"time": "stored times", "load_factor": "load steps", "spin": "angular speeds"}
+            return f"their {differ.get(along if along in one[name].dims else '', str(name))} differ"
+    return ""
+
+
+def _stacked(results: Sequence[xr.Dataset]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Variables and coordinates of results that differ in values only; what is equal in all is kept once."""
+    first = results[0]
+    along = DIMENSION[first.attrs["kind"]]
+    fields: dict[str, Any] = {}
+    axes: dict[str, Any] = {}
+    for name, variable in first.variables.items():
+        columns = [result[name].values for result in results]
+        states = along in variable.dims and name not in first.dims
+        if states or not all(np.array_equal(columns[0], column) for column in columns[1:]):
+            built = (("member", *variable.dims), np.stack(columns), dict(variable.attrs))
+        else:
+            built = (variable.dims, columns[0], dict(variable.attrs))
+        (axes if name in first.coords else fields)[str(name)] = built
+    return fields, axes
+
+
+def _unstacked(data: xr.Dataset, number: int) -> xr.Dataset:
+    """The fields of one member, as its own result holds them."""
+    return data.drop_vars(TABLE, errors="ignore").sel(member=number, drop=True)
+
+
+def _column(values: Sequence[Any]) -> np.ndarray:
+    """Values along ``member``: numbers or texts as they are, anything else as JSON."""
+    if all(isinstance(value, str) for value in values):
+        return np.array(values, dtype=str)
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return np.array(values)
+    return np.array([json.dumps(value, default=_plain) for value in values], dtype=str)
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else str(value)
+
+
+def _text(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)

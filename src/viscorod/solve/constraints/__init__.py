@@ -1,0 +1,1 @@
+"""Supports, joints and held strains in the solvers: rows, multipliers, projections, redundancy, rigid motions."""

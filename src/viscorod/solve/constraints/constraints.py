@@ -1,0 +1,320 @@
+"""Joints, springs and held strains of a problem in action: targets in time, forces, gaps and drift."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.elements.held_strains import add_held_strains
+from viscorod.mechanics.elements.internal_force import Elements, ElementWork, Points, internal_forces
+from viscorod.mechanics.joints.joint_coordinates import DISTANCE, TRANSLATION
+from viscorod.mechanics.joints.joint_forces import joint_forces
+from viscorod.mechanics.joints.joint_tangent import add_joint_tangent
+from viscorod.solve.linear.matrix import unit_of
+from viscorod.solve.problem.law_callbacks import NUMBERS, Laws
+from viscorod.solve.problem.problem import Problem
+from viscorod.typing import Floats, Integers
+
+if TYPE_CHECKING:
+    from viscorod.solve.formulations.system import State
+
+
+CLOSED = 1e-9
+"""Gap of a joint over the length (or in rad) that passes for round-off of the reference shape."""
+
+
+class JointState(NamedTuple):
+    """Values [m, rad], rates and forces [N, N m] of all coordinates of joints ``(c,)``.
+
+    A force is what the joint exerts on its first place along (about) the coordinate.
+    """
+
+    value: Floats
+    rate: Floats
+    force: Floats
+
+
+class Constraints:
+    """What couples nodes beside elements.
+
+    Args:
+        problem: what they belong to; elements: returns all of its elements, asked for held strains only.
+
+    Attributes:
+        target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
+        near: values ``(c,)`` that angles are to be near.
+        pace: how fast poses follow accelerations in the present matrix [1/s]: inertia counts with its square.
+        gap: what multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
+    """
+
+    def __init__(self, problem: Problem, elements: Callable[[], Elements]) -> None:
+        self.problem = problem
+        self.joints, self.held = problem.joints, problem.held
+        self.arrays = problem.joints.arrays
+        c, places = self.joints.count, 6 * problem.multipliers
+        self.pace = 0.0
+        self._elements = elements
+        self.laws = Laws(self.joints.laws)
+        self.buffer = np.zeros(NUMBERS)
+        self.near, self.target, self.target_rate = np.zeros(c), np.zeros(c), np.zeros(c)
+        self.gap, self.scale = np.zeros(places), np.ones(places)
+        self.gradients, self.A, self.P = np.zeros((c, 12)), np.zeros((c, 12)), np.zeros((c, 12))
+        self.force, self.rate, self.value = np.zeros(c), np.zeros(c), np.zeros(c)
+        self.energy = 0.0
+        self._stiffness, self._damping = self.arrays.stiffness.copy(), self.arrays.damping.copy()
+        self._earlier = np.zeros(c)
+        self.is_held = self.arrays.place >= 0
+        self._first_gap = self._gaps_of_reference()
+        taken = np.zeros(places, dtype=bool)
+        taken[self.arrays.place[self.is_held]] = True
+        taken[self.held.place] = True
+        self.idle: Integers = np.flatnonzero(~taken)
+        self.used: Integers = np.flatnonzero(taken)
+        self.target[:] = self._first_gap
+        self.unit = np.ones(places)
+        self.unit[self.arrays.place[self.is_held]] = self.joints.unit[self.is_held]
+
+    def _gaps_of_reference(self) -> Floats:
+        """Values of held coordinates in the reference shape: what is not closed there ``(c,)``."""
+        problem = self.problem
+        still = np.zeros((problem.size, 6))
+        value, _, _ = self.joints.measured(problem.positions, problem.quaternions, still)
+        value[~self.is_held] = 0.0
+        value[np.abs(value) < 1e-14 * self.joints.unit] = 0.0
+        return value
+
+    @property
+    def elements(self) -> Elements:
+        """All elements."""
+        return self._elements()
+
+    def measured(self, state: State) -> tuple[Floats, Floats, Floats]:
+        """Return values and rates ``(c,)`` and gradients ``(c, 12)`` of all coordinates in a state."""
+        return self.joints.measured(state.r, state.q, state.twist, self.near)
+
+    @property
+    def rows(self) -> int:
+        """Number of conditions that multipliers enforce."""
+        return len(self.used)
+
+    def rate_gaps(self, state: State) -> Floats:
+        """Return the rates of all gaps ``(places,)`` [1/s and units of the gaps], 0 where velocities are allowed."""
+        _, rate, _ = self.measured(state)
+        strains = self._strains(state).strain_rate if len(self.held.place) else None
+        return self._by_place(rate - self.target_rate, strains)
+
+    def gaps(self, state: State) -> Floats:
+        """Return all gaps ``(places,)``, 0 where positions are as the last :meth:`update` wants them."""
+        value, _, _ = self.measured(state)
+        strains = self._strains(state).strain if len(self.held.place) else None
+        return self._by_place(value - self.target, strains)
+
+    def _by_place(self, coordinates: Floats, strains: Floats | None) -> Floats:
+        """Arrange what is said of all coordinates ``(c,)`` and Gauss points ``(1, e, points, 6)`` by multiplier."""
+        out, held = np.zeros_like(self.gap), self.held
+        out[self.arrays.place[self.is_held]] = coordinates[self.is_held]
+        if strains is not None:
+            out[held.place] = strains[0, held.element, held.point, held.component]
+        return out
+
+    def _strains(self, state: State) -> Points:
+        """Return the Gauss points of a state."""
+        points, work, force = self._evaluation
+        internal_forces(self.elements, state.r[None], state.q[None], state.twist[None], points, work, force)
+        return points
+
+    @cached_property
+    def _evaluation(self) -> tuple[Points, ElementWork, Floats]:
+        """Room for :meth:`_strains`."""
+        width = self.elements.nodes.shape[1]
+        return Points.of(self.elements, 1), ElementWork.of(width - 1), np.zeros((1, self.problem.size, 6))
+
+    def speed(self, state: State) -> float:
+        """Return the largest velocity [m/s], or angular velocity times the length, of a state or of motors."""
+        length = self.problem.length
+        fastest = max(
+            float(np.abs(state.twist[:, :3]).max()), length * float(np.abs(state.twist[:, 3:]).max())
+        )
+        driven = float(np.abs(self.target_rate).max(initial=0.0)) * length
+        return max(fastest, driven, 1e-300) / length
+
+    def open_joints(self, part: float = 1.0, driven: Floats | None = None) -> list[str]:
+        """Name the joints that are open in the reference shape, and by how much.
+
+        Args:
+            part: of the gaps that is left; driven: where motors are to be instead of 0 ``(c,)``.
+        """
+        gaps = part * self._first_gap - (0.0 if driven is None else driven)
+        lengths = np.isin(self.arrays.kind, (TRANSLATION, DISTANCE))
+        return [
+            f"{self.joints.label(int(c))} by {abs(gaps[c]):.6g} {'m' if lengths[c] else 'rad'}"
+            for c in np.flatnonzero(np.abs(gaps) > CLOSED * self.joints.unit)
+        ]
+
+    def strained(self, reference: State, t: float, *, before: bool = True) -> bool:
+        """Whether the ``reference`` shape is not at rest: open joints, motors away from 0, springs that pull."""
+        self.update(t, before)
+        if np.abs(self.target).max(initial=0.0) > 0.0 or self.open_joints():
+            return True
+        self.add_forces(reference, np.zeros_like(reference.twist))
+        return bool(np.any(self.force[~self.is_held] != 0.0))
+
+    def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
+        """Evaluate motors at time ``t`` [s]; ``scale`` below 1 leaves gaps of the reference shape open in part."""
+        if self.joints.count == 0:
+            return
+        self.target[:] = (1.0 - scale) * self._first_gap
+        for c, motion in self.joints.motions:
+            self.target[c] = scale * motion.value(t, before)
+            self.target_rate[c] = scale * motion.rate(t, before)
+        self.near[self.is_held] = self.target[self.is_held]
+
+    def add_forces(self, state: State, internal: Floats) -> None:
+        """Add the forces of joints and springs in a state to ``internal (n, 6)``; measure all coordinates."""
+        if self.joints.count == 0:
+            return
+        a = self.arrays
+        rate, force = np.zeros((1, self.joints.count)), np.zeros((1, self.joints.count))
+        energy, power = np.zeros(1), np.zeros(1)
+        joint_forces(
+            a,
+            self.laws.callback.address,
+            self.buffer,
+            self.near,
+            self.target[None],
+            state.multiplier[None],
+            state.r[None],
+            state.q[None],
+            state.twist[None],
+            self.value,
+            rate,
+            force,
+            energy,
+            power,
+            self.gap[None],
+            internal[None],
+        )
+        self.laws.callback.check()
+        self.force, self.rate = force[0], rate[0]
+        self.energy = float(energy[0]) + self.function_energy()
+
+    def function_energy(self) -> float:
+        """Return the energy [J] of springs that are Python functions, at the values measured last."""
+        law = self.arrays.law
+        return sum(self.laws.energy(int(law[c]), float(self.value[c])) for c in np.flatnonzero(law >= 0))
+
+    def settle(self) -> None:
+        """Take the present values as those that angles stay near."""
+        free = ~self.is_held
+        self.near[free] = self.value[free]
+
+    def add_tangent(
+        self,
+        state: State,
+        rate_map: Floats,
+        K: Floats,
+        C: Floats,
+        *,
+        moving: bool,
+        held: tuple[Integers, Floats] | None,
+    ) -> None:
+        """Add to the blocks ``K`` (and ``C``, see ``add_joint_tangent``) after :meth:`add_forces` in the same state.
+
+        Args:
+            held: orders of all elements and the change of their strains, see ``add_held_strains``.
+        """
+        a = self.arrays
+        for c in np.flatnonzero(a.law >= 0):
+            law = int(a.law[c])
+            self._stiffness[c], self._damping[c] = self.laws.slopes(
+                law, float(self.value[c]), float(self.rate[c])
+            )
+        stiff = self._stiffest(K)
+        self._add(state, self.force, self._stiffness, self._damping, moving, rate_map, stiff, K, C, held)
+
+    def add_rows(self, state: State, K: Floats, held: tuple[Integers, Floats] | None) -> None:
+        """Add the rows and columns of multipliers, and nothing else, to the blocks ``K``."""
+        none, still = np.zeros(self.joints.count), np.zeros((self.problem.size, 6, 6))
+        stiff = self._largest(K)
+        self._add(state, none, none, none, False, still, stiff, K, np.zeros((0, 6, 6)), held)
+
+    def _add(
+        self,
+        state: State,
+        force: Floats,
+        stiffness: Floats,
+        damping: Floats,
+        moving: bool,
+        rate_map: Floats,
+        stiff: float,
+        K: Floats,
+        C: Floats,
+        held: tuple[Integers, Floats] | None,
+    ) -> None:
+        """Add joints with the given forces and slopes, held strains, and ones for idle multipliers."""
+        diagonal, n = self.problem.pattern.diagonal, self.problem.size
+        length = unit_of(self.problem.length)
+        if self.joints.count:
+            add_joint_tangent(
+                self.arrays,
+                state.r,
+                state.q,
+                state.twist,
+                self.near,
+                force,
+                stiffness,
+                damping,
+                moving,
+                rate_map,
+                stiff,
+                length,
+                self.scale,
+                K,
+                C,
+                self.gradients,
+                self.A,
+                self.P,
+            )
+        if held is not None:
+            orders, B = held
+            add_held_strains(self.held, orders, stiff, length, B, self.scale, K)
+        for place in self.idle:
+            K[diagonal[n + place // 6], place % 6, place % 6] = 1.0
+
+    def _stiffest(self, K: Floats) -> float:
+        """Return the largest diagonal entry of all nodes with their inertia, or of springs, or 1."""
+        return self._largest(K, self.pace**2) or float(np.abs(self._stiffness).max(initial=0.0)) or 1.0
+
+    def _largest(self, K: Floats, inertia: float = 0.0) -> float:
+        """Return the largest diagonal entry of all nodes, displacements measured in the unit of the matrix."""
+        problem = self.problem
+        found = np.abs(np.einsum("kii->ki", K[problem.pattern.diagonal[: problem.size]]))
+        found = found + inertia * np.einsum("kii->ki", problem.mass)
+        return float((found * ([unit_of(problem.length) ** 2] * 3 + [1.0] * 3)).max())
+
+    def state(self) -> JointState:
+        """Return what was measured last."""
+        return JointState(self.value.copy(), self.rate.copy(), -self.force)
+
+    def loss(self, duration: float) -> float:
+        """Return the energy [J] lost to dampers since the last call, ``duration`` [s] ago; 0 starts counting anew.
+
+        The mean rate of the step stands for the rate, as for sections.
+        """
+        total = 0.0
+        if duration > 0.0:
+            rate = (self.value - self._earlier) / duration
+            total = (
+                float(np.sum(np.where(self.arrays.law < 0, self.arrays.damping, 0.0) * rate**2)) * duration
+            )
+            for c in np.flatnonzero(self.arrays.law >= 0):
+                total += self.laws.power(int(self.arrays.law[c]), float(rate[c])) * duration
+        self._earlier[:] = self.value
+        return total
+
+    def motor_power(self) -> float:
+        """Return the power [W] that motors put in, in the state of the last measurement."""
+        return -float(np.sum(self.force[self.is_held] * self.target_rate[self.is_held]))

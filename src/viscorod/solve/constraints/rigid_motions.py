@@ -1,0 +1,240 @@
+"""Rigid motions that the supports leave free, in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from scipy import sparse
+
+from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.solve.problem.problem import Problem
+from viscorod.typing import Floats
+
+_NAMES = (
+    "translation along x",
+    "translation along y",
+    "translation along z",
+    "rotation about x",
+    "rotation about y",
+    "rotation about z",
+)
+
+
+@dataclass(frozen=True)
+class FreeMotion:
+    """One rigid motion of an assembly that nothing holds; ``increments (n, 6)`` are the nodal body increments."""
+
+    text: str
+    translation: bool
+    increments: Floats
+
+    @property
+    def size(self) -> float:
+        """Largest nodal displacement of the motion [m]; 1 for a turning about the rod's own axis."""
+        return float(np.abs(self.increments[:, :3]).max()) or 1.0
+
+
+def free_motions(problem: Problem) -> list[FreeMotion]:
+    """Return the rigid motions of all parts that supports, joints and springs allow in the reference shape.
+
+    A part is what shares nodes: rods with their attachments and bodies. Parts move together where joints join them.
+    """
+    found: list[FreeMotion] = []
+    parts, labels = _parts(problem)
+    centres = np.zeros((parts, 3))
+    np.add.at(centres, labels, problem.positions)
+    centres /= np.bincount(labels, minlength=parts)[:, None]
+    conditions = _conditions(problem, labels, centres)
+    for group, mine in _groups(parts, conditions):
+        rows = [_row(condition, group) for condition in mine]
+        matrix = np.concatenate([np.zeros((1, 6 * len(group))), *rows])
+        for motion in _null_space(matrix):
+            found.append(_free_motion(problem, labels, centres, group, motion))
+    return found
+
+
+Condition: TypeAlias = list[tuple[int, Floats]]
+"""Parts and the rows ``(k, 6)`` by which their motions (velocity of the centre, spin times length) must vanish."""
+
+
+def _conditions(problem: Problem, labels: np.ndarray, centres: Floats) -> list[Condition]:
+    R = matrices(problem.quaternions)
+
+    def increments(node: int) -> Floats:
+        """Body increments (6, 6) of a node per motion of its part."""
+        out = np.zeros((6, 6))
+        out[:3, :3] = R[node].T
+        out[:3, 3:] = R[node].T @ skew(centres[labels[node]] - problem.positions[node]) / problem.length
+        out[3:, 3:] = R[node].T
+        return out
+
+    found: list[list[tuple[int, Floats]]] = []
+    for k, node in enumerate(problem.supports.nodes):
+        A = R[node] if problem.supports.in_body[k] else problem.supports.axes[k]
+        moves = np.kron(np.eye(2), A.T @ R[node]) @ increments(node)
+        found.append([(int(labels[node]), moves[problem.supports.fixed[k] > 0.0])])
+    joints = problem.joints.arrays
+    _, _, gradients = problem.joints.measured(
+        problem.positions, problem.quaternions, np.zeros((problem.size, 6))
+    )
+    for c in np.flatnonzero((joints.place >= 0) | problem.joints.pulls):
+        sides = [(side, int(node)) for side, node in enumerate(joints.nodes[c]) if node >= 0]
+        unit = np.repeat([1.0, 1.0 / problem.length], 3)  # per spin times length
+        rows = [
+            (int(labels[n]), (gradients[c, 6 * side : 6 * side + 6] * unit) @ increments(n))
+            for side, n in sides
+        ]
+        size = max(float(np.abs(row).max()) for _, row in rows)
+        found.append([(part, row[None] / size) for part, row in rows])
+    return found
+
+
+def _row(condition: Condition, group: list[int]) -> Floats:
+    """The rows of a condition in the motions of a group of parts."""
+    row = np.zeros((len(condition[0][1]), 6 * len(group)))
+    for part, values in condition:
+        at = 6 * group.index(part)
+        row[:, at : at + 6] += values
+    return row
+
+
+def _groups(parts: int, conditions: list[Condition]) -> list[tuple[list[int], list[Condition]]]:
+    """Parts that conditions couple, and these."""
+    if parts == 1:
+        return [([0], conditions)]
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    pairs = np.array([(c[0][0], c[-1][0]) for c in conditions] or [(0, 0)])
+    graph = csr_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(parts, parts))
+    count, label = connected_components(graph, directed=False)
+    groups: list[tuple[list[int], list[Condition]]] = [([], []) for _ in range(int(count))]
+    for part, k in enumerate(label):
+        groups[k][0].append(part)
+    for condition in conditions:
+        groups[label[condition[0][0]]][1].append(condition)
+    return groups
+
+
+def _free_motion(
+    problem: Problem, labels: np.ndarray, centres: Floats, group: list[int], motion: Floats
+) -> FreeMotion:
+    """Describe one motion of a group of parts and give its nodal increments."""
+    R = matrices(problem.quaternions)
+    increments = np.zeros((problem.size, 6))
+    moves = motion.reshape(-1, 6)
+    for part, move in zip(group, moves, strict=True):
+        nodes = np.flatnonzero(labels == part)
+        w = move[3:] / problem.length
+        velocity = move[:3] + np.cross(w, problem.positions[nodes] - centres[part])
+        increments[nodes, :3] = np.einsum("nji,nj->ni", R[nodes], velocity)
+        increments[nodes, 3:] = np.einsum("nji,j->ni", R[nodes], w)
+    size = np.linalg.norm(moves, axis=1)
+    moving = [k for k in np.argsort(-size, kind="stable") if size[k] > 1e-6 * size.max()]
+    first = moving[0]
+    text = f"{_describe(moves[first] / size[first], centres[group[first]], problem.length)}"
+    text += _name(problem, np.flatnonzero(labels == group[first]))
+    if len(moving) > 1:
+        others = len(moving) - 1
+        text += f", with {others} more part{'s' if others > 1 else ''} moving along"
+    still = float(np.abs(moves[:, 3:]).max()) < 1e-6 * float(np.abs(moves).max())
+    return FreeMotion(text, still, increments)
+
+
+def undetermined(
+    problem: Problem, external: Floats, stiffness: sparse.csc_array, motions: list[FreeMotion]
+) -> list[FreeMotion]:
+    """Return the free motions to be named because no equilibrium is near the reference shape; none if there is one.
+
+    Loads keep a motion in place if they do no work on it and their tangent resists it: a pendulum that hangs. If they
+    drive one motion, all free ones are named.
+
+    Args:
+        problem: what the motions belong to.
+        external: external forces in the reference shape, body components ``(n, 6)``.
+        stiffness: tangent there, loads included, before supports ``(6 n, 6 n)``.
+        motions: from :func:`free_motions`.
+    """
+    if not motions:
+        return []
+    force = float(np.abs(external[:, :3]).sum()) + float(np.abs(external[:, 3:]).sum()) / problem.length
+    driven = [
+        m for m in motions if m.translation or abs(np.sum(m.increments * external)) > 1e-9 * force * m.size
+    ]
+    if driven or force == 0.0:
+        return motions
+    basis = np.array([m.increments.ravel() / m.size for m in motions]).T
+    values, vectors = np.linalg.eigh(basis.T @ (stiffness + stiffness.T) @ basis / 2.0)
+    loose = values < 1e-6 * force / problem.length
+    share = np.abs(vectors[:, loose]).max(axis=1, initial=0.0)
+    return [m for m, part in zip(motions, share, strict=True) if part > 0.1]
+
+
+def _parts(problem: Problem) -> tuple[int, np.ndarray]:
+    """Number of parts, and the part of every node."""
+    if len(problem.rods) == 1 and problem.size == len(problem.stations.nodes):
+        return 1, np.zeros(problem.size, dtype=np.int64)
+    rows = np.concatenate([s.nodes[:, :-1].ravel() for s in problem.sets])
+    cols = np.concatenate([s.nodes[:, 1:].ravel() for s in problem.sets])
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = csr_array((np.ones(len(rows)), (rows, cols)), shape=(problem.size, problem.size))
+    count, labels = connected_components(graph, directed=False)
+    return int(count), labels
+
+
+def _name(problem: Problem, nodes: np.ndarray) -> str:
+    if len(problem.rods) == 1 and not problem.bodies.names:
+        return ""
+    inside = np.isin(problem.stations.nodes, nodes)
+    names = [problem.rods[i] for i in sorted(set(problem.stations.rod[inside].tolist()))]
+    bodies = zip(problem.bodies.names, problem.bodies.nodes, strict=True)
+    names += [name for name, node in bodies if node in nodes and "." not in name]
+    return f" of {', '.join(names[:3])}{', ...' if len(names) > 3 else ''}"
+
+
+def skew(a: Floats) -> Floats:
+    """Return ``[a]x`` of vectors ``(..., 3)`` as matrices ``(..., 3, 3)``."""
+    out = np.zeros((*a.shape[:-1], 3, 3))
+    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -a[..., 2], a[..., 1], -a[..., 0]
+    out[..., 1, 0], out[..., 2, 0], out[..., 2, 1] = a[..., 2], -a[..., 1], a[..., 0]
+    return out
+
+
+def _null_space(rows: Floats) -> list[Floats]:
+    """Basis of the null space, along the coordinate motions of single parts where possible."""
+    _, values, basis = np.linalg.svd(rows)
+    rank = int(np.count_nonzero(values > 1e-9))
+    null = basis[rank:]
+    count = rows.shape[1]
+    result: list[Floats] = []
+    for i in range(count):
+        unit = np.eye(count)[i]
+        if len(null) and np.linalg.norm(null @ unit) > 1.0 - 1e-9:
+            result.append(unit)
+    if result:
+        known = np.array(result)
+        null = null - (null @ known.T) @ known
+    if len(null):
+        _, values, basis = np.linalg.svd(null)
+        result.extend(basis[k] for k in range(len(values)) if values[k] > 1e-6)
+    return result
+
+
+def _describe(motion: Floats, centre: Floats, length: float) -> str:
+    main = int(np.argmax(np.abs(motion)))
+    if abs(abs(motion[main]) - 1.0) < 1e-6 and main < 3:
+        return _NAMES[main]
+    t, w = motion[:3], motion[3:] / length
+    if np.linalg.norm(w) * length < 1e-6:
+        return f"translation along ({', '.join(f'{x:.3g}' for x in t / np.linalg.norm(t))})"
+    point = centre + np.cross(w, t) / (w @ w)
+    through = ", ".join(f"{x:.4g}" for x in np.where(np.abs(point) < 1e-9 * length, 0.0, point))
+    direction = w / np.linalg.norm(w)
+    axis = int(np.argmax(np.abs(direction)))
+    if abs(direction[axis]) > 1.0 - 1e-6:
+        return f"{_NAMES[3 + axis]} through ({through})"
+    return f"rotation about ({', '.join(f'{x:.3g}' for x in direction)}) through ({through})"

@@ -1,0 +1,227 @@
+"""Supports in action: targets in time, imposed rows, consistent velocities, reactions."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+from viscorod.errors import InputError
+from viscorod.mechanics.nodes import inertia
+from viscorod.mechanics.nodes import support_rows as supports
+from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
+from viscorod.mechanics.rotations.rotation import retract
+from viscorod.solve.formulations.system import State
+from viscorod.solve.linear.matrix import Matrix
+from viscorod.solve.problem.problem import Problem
+from viscorod.typing import Floats
+
+LARGEST_TURN = 6.0
+"""Largest prescribed rotation [rad] of a partly held node: the rotation vector is singular at 2 pi."""
+
+
+class SupportState:
+    """Targets of all supports at one time, and the operations that impose them on a state."""
+
+    def __init__(self, problem: Problem) -> None:
+        s = problem.supports
+        self.problem = problem
+        self.set = s
+        m = len(s.nodes)
+        self.r0 = problem.positions[s.nodes]
+        self.q0 = problem.quaternions[s.nodes]
+        self.target: Floats = np.zeros((m, 6))
+        self.rate: Floats = np.zeros((m, 6))
+        self.acceleration: Floats = np.zeros((m, 6))
+        self.reaction: Floats = np.zeros((m, 6))
+        self._directions_now = np.zeros((m, 6, 6)), np.zeros((m, 6, 6)), np.zeros((m, 3))
+        self.complete = s.complete
+        self.partial = s.partial
+        self.moving = bool(s.motions)
+        self.twist: Floats = np.zeros((len(self.complete), 6))
+        self.twist_rate: Floats = np.zeros((len(self.complete), 6))
+
+    def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
+        """Evaluate all prescribed motions and their derivatives at time ``t`` [s].
+
+        Raises:
+            InputError: a partly held node is to turn by a full turn.
+        """
+        for k, component, motion in self.set.motions:
+            self.target[k, component] = scale * motion.value(t, before)
+            self.rate[k, component] = scale * motion.rate(t, before)
+            self.acceleration[k, component] = scale * motion.acceleration(t, before)
+        for k in self.partial if self.moving else ():
+            turned = float(np.linalg.norm(self.target[k, 3:]))
+            if turned > LARGEST_TURN:
+                raise InputError(
+                    f"supports: {self.set.names[k]} is to turn by {turned:.3g} rad at t = {t:.6g} s: the rotation "
+                    "vector of a place that is not held completely cannot pass a full turn; hold all six motions "
+                    "there (clamp with motion), which allows any number of turns"
+                )
+
+    def prescribe(self, state: State) -> None:
+        """Put fully supported nodes at their prescribed pose and twist."""
+        c = self.complete
+        if len(c) == 0:
+            return
+        if not self.moving:
+            state.twist[self.set.nodes[c]] = 0.0
+            return
+        r, q, self.twist, self.twist_rate = self.complete_motion()
+        nodes = self.set.nodes[c]
+        state.r[nodes], state.q[nodes], state.twist[nodes] = r, q, self.twist
+
+    def complete_motion(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return poses, body twists and their rates of all completely held supports, in their order."""
+        c = self.complete
+        r, q = np.empty((len(c), 3)), np.empty((len(c), 4))
+        twist, rate = np.empty((len(c), 6)), np.empty((len(c), 6))
+        prescribed_motion(
+            self.set.axes[c],
+            self.r0[c],
+            self.q0[c],
+            self.target[c],
+            self.rate[c],
+            self.acceleration[c],
+            r,
+            q,
+            twist,
+            rate,
+        )
+        return r, q, twist, rate
+
+    def impose(self, state: State, residual: Floats, matrix: Matrix, *, tangent: bool) -> None:
+        """Replace the rows of supported nodes; keeps the reactions (components along the support's axes)."""
+        supports.impose(
+            self.set.nodes,
+            self.set.fixed,
+            self.set.axes,
+            self.r0,
+            self.q0,
+            self.target,
+            state.r,
+            state.q,
+            residual,
+            self.reaction,
+            *self._directions_now,
+        )
+        if tangent:
+            supports.impose_tangent(
+                self.set.nodes,
+                self.set.fixed,
+                self.set.axes,
+                *self._directions_now,
+                self.reaction,
+                residual,
+                matrix.blocks,
+                matrix.pattern.starts,
+                matrix.pattern.across,
+                matrix.pattern.diagonal,
+            )
+
+    def unbalanced(self, residual: Floats) -> Floats:
+        """Return a copy of an imposed residual without the rows of held components."""
+        free = residual.copy()
+        free[self.set.nodes] *= 1.0 - self.set.fixed
+        return free
+
+    def power(self) -> float:
+        """Power [W] that moving supports put into the model."""
+        return float(np.sum(self.set.fixed * self.reaction * self.rate))
+
+    def global_reactions(self, state: State) -> Floats:
+        """Reactions as force [N] and moment [N m] in global axes ``(m, 6)``.
+
+        The components that :meth:`impose` keeps are conjugate to those of the rotation vector; ``G^T`` makes a wrench
+        of them.
+        """
+        out = np.empty((1, len(self.set.nodes), 6))
+        supports.reaction_wrenches(
+            self.set.nodes,
+            self.set.fixed,
+            self.set.axes,
+            self.r0,
+            self.q0,
+            self.target[None],
+            state.r[None],
+            state.q[None],
+            self.reaction[None],
+            out,
+        )
+        wrenches: Floats = out[0]
+        return wrenches
+
+    def _directions(self, k: int, state: State) -> tuple[Floats, Floats, Floats, Floats]:
+        """Measured components, their derivative G, dual directions Z and rotation vector of a support."""
+        value, G, Z, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)
+        node = self.set.nodes[k]
+        supports.support_directions(
+            self.set.axes[k],
+            self.r0[k],
+            self.q0[k],
+            self.set.fixed[k],
+            self.target[k],
+            state.r[node],
+            state.q[node],
+            value,
+            G,
+            Z,
+            psi,
+        )
+        return value, G, Z, psi
+
+    def free_rows(self) -> np.ndarray:
+        """Indices of the balance rows that remain after :meth:`impose`."""
+        free = np.ones((self.problem.size, 6), dtype=bool)
+        free[self.set.nodes] = self.set.fixed == 0.0
+        return np.flatnonzero(free.ravel())
+
+    def free_basis(self, state: State) -> sparse.csc_array:
+        """Columns spanning the body increments that the supports allow, one per free row."""
+        free = self.free_rows()
+        size = 6 * self.problem.size
+        if len(self.partial) == 0:
+            return sparse.csc_array(
+                (np.ones(len(free)), free, np.arange(len(free) + 1)), shape=(size, len(free))
+            )
+        blocks = sparse.eye_array(size, format="lil")
+        for k in self.partial:
+            first = 6 * int(self.set.nodes[k])
+            blocks[first : first + 6, first : first + 6] = self._directions(int(k), state)[2]
+        return sparse.csc_array(blocks.tocsc()[:, free])
+
+    def project_twists(self, state: State) -> None:
+        """Give partially supported nodes exactly the prescribed velocity components."""
+        for k in self.partial:
+            node = self.set.nodes[k]
+            _, G, Z, _ = self._directions(int(k), state)
+            gap = self.set.fixed[k] * (self.rate[k] - G @ state.twist[node])
+            state.twist[node] += Z @ gap
+
+    def correct(self, state: State, t: float) -> None:
+        """Put the held components of moving, partially supported nodes exactly where they are at time ``t`` [s]."""
+        if not self.moving or len(self.partial) == 0:
+            return
+        self.update(t)
+        change = np.zeros_like(state.twist)
+        for k in self.partial:
+            value, _, Z, _ = self._directions(int(k), state)
+            change[self.set.nodes[k]] = Z @ (self.set.fixed[k] * (self.target[k] - value))
+        retract(state.r, state.q, change, state.r, state.q)
+        self.project_twists(state)
+
+    def add_inertia(self, state: State, residual: Floats) -> None:
+        """Add the inertial forces of fully supported nodes, whose accelerations are known, to ``residual (n, 6)``."""
+        nodes = self.set.nodes[self.complete]
+        if not self.moving or len(nodes) == 0:
+            return
+        force = np.zeros((len(nodes), 6))
+        inertia.add_coriolis(self.problem.mass[nodes], state.twist[nodes], force)
+        residual[nodes] += force
+        self.add_acceleration(residual)
+
+    def add_acceleration(self, residual: Floats) -> None:
+        """Add mass times the known rate of the twist of fully supported nodes to ``residual (n, 6)``."""
+        nodes = self.set.nodes[self.complete]
+        if self.moving and len(nodes):
+            residual[nodes] += np.einsum("nij,nj->ni", self.problem.mass[nodes], self.twist_rate)

@@ -1,0 +1,1 @@
+"""The element formulations as systems that the analyses assemble."""

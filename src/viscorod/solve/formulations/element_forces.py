@@ -1,0 +1,164 @@
+"""How the two formulations get the strains of a moving body: what a collocation method asks of them.
+
+The geometric formulation computes strains from poses. The intrinsic one keeps them as states at the Gauss points, which
+the twists move; it takes them from the poses once, at the beginning of a run.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from viscorod.mechanics.elements.internal_force import Elements, ElementWork, Points, internal_forces
+from viscorod.mechanics.elements.intrinsic_element import StrainMotion, forces_at
+from viscorod.mechanics.elements.intrinsic_linearised import linearise_intrinsic
+from viscorod.mechanics.elements.linearised import Operators
+from viscorod.solve.formulations.dashpot_memory import Relaxation
+from viscorod.solve.formulations.system import State, System
+from viscorod.typing import Floats
+
+
+class ElementForces(Protocol):
+    """Internal forces of a moving body."""
+
+    @property
+    def motion(self) -> StrainMotion | None:
+        """Handed to the compiled step."""
+
+    def evaluate(self, state: State, points: Points, internal: Floats) -> None:
+        """Write the Gauss points ``(1, e, points, 6)`` and the internal forces ``(n, 6)`` of ``state``."""
+
+    def linearise(
+        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+    ) -> None:
+        """Write the operators and add to the blocks ``K`` and ``C`` of the Jacobian at ``state``.
+
+        Args:
+            turning: ``ad(x1)`` of every node ``(n, 6, 6)``; stress: section forces ``(e, points, 6)``.
+        """
+
+    def arrive(self, strain: Floats) -> None:
+        """Take the strains ``(e, points, 6)`` at the end of a step."""
+
+    def reflect(self, middle: Floats) -> None:
+        """Take the strains at the end of a step from those in its middle, twice the way."""
+
+
+def branch_forces(relaxation: Relaxation | None, strain: Floats) -> Floats:
+    """Return the forces of Maxwell branches at ``strain (e, points, 6)``, in which a motion begins relaxed."""
+    if relaxation is None:
+        return np.zeros_like(strain)
+    relaxation.begin(strain)
+    return relaxation.force(strain)
+
+
+class GeometricForces:
+    """Strains follow from poses."""
+
+    motion = None
+
+    def __init__(self, system: System, elements: Elements) -> None:
+        self.system, self.elements = system, elements
+        self._work = ElementWork.of(elements.nodes.shape[1] - 1)
+
+    def evaluate(self, state: State, points: Points, internal: Floats) -> None:
+        """See :class:`ElementForces`."""
+        where = state.r[None], state.q[None], state.twist[None]
+        internal_forces(self.elements, *where, points, self._work, internal[None])
+        held, relaxation = self.system.problem.held, self.system.relaxation
+        if not len(held.place) and relaxation is None:
+            return
+        # once more, with the section forces that need the strains, and multipliers for those that no law gives
+        points.stress[:] = points.section_force
+        points.stress[0] += branch_forces(relaxation, points.strain[0])
+        forces = state.multiplier[held.place] / held.weight
+        points.stress[0, held.element, held.point, held.component] = forces
+        internal_forces(self.elements, *where, points, self._work, internal[None])
+        points.section_force[:] = points.stress
+
+    def linearise(
+        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+    ) -> None:
+        """See :class:`ElementForces`."""
+        self.system.linearise(state, turning, stress, operators, K, C)
+
+    def arrive(self, strain: Floats) -> None:
+        """Nothing to keep: poses say it all."""
+
+    def reflect(self, middle: Floats) -> None:
+        """Nothing to keep: poses say it all."""
+
+
+class IntrinsicForces:
+    """Strains are states.
+
+    Args:
+        system: whose statics give the first strains; elements: its elements.
+        stages: of a step.
+        linearised: whether damping is that of AWP (22), else the full one of AWP (13).
+    """
+
+    def __init__(self, system: System, elements: Elements, stages: int, *, linearised: bool) -> None:
+        self.system, self.elements = system, elements
+        self.motion = StrainMotion.of(elements, stages, linearised=linearised)
+        self._now = StrainMotion.of(elements, 1, linearised=linearised)
+        self._known = False
+
+    def evaluate(self, state: State, points: Points, internal: Floats) -> None:
+        """See :class:`ElementForces`."""
+        if not self._known:
+            GeometricForces(self.system, self.elements).evaluate(state, points, internal)
+            strain = points.strain[0]
+            if self.system.given_strain is not None:
+                strain.reshape(-1, 6)[self.system.gauss_places()] = self.system.given_strain
+            self.arrive(strain)
+        points.strain[0] = self.motion.start
+        forces_at(
+            self.elements,
+            self._now,
+            state.twist[None],
+            points.strain,
+            points.strain_rate,
+            branch_forces(self.system.relaxation, points.strain[0]),
+            points.section_force,
+            internal[None],
+        )
+        points.stress[:] = points.section_force
+
+    def linearise(
+        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+    ) -> None:
+        """See :class:`ElementForces`."""
+        now, rate = self._now, np.zeros((1, *stress.shape))
+        forces_at(
+            self.elements,
+            now,
+            state.twist[None],
+            self.motion.start[None],
+            rate,
+            np.zeros_like(stress),
+            np.zeros_like(rate),
+            np.zeros((1, *state.twist.shape)),
+        )
+        linearise_intrinsic(
+            self.elements,
+            now.linearised,
+            self.motion.start,
+            now.twist[0],
+            rate[0],
+            turning,
+            stress,
+            operators,
+            K,
+            C,
+        )
+
+    def arrive(self, strain: Floats) -> None:
+        """See :class:`ElementForces`."""
+        self.motion.start[:] = strain
+        self._known = True
+
+    def reflect(self, middle: Floats) -> None:
+        """See :class:`ElementForces`."""
+        self.arrive(2.0 * middle - self.motion.start)

@@ -1,0 +1,450 @@
+"""The geometric formulation (positions and rotations) as a :class:`~viscorod.solve.formulations.system.System`."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from viscorod.mechanics.elements import geometric_element as geometric
+from viscorod.mechanics.elements.held_strains import HeldStrains
+from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.mechanics.elements.lanes import LANES
+from viscorod.mechanics.elements.linearised import Operators, collect
+from viscorod.mechanics.nodes import applied_loads as loading
+from viscorod.solve.constraints.constraint_rows import gradients_of_gaps
+from viscorod.solve.constraints.constraints import Constraints
+from viscorod.solve.formulations.dashpot_memory import Relaxation
+from viscorod.solve.formulations.element_forces import ElementForces, GeometricForces
+from viscorod.solve.formulations.system import GaussPoints, GaussPositions, State
+from viscorod.solve.linear.matrix import Matrix
+from viscorod.solve.problem.element_arrays import all_branches, all_elements, gauss_places, gauss_positions
+from viscorod.solve.problem.external_loads import NO_LOADS, LoadState
+from viscorod.solve.problem.problem import ElementSet, Problem
+from viscorod.typing import Floats, Integers
+
+
+class _Part:
+    """One element set with its work arrays at the Gauss points."""
+
+    def __init__(self, problem: Problem, elements: ElementSet) -> None:
+        self.elements = elements
+        shape = (*elements.section.shape, 6)
+        self.strain = np.zeros(shape)
+        self.earlier = np.zeros(shape)
+        self.strain_rate = np.zeros(shape)
+        self.section_force = np.zeros(shape)
+        self.stress = np.zeros(shape)
+        batches = -(-elements.section.size // LANES)
+        self.operator = np.zeros((batches, elements.nodes.shape[1], 6, 6, LANES))
+        self.reference = np.zeros(shape)
+        self.stiffness = elements.stiffness
+        self.prestress = np.zeros((0, 1, 6))
+        geometric.strains(
+            elements.nodes,
+            elements.links,
+            problem.link_positions,
+            problem.link_quaternions,
+            elements.shapes,
+            elements.slopes,
+            elements.half_lengths,
+            problem.positions,
+            problem.quaternions,
+            self.reference,
+            np.zeros((*elements.section.shape, 4)),
+        )
+        self.damped = elements.damped
+        self.coupled = elements.coupled
+        self.points = elements.section.shape[1]
+        self.constrained = bool(elements.held.any())
+        self.held_at = tuple(np.zeros(0, dtype=np.int64) for _ in range(3))  # elements, points, components
+        self.place, self.weight = np.zeros(0, dtype=np.int64), np.zeros(0)
+
+    def hold(self, held: HeldStrains, first: int) -> None:
+        """Note which strains of this set are held; the set's elements count from ``first`` on."""
+        mine = (held.element >= first) & (held.element < first + len(self.elements.nodes))
+        self.held_at = held.element[mine] - first, held.point[mine], held.component[mine]
+        self.place, self.weight = held.place[mine], held.weight[mine]
+
+
+class GeometricSystem:
+    """Assembles the geometric element of model.md section 4 for a whole problem.
+
+    Strains are measured from those of the interpolated reference shape, so a curved rod is free of stress as built.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.internal: Floats = np.zeros((problem.size, 6))
+        self.external: Floats = np.zeros((problem.size, 6))
+        self.matrix = Matrix(problem.pattern, problem.length, lambda: problem.plan)
+        self.parts = [_Part(problem, elements) for elements in problem.sets]
+        self.given_strain: Floats | None = None
+        self._no_map = np.zeros((problem.size, 6, 6))
+        self._no_blocks = np.zeros((0, 6, 6))
+        self._no_operator = np.zeros((0, 1, 6, 6, LANES))
+        self._operators: Operators | None = None
+        self.constraints = Constraints(problem, self.elements)
+        first = 0
+        for part in self.parts:
+            part.hold(problem.held, first)
+            first += len(part.elements.nodes)
+        self._order, self._positions = gauss_positions(problem.sets)
+        self.relaxation: Relaxation | None = None
+        if problem.relaxing:
+            self.relaxation = Relaxation(self.elements(), problem.relaxation_times, all_branches(problem))
+
+    def assemble(
+        self,
+        state: State,
+        loads: LoadState,
+        rate_map: Floats | None,
+        *,
+        tangent: bool,
+        moving: bool,
+        rate_matrix: Matrix | None = None,
+    ) -> None:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        problem = self.problem
+        blocks, diagonal = self.matrix.blocks, problem.pattern.diagonal
+        self.internal.fill(0.0)
+        self.external.fill(0.0)
+        if tangent:
+            self.matrix.clear()
+        if rate_matrix is not None:
+            rate_matrix.clear()
+        rates = self._no_map if rate_map is None else rate_map
+        rate_blocks = self._no_blocks if rate_matrix is None else rate_matrix.blocks
+        self._respond()
+        first = 0
+        for part in self.parts:
+            part.stress[part.held_at] = state.multiplier[part.place] / part.weight
+            strain_operator = (
+                np.empty_like(part.operator) if tangent and part.constrained else self._no_operator
+            )
+            self._add_elements(
+                part, part.stress, state, moving, rates, tangent, blocks, rate_blocks, strain_operator
+            )
+            if tangent and part.constrained:
+                self._collect(part, first, strain_operator, self._own_operators())
+            first += len(part.elements.nodes)
+        if problem.constrained:
+            self._add_constraints(state, rates, blocks, rate_blocks, tangent=tangent, moving=moving)
+        if len(loads.nodes):
+            loading.add_nodal_loads(
+                loads.nodes,
+                state.q,
+                loads.dead,
+                loads.following,
+                loads.gravity,
+                loads.levers,
+                problem.mass,
+                tangent,
+                self.external,
+                blocks,
+                diagonal,
+            )
+        for load in loads.stations:
+            e = self.parts[load.part].elements
+            loading.add_station_load(
+                e.nodes[load.element],
+                e.links[load.element],
+                problem.link_positions,
+                problem.link_quaternions,
+                load.shape,
+                load.dead,
+                load.following,
+                state.r,
+                state.q,
+                tangent,
+                self.external,
+                blocks,
+                e.slots[load.element],
+            )
+
+    def _respond(self) -> None:
+        """Let sections have the stiffness and the prestress that Maxwell branches give them now."""
+        if self.relaxation is None:
+            return
+        first = sections = 0
+        for part in self.parts:
+            count = len(part.elements.nodes)
+            own = slice(sections, sections + len(part.elements.stiffness))
+            part.stiffness = part.elements.stiffness + self.relaxation.stiffness[own]
+            part.prestress = self.relaxation.prestress[first : first + count, : part.points].copy()
+            first, sections = first + count, own.stop
+
+    def _strains(self) -> Floats:
+        """Return the strains of the last assembly in the arrays of :meth:`elements`."""
+        strain = np.zeros(self._all.reference.shape)
+        first = 0
+        for part in self.parts:
+            strain[first : first + len(part.strain), : part.points] = part.strain
+            first += len(part.strain)
+        return strain
+
+    def _own_operators(self) -> Operators:
+        if self._operators is None:
+            self._operators = Operators.of(self._all)
+        return self._operators
+
+    def _add_constraints(
+        self, state: State, rate_map: Floats, K: Floats, C: Floats, *, tangent: bool, moving: bool
+    ) -> None:
+        """Add joints, springs and held strains, whose elements are assembled."""
+        constraints = self.constraints
+        for part in self.parts:
+            constraints.gap[part.place] = part.strain[part.held_at]
+        at = state if moving else State(state.r, state.q, np.zeros_like(state.twist), state.multiplier)
+        constraints.add_forces(at, self.internal)
+        if tangent:
+            apart = len(C) > 0  # dampers at rest have a derivative by twists all the same
+            maps = rate_map if moving else self._no_map
+            constraints.add_tangent(at, maps, K, C, moving=moving or apart, held=self._held_rows())
+
+    def _held_rows(self) -> tuple[Integers, Floats] | None:
+        if not any(part.constrained for part in self.parts):
+            return None
+        return self._all.order, self._own_operators().strain
+
+    def assemble_mass(self, state: State) -> None:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        problem, constraints, matrix = self.problem, self.constraints, self.matrix
+        held = None
+        if len(problem.held.place):
+            self.assemble(state, NO_LOADS, None, tangent=True, moving=False)
+            held = self._held_rows()
+        matrix.clear()
+        matrix.blocks[problem.pattern.diagonal[: problem.size]] = np.swapaxes(problem.mass, 1, 2)
+        constraints.add_rows(state, matrix.blocks, held)
+
+    def residual(self) -> Floats:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        unbalanced: Floats = self.internal - self.external
+        if not self.problem.constrained:
+            return unbalanced
+        gaps = self.constraints.scale * self.constraints.gap
+        return np.concatenate([unbalanced, gaps.reshape(-1, 6)])
+
+    def constraint_gradients(self, state: State) -> sparse.csr_array:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        if len(self.problem.held.place):
+            self.assemble(state, NO_LOADS, None, tangent=True, moving=False)
+        return gradients_of_gaps(self.constraints, state, self._held_rows())
+
+    def multiplier_change(self, increment: Floats) -> Floats:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        change = increment[self.problem.size :].ravel() * self.constraints.scale
+        change[self.constraints.idle] = 0.0
+        return change
+
+    def _add_elements(
+        self,
+        part: _Part,
+        stress: Floats,
+        state: State,
+        moving: bool,
+        rate_map: Floats,
+        tangent: bool,
+        blocks: Floats,
+        rate_blocks: Floats,
+        strain_operator: Floats,
+    ) -> None:
+        """Add the forces of one element set to ``internal`` and its tangent to the blocks."""
+        problem, e = self.problem, part.elements
+        geometric.assemble(
+            e.nodes,
+            e.links,
+            e.slots,
+            problem.link_positions,
+            problem.link_quaternions,
+            e.shapes,
+            e.slopes,
+            e.weights,
+            e.half_lengths,
+            e.section,
+            part.stiffness,
+            e.damping,
+            e.held,
+            part.coupled,
+            part.damped,
+            part.constrained,
+            part.reference,
+            part.prestress,
+            stress,
+            state.r,
+            state.q,
+            state.twist,
+            moving,
+            rate_map,
+            tangent,
+            self.internal,
+            blocks,
+            rate_blocks,
+            part.strain,
+            part.strain_rate,
+            part.section_force,
+            part.operator,
+            strain_operator,
+        )
+
+    def linearise(
+        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+    ) -> None:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        self.internal.fill(0.0)
+        first = 0
+        for part in self.parts:
+            e = part.elements
+            count, points = e.section.shape
+            strain_operator = np.empty_like(part.operator)
+            self._add_elements(
+                part,
+                stress[first : first + count, :points].copy(),
+                state,
+                True,
+                turning,
+                True,
+                K,
+                C,
+                strain_operator,
+            )
+            self._collect(part, first, strain_operator, operators)
+            first += count
+
+    def _collect(self, part: _Part, first: int, strain_operator: Floats, operators: Operators) -> None:
+        """Write the operators of one element set, whose elements count from ``first`` on."""
+        e = part.elements
+        collect(
+            first,
+            e.nodes,
+            e.links,
+            self.problem.link_positions,
+            self.problem.link_quaternions,
+            e.section,
+            e.damping,
+            part.damped,
+            strain_operator,
+            part.operator,
+            *operators,
+        )
+
+    def carry_stress(self, increment: Floats) -> None:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        for part in self.parts:
+            geometric.update_stress(
+                part.elements.nodes,
+                part.elements.links,
+                self.problem.link_positions,
+                self.problem.link_quaternions,
+                part.section_force,
+                part.operator,
+                increment,
+                part.stress,
+            )
+
+    def reset_stress(self) -> None:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        for part in self.parts:
+            part.stress[:] = part.section_force
+
+    def elastic_energy(self) -> float:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        total = 0.0
+        for part in self.parts:
+            e = part.elements
+            total += geometric.elastic_energy(e.weights, e.half_lengths, e.section, e.stiffness, part.strain)
+        if self.relaxation is not None and self.relaxation.known:
+            total += self.relaxation.energy(self._strains())
+        return total + self.constraints.energy
+
+    def settle(self) -> Floats:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        if self.relaxation is None:
+            return np.zeros(0)
+        strain = self._strains()
+        self.relaxation.begin(strain)
+        return self.relaxation.settle(strain)
+
+    def branch_power(self) -> Floats | None:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        if self.relaxation is None or not self.relaxation.known:
+            return None
+        return self.relaxation.power(self._strains()).ravel()[self.gauss_places()]
+
+    def viscous_loss(self, duration: float) -> float:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        total = 0.0
+        for part in self.parts:
+            e = part.elements
+            if duration > 0.0 and part.damped:
+                total += geometric.viscous_loss(
+                    e.weights, e.half_lengths, e.section, e.damping, part.strain, part.earlier, duration
+                )
+            part.earlier[:] = part.strain
+        return total + self.constraints.loss(duration)
+
+    def gauss_points(self) -> GaussPoints:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+
+        def gather(arrays: list[Floats]) -> Floats:
+            return np.concatenate([array.reshape(-1, 6) for array in arrays])[self._order]
+
+        return GaussPoints(
+            strain=gather([part.strain for part in self.parts]),
+            strain_rate=gather([part.strain_rate for part in self.parts]),
+            section_force=gather([part.section_force for part in self.parts]),
+        )
+
+    def gauss_places(self) -> Integers:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        return gauss_places(self.problem.sets)[self._order]
+
+    def gauss_positions(self) -> GaussPositions:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        return self._positions
+
+    @cached_property
+    def _all(self) -> Elements:
+        return all_elements(self.problem, [part.reference for part in self.parts])
+
+    def elements(self) -> Elements:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        return self._all
+
+    def element_forces(self, elements: Elements, stages: int) -> ElementForces:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        del stages
+        return GeometricForces(self, elements)
+
+    def element_number(self, part: int, element: int) -> int:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        return sum(len(e.nodes) for e in self.problem.sets[:part]) + element
+
+    def worst_place(self, node: int) -> str:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        problem = self.problem
+        if node >= problem.size:
+            return self._constraint(node - problem.size)
+        stations, bodies = problem.stations, problem.bodies
+        if node in bodies.nodes:
+            return f"body '{bodies.names[int(np.argmax(bodies.nodes == node))]}'"
+        at = int(np.argmax(stations.nodes == node))
+        rod, s = int(stations.rod[at]), float(stations.s[at])
+        starts = np.sort(np.concatenate([p.elements.start[p.elements.rod == rod] for p in self.parts]))
+        element = int(np.searchsorted(starts, s, side="right"))
+        return f"rod '{problem.rods[rod]}', element {element}, s = {s:.6g} m"
+
+    def _constraint(self, row: int) -> str:
+        """Describe a block row of multipliers."""
+        problem = self.problem
+        joint = np.flatnonzero(problem.joints.row == row)
+        if len(joint):
+            return f"joint '{problem.joints.names[joint[0]]}'"
+        element = int(problem.held.element[np.argmax(problem.held.place // 6 == row)])
+        rods = np.concatenate([e.rod for e in problem.sets])
+        starts = np.concatenate([e.start for e in problem.sets])
+        rod = rods[element]
+        number = 1 + np.count_nonzero(starts[rods == rod] < starts[element])
+        return f"held strains of rod '{problem.rods[rod]}', element {number}"

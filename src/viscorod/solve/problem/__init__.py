@@ -1,0 +1,1 @@
+"""Discretise a model: mesh, nodes, elements, joints and loads as frozen arrays."""

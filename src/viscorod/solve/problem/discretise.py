@@ -1,0 +1,224 @@
+"""From the user's model to the arrays of a :class:`~viscorod.solve.problem.problem.Problem`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.errors import Problem as Fault
+from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.model.actions.load import DistributedForce, DistributedMoment, Force, Moment, MovingForce
+from viscorod.model.actions.time_function import Sine, TimeFunction
+from viscorod.model.connections.motion_words import MOTIONS
+from viscorod.model.connections.place import AnyPlace, BodyPlace, Place
+from viscorod.model.connections.resolved_places import find, required_breaks
+from viscorod.model.connections.support_base import ResolvedSupport
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.solve.constraints.strain_multipliers import held_cliques, held_strains
+from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.problem.joint_set import joint_set
+from viscorod.solve.problem.load_placing import passages, place_load
+from viscorod.solve.problem.mesh import Mesh, divide, element_nodes, element_sets, join, stations_of
+from viscorod.solve.problem.placement import Placement
+from viscorod.solve.problem.problem import NodalLoad, Problem, StationLoad, SupportSet
+from viscorod.typing import Floats, Integers
+
+
+def discretise(model: ModelDescription) -> Problem:
+    """Divide the rods, number the nodes, lump the masses and place supports, loads and joints.
+
+    Raises:
+        InputError: the model is inconsistent, or its mesh cannot satisfy it.
+    """
+    model.validate()
+    mesh = _mesh(model)
+    places = Placement(model, mesh)
+    nodes = len(mesh.positions)
+    length = max(m.rod.length for m in mesh.rods)
+    joints = joint_set(
+        model.resolved_joints(),
+        model.resolved_springs(),
+        places.node,
+        mesh.positions,
+        mesh.quaternions,
+        length,
+    )
+    held_members, held_rows = held_cliques(mesh, nodes + joints.blocks)
+    elements = [element_nodes(shared, m.order) for m, shared in zip(mesh.rods, mesh.shared, strict=True)]
+    multipliers = joints.blocks + held_rows
+    pattern = Pattern.of(nodes + multipliers, [*elements, *joints.cliques(nodes), *held_members])
+    sets, mass, relaxation_times = element_sets(mesh, pattern)
+    supports = _supports(model, places)
+    nodal: list[NodalLoad] = []
+    moving: list[StationLoad] = []
+    for load in model.loads:
+        placed = place_load(load, model, places)
+        if isinstance(placed, NodalLoad):
+            nodal.append(placed)
+        else:
+            moving.append(placed)
+    motions = [motion for _, _, motion in supports.motions] + [motion for _, motion in joints.motions]
+    breakpoints, jumps, periods = _times(model, motions)
+    return Problem(
+        rods=tuple(m.name for m in mesh.rods),
+        rod_lengths=np.array([m.rod.length for m in mesh.rods]),
+        rod_orders=np.array([m.order for m in mesh.rods], dtype=np.int64),
+        positions=mesh.positions,
+        quaternions=mesh.quaternions,
+        mass=mass,
+        sets=sets,
+        link_positions=mesh.link_positions,
+        link_quaternions=mesh.link_quaternions,
+        pattern=pattern,
+        bodies=places.bodies(),
+        joints=joints.placed(pattern, nodes),
+        held=held_strains(sets, pattern, nodes, nodes + joints.blocks),
+        multipliers=multipliers,
+        interiors=_interiors(mesh, elements),
+        supports=supports,
+        nodal_loads=tuple(nodal),
+        station_loads=tuple(moving),
+        stations=stations_of(mesh),
+        initial_strain={mesh.rod_index(strain.rod): strain.at for strain in model.strains},
+        initial_twist=_initial_twist(model, places),
+        relaxation_times=relaxation_times,
+        length=length,
+        breakpoints=breakpoints,
+        jumps=jumps,
+        periods=periods,
+    )
+
+
+def _mesh(model: ModelDescription) -> Mesh:
+    breaks: dict[str, list[float]] = {name: list(rod.section_breaks) for name, rod in model.rods.items()}
+    wishes: dict[str, list[float]] = {name: [] for name in model.rods}
+    pairs = [(find(model, a.a), find(model, a.b)) for a in model.attachments]
+    for place in required_breaks(model):
+        breaks[place.rod].append(place.s)
+    for load in model.loads:
+        if isinstance(load, Force | Moment):
+            at = find(model, load.at)
+            if isinstance(at, Place):
+                wishes[at.rod].append(at.s)
+        elif isinstance(load, DistributedForce | DistributedMoment):
+            wishes[load.rod].extend(s for s in (load.from_s, load.to_s) if s is not None)
+    rods = [divide(name, rod, breaks[name], wishes[name]) for name, rod in model.rods.items()]
+    bodies = {name: i for i, name in enumerate(model.bodies)}
+    first = len(bodies) + np.cumsum([0, *(len(rod.s) for rod in rods)])
+    index = {rod.name: i for i, rod in enumerate(rods)}
+
+    def number(place: AnyPlace) -> int:
+        if isinstance(place, BodyPlace):
+            return bodies[place.body]
+        node = rods[index[place.rod]].node_at(place.s)
+        assert node is not None  # places of attachments are element ends
+        return int(first[index[place.rod]]) + node
+
+    return join(rods, list(model.bodies.values()), [(number(a), number(b)) for a, b in pairs])
+
+
+def _interiors(mesh: Mesh, elements: list[Integers]) -> tuple[Integers, ...]:
+    """Inner nodes of elements ``(elements, order - 1)``; where joints and supports act, elements end.
+
+    Where strains are held, their multipliers keep the inner nodes in place: by themselves these have no stiffness.
+    """
+    return tuple(
+        nodes[:, 1:-1].copy()
+        for m, nodes in zip(mesh.rods, elements, strict=True)
+        if m.order > 1 and not any(m.rod.constrained_strains)
+    )
+
+
+def _supports(model: ModelDescription, placement: Placement) -> SupportSet:
+    resolved: dict[int, list[ResolvedSupport]] = {}
+    places: dict[int, dict[str, None]] = {}
+    length = max(rod.length for rod in model.rods.values())
+    for index, support in enumerate(model.resolved_supports()):
+        spot = placement.spot(support.place)
+        assert spot is not None  # places of supports are element ends
+        still = len(support.held) == len(MOTIONS) and not support.motion
+        if np.abs(spot.arm).max() > 1e-9 * length and not still:
+            raise InputError(
+                Fault(
+                    f"{support.path}.at",
+                    support.label,
+                    "the place is rigidly attached to a body whose centre is elsewhere",
+                    "support the body at its centre, or use a joint to ground",
+                )
+            )
+        places.setdefault(spot.node, {})[model.supports[index].at] = None
+        resolved.setdefault(spot.node, []).append(support)
+    nodes = np.array(sorted(resolved), dtype=np.int64)
+    axes = np.empty((len(nodes), 3, 3))
+    fixed = np.zeros((len(nodes), 6))
+    motions: list[tuple[int, int, TimeFunction]] = []
+    names = []
+    for k, node in enumerate(nodes):
+        group = resolved[int(node)]
+        axes[k] = group[0].axes
+        names.append(" + ".join(places[node]))
+        for held in group:
+            if np.abs(held.axes - axes[k]).max() > 1e-9:
+                raise InputError(
+                    Fault(
+                        held.path,
+                        held.label,
+                        f"its axes differ from those of {group[0].label}, which holds the same place",
+                        "hold the place by one support, or give both the same axes",
+                    )
+                )
+            for word in held.held:
+                fixed[k, MOTIONS.index(word)] = 1.0
+            motions.extend((k, MOTIONS.index(word), motion) for word, motion in held.motion.items())
+    return SupportSet(nodes, np.ascontiguousarray(axes), fixed, tuple(names), tuple(motions))
+
+
+def _times(
+    model: ModelDescription, motions: list[TimeFunction]
+) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
+    """Times that steps must hit, those at which the integrator must start anew, and load periods."""
+    corners: set[float] = set()
+    jumps: set[float] = set()
+    functions: list[TimeFunction | None] = [load.time for load in model.loads]
+    for load in model.loads:
+        corners.update(load.breakpoints)
+        jumps.update(load.jumps)
+        if isinstance(load, MovingForce):
+            ends = passages(load, model.rods[load.rod].length)
+            corners.update(ends)
+            jumps.update(ends)
+    for motion in motions:
+        corners.update(motion.breakpoints)
+        jumps.update(motion.breakpoints)
+        functions.append(motion)
+    periods = tuple(1.0 / f.frequency for f in functions if isinstance(f, Sine))
+    return tuple(sorted(corners)), tuple(sorted(jumps)), periods
+
+
+def _initial_twist(model: ModelDescription, places: Placement) -> Callable[[Floats, Floats], Floats]:
+    """Body twists of all nodes as a function of their poses, from the given velocities."""
+    mesh = places.mesh
+
+    def twists(r: Floats, q: Floats) -> Floats:
+        twist = np.zeros((len(r), 6))
+        R = matrices(q)
+
+        def give(node: int, arm: Floats, linear: Floats, angular: Floats) -> None:
+            turning = R[node].T @ angular
+            twist[node, :3], twist[node, 3:] = R[node].T @ linear - np.cross(turning, arm), turning
+
+        for velocity in model.velocities:
+            if velocity.rod in model.bodies:
+                spot = places.spot(BodyPlace(velocity.rod, None))
+                assert spot is not None
+                give(spot.node, spot.arm, *velocity.at(0.0, r[spot.node]))
+                continue
+            rod = mesh.rod_index(velocity.rod)
+            for k, s in enumerate(mesh.rods[rod].s):
+                spot = places.at_station(rod, k)
+                give(spot.node, spot.arm, *velocity.at(float(s), r[spot.node] + R[spot.node] @ spot.arm))
+        return twist
+
+    return twists

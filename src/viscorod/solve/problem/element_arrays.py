@@ -1,0 +1,94 @@
+"""The element sets of a problem as arrays over all elements, and the order of their Gauss points in results."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.elements.basis import lobatto
+from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.solve.formulations.system import GaussPositions
+from viscorod.solve.problem.problem import ElementSet, Problem
+from viscorod.typing import Floats, Integers
+
+
+def all_branches(problem: Problem) -> Floats:
+    """Return the stiffnesses of the Maxwell branches of all sections, numbered as in :func:`all_elements`."""
+    return np.concatenate([e.branches for e in problem.sets])
+
+
+def gauss_positions(sets: tuple[ElementSet, ...]) -> tuple[Integers, GaussPositions]:
+    """Return the order of all Gauss points by rod and arc length, and their places in that order."""
+    rod, s, length, half_width = [], [], [], []
+    stiffness, damping = [], []
+    for e in sets:
+        count = e.section.shape[1]
+        inside = e.shapes @ lobatto(e.order)[0]  # xi of the points
+        rod.append(np.repeat(e.rod, count))
+        s.append((e.start[:, None] + e.half_lengths[:, None] * (1.0 + inside)).ravel())
+        length.append((e.half_lengths[:, None] * e.weights).ravel())
+        half_width.append(e.half_widths.ravel())
+        stiffness.append(e.stiffness[e.section].reshape(-1, 6, 6))
+        damping.append(e.damping[e.section].reshape(-1, 6, 6))
+    rods, places = np.concatenate(rod), np.concatenate(s)
+    order = np.lexsort((places, rods))
+    return order, GaussPositions(
+        rods[order],
+        places[order],
+        np.concatenate(length)[order],
+        np.concatenate(half_width)[order],
+        np.concatenate(stiffness)[order],
+        np.concatenate(damping)[order],
+    )
+
+
+def gauss_places(sets: tuple[ElementSet, ...]) -> Integers:
+    """Return where all Gauss points are in the flattened arrays of :func:`all_elements`, set by set."""
+    top = max(e.order for e in sets)
+    places, first = [], 0
+    for e in sets:
+        numbers = top * np.arange(first, first + len(e.nodes))[:, None] + np.arange(e.order)
+        places.append(numbers.ravel())
+        first += len(e.nodes)
+    return np.concatenate(places)
+
+
+def all_elements(problem: Problem, references: list[Floats]) -> Elements:
+    """Return all elements of a problem as one structure; ``references`` are the unstressed strains by element set."""
+    top = max(e.order for e in problem.sets)
+    count = sum(len(e.nodes) for e in problem.sets)
+    shapes, slopes = np.zeros((top + 1, top, top + 1)), np.zeros((top + 1, top, top + 1))
+    weights = np.zeros((top + 1, top))
+    nodes = np.zeros((count, top + 1), dtype=np.int64)
+    links = np.full((count, top + 1), -1, dtype=np.int64)
+    slots = np.zeros((count, top + 1, top + 1), dtype=np.int64)
+    section = np.zeros((count, top), dtype=np.int64)
+    reference = np.zeros((count, top, 6))
+    first = first_section = 0
+    for e, own in zip(problem.sets, references, strict=True):
+        p = e.order
+        rows = slice(first, first + len(e.nodes))
+        shapes[p, :p, : p + 1], slopes[p, :p, : p + 1], weights[p, :p] = e.shapes, e.slopes, e.weights
+        nodes[rows, : p + 1], links[rows, : p + 1] = e.nodes, e.links
+        slots[rows, : p + 1, : p + 1] = e.slots
+        section[rows, :p] = e.section + first_section
+        reference[rows, :p] = own
+        first += len(e.nodes)
+        first_section += len(e.stiffness)
+    damping = np.concatenate([e.damping for e in problem.sets])
+    return Elements(
+        np.repeat([e.order for e in problem.sets], [len(e.nodes) for e in problem.sets]),
+        nodes,
+        links,
+        problem.link_positions,
+        problem.link_quaternions,
+        shapes,
+        slopes,
+        weights,
+        np.concatenate([e.half_lengths for e in problem.sets]),
+        section,
+        np.concatenate([e.stiffness for e in problem.sets]),
+        damping,
+        bool(damping.any()),
+        reference,
+        slots,
+    )

@@ -1,0 +1,109 @@
+"""External loads at one instant, summed from the problem's list."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from viscorod.mechanics.elements.basis import lagrange
+from viscorod.solve.problem.problem import Problem
+from viscorod.typing import Floats, Integers
+
+
+@dataclass
+class ActiveStation:
+    """A concentrated load placed in an element: which set and element, the basis there, and its wrenches."""
+
+    part: int
+    element: int
+    shape: Floats
+    dead: Floats
+    following: Floats
+
+
+@dataclass
+class LoadState:
+    """All loads at one time; ``nodes`` lists those that carry any nodal load; ``levers`` as in ``add_nodal_loads``."""
+
+    nodes: Integers
+    dead: Floats
+    following: Floats
+    gravity: Floats
+    levers: Floats
+    stations: list[ActiveStation] = field(default_factory=list)
+
+    @property
+    def none(self) -> bool:
+        """Whether nothing acts."""
+        return len(self.nodes) == 0 and not self.stations
+
+
+NO_LOADS = LoadState(
+    np.empty(0, dtype=np.int64), np.empty((0, 6)), np.empty((0, 6)), np.zeros(3), np.empty((0, 3, 3))
+)
+
+
+class ExternalLoads:
+    """Evaluates the loads of a problem; nodal sums are kept while the time factors stay the same."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.offset = any(load.arms.any() for load in problem.nodal_loads)
+        self._factors: tuple[float, ...] | None = None
+        self._state: LoadState | None = None
+        self.last: LoadState = NO_LOADS
+
+    def at(self, t: float, before: bool = False, scale: float = 1.0) -> LoadState:
+        """Return the loads at time ``t`` [s] times ``scale``; ``before`` takes the limit from the left at jumps."""
+        problem = self.problem
+        factors = tuple(scale * load.factor(t, before) for load in problem.nodal_loads)
+        if factors != self._factors or self._state is None:
+            self._factors = factors
+            self._state = self._nodal(factors)
+        state = self._state
+        self.last = state
+        if not problem.station_loads:
+            return state
+        stations = []
+        for load in problem.station_loads:
+            factor = scale * load.factor(t, before)
+            s = load.position(t, before)
+            if factor == 0.0 or not 0.0 <= s <= problem.rod_lengths[load.rod]:
+                continue
+            part, element, shape = self.locate(load.rod, s)
+            stations.append(ActiveStation(part, element, shape, factor * load.dead, factor * load.following))
+        self.last = LoadState(state.nodes, state.dead, state.following, state.gravity, state.levers, stations)
+        return self.last
+
+    def _nodal(self, factors: tuple[float, ...]) -> LoadState:
+        n = self.problem.size
+        dead, following, gravity = np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3)
+        levers = np.zeros((n if self.offset else 0, 3, 3))
+        for factor, load in zip(factors, self.problem.nodal_loads, strict=True):
+            if factor == 0.0:
+                continue
+            np.add.at(dead, load.nodes, factor * load.dead)
+            np.add.at(following, load.nodes, factor * load.following)
+            gravity += factor * load.gravity
+            if load.arms.any():
+                np.add.at(levers, load.nodes, factor * load.arms[:, :, None] * load.dead[:, None, :3])
+        if gravity.any():
+            nodes = np.arange(n, dtype=np.int64)
+        else:
+            nodes = np.flatnonzero(dead.any(axis=1) | following.any(axis=1)).astype(np.int64)
+        return LoadState(nodes, dead, following, gravity, levers)
+
+    def locate(self, rod: int, s: float) -> tuple[int, int, Floats]:
+        """Return element set, element and basis values ``(m,)`` at arc length ``s`` [m] of a rod."""
+        for part, elements in enumerate(self.problem.sets):
+            mine = np.flatnonzero(elements.rod == rod)
+            if len(mine) == 0:
+                continue
+            starts = elements.start[mine]
+            place = int(np.clip(np.searchsorted(starts, s, side="right") - 1, 0, len(mine) - 1))
+            element = int(mine[place])
+            xi = (s - elements.start[element]) / elements.half_lengths[element] - 1.0
+            values, _ = lagrange(elements.order, np.array([min(max(xi, -1.0), 1.0)]))
+            return part, element, np.ascontiguousarray(values[0])
+        raise AssertionError(f"rod {rod} has no elements")

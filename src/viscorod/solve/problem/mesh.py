@@ -1,0 +1,333 @@
+"""From rods to elements and nodes: where elements end, which nodes rods share, and how nodes are numbered."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.errors import Problem as Fault
+from viscorod.mechanics.elements.basis import gauss, gauss_table, lobatto
+from viscorod.mechanics.nodes.attached_poses import link_map
+from viscorod.mechanics.rotations.quaternion import conjugate, from_matrices, matrices, product
+from viscorod.model.bodies.body_base import AnyBody
+from viscorod.model.rod import DEFAULT_ORDER, Rod
+from viscorod.model.sections.section_base import AnySection
+from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.problem.problem import ElementSet, Stations
+from viscorod.typing import Floats, Integers
+
+
+@dataclass(frozen=True)
+class RodMesh:
+    """One rod divided: element ends, node stations, reference poses."""
+
+    name: str
+    rod: Rod
+    order: int
+    ends: Floats
+    s: Floats
+    positions: Floats
+    quaternions: Floats
+
+    def node_at(self, s: float) -> int | None:
+        """Index (within the rod) of the node at arc length ``s`` [m], or None between nodes."""
+        node = int(np.argmin(np.abs(self.s - s)))
+        return node if abs(self.s[node] - s) <= 1e-9 * self.rod.length else None
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """All rods divided and joined.
+
+    ``shared[i][k]`` is the node of station k of rod i and ``links[i][k]`` its attachment (or -1), see ``ElementSet``.
+    The first nodes are those of the rigid bodies.
+    """
+
+    rods: tuple[RodMesh, ...]
+    bodies: tuple[AnyBody, ...]
+    shared: tuple[Integers, ...]
+    links: tuple[Integers, ...]
+    positions: Floats
+    quaternions: Floats
+    link_positions: Floats
+    link_quaternions: Floats
+
+    @cached_property
+    def _index(self) -> dict[str, int]:
+        return {mesh.name: i for i, mesh in enumerate(self.rods)}
+
+    def rod_index(self, name: str) -> int:
+        """Index of a rod by name."""
+        return self._index[name]
+
+
+def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> RodMesh:
+    """Divide a rod into elements.
+
+    Elements end at ``breaks`` (sections change, supports, attachments); if the program chooses their number, at
+    ``wishes``
+    (point loads) too. The chosen mesh turns by a fifteenth of a circle from node to node, on average.
+
+    Raises:
+        InputError: there are too few elements for the breaks, or for the turns of the reference shape.
+    """
+    order = rod.order or DEFAULT_ORDER
+    length = rod.length
+    corners = _distinct([0.0, *breaks, *(wishes if rod.elements is None else []), length], length)
+    spans = np.diff(corners)
+    if rod.elements is None:
+        counts = np.array([rod.chosen_elements(a, b) for a, b in pairwise(corners)])
+        if len(counts) == 1:
+            counts[0] = max(counts[0], 2)
+    elif rod.elements < len(spans):
+        raise InputError(
+            Fault(
+                f"rods.{name}.elements",
+                str(rod.elements),
+                "too few: elements must end where sections change and at supports, attachments and joints",
+                f"give at least {len(spans)}, or leave it out",
+            )
+        )
+    else:
+        counts = _distribute(spans, rod.elements)
+    ends = np.concatenate(
+        [
+            [0.0],
+            *(
+                np.linspace(a, b, n + 1)[1:]
+                for a, b, n in zip(corners[:-1], corners[1:], counts, strict=True)
+            ),
+        ]
+    )
+    inner = 0.5 * (lobatto(order)[0] + 1.0)
+    s = (ends[:-1, None] + np.diff(ends)[:, None] * inner[None, :-1]).ravel()
+    s = np.append(s, length)
+    _require_turns(name, rod, s, len(ends) - 1)
+    positions, frames = rod.frames(s)
+    return RodMesh(name, rod, order, ends, s, positions, from_matrices(frames))
+
+
+def _distinct(stations: list[float], length: float) -> Floats:
+    ordered = np.sort(np.clip(stations, 0.0, length))
+    return np.asarray(ordered[np.concatenate([[True], np.diff(ordered) > 1e-9 * length])])
+
+
+def _require_turns(name: str, rod: Rod, s: Floats, count: int) -> None:
+    """Refuse nodes between which the frame turns so far that it might as well have turned the other way."""
+    turning = np.diff(rod.turned(s))
+    worst = int(np.argmax(turning))
+    if turning[worst] >= np.pi:
+        needed = int(np.ceil(count * turning[worst]))
+        given = rod.elements is not None
+        raise InputError(
+            Fault(
+                f"rods.{name}.elements",
+                str(rod.elements) if given else "",
+                f"too few: between the nodes at s = {s[worst]:.6g} and {s[worst + 1]:.6g} m the reference shape turns "
+                f"by {turning[worst]:.3g} rad, and beyond half a turn an element cannot tell which way",
+                f"give at least {needed}{', or leave it out' if given else ''}",
+            )
+        )
+
+
+def _distribute(spans: Floats, total: int) -> Integers:
+    """Share elements among spans by length, at least one each (largest remainders)."""
+    counts = np.ones(len(spans), dtype=np.int64)
+    for _ in range(total - len(spans)):
+        counts[np.argmax(spans / counts)] += 1
+    return counts
+
+
+def join(rods: list[RodMesh], bodies: list[AnyBody], attachments: list[tuple[int, int]]) -> Mesh:
+    """Number the nodes, bodies first, then rod by rod; what is attached shares one node with a constant relative pose.
+
+    Args:
+        rods: divided rods; bodies: rigid bodies.
+        attachments: pairs of numbers: bodies, then the stations of all rods.
+    """
+    first = len(bodies) + np.cumsum([0, *(len(mesh.s) for mesh in rods)])
+    total = int(first[-1])
+    centres = np.array([body.position() for body in bodies]).reshape(-1, 3)
+    frames = np.array([body.frame() for body in bodies]).reshape(-1, 3, 3)
+    positions = np.concatenate([centres, *(mesh.positions for mesh in rods)])
+    quaternions = np.concatenate([from_matrices(frames), *(mesh.quaternions for mesh in rods)])
+    root = _first_of_each(total, attachments)
+    keep, number = np.unique(root, return_inverse=True)
+    links = -np.ones(total, dtype=np.int64)
+    attached = np.flatnonzero(root != np.arange(total))
+    links[attached] = np.arange(len(attached))
+    back = conjugate(quaternions[root[attached]])
+    arms = positions[attached] - positions[root[attached]]
+    return Mesh(
+        rods=tuple(rods),
+        bodies=tuple(bodies),
+        shared=tuple(np.ascontiguousarray(number[first[i] : first[i + 1]]) for i in range(len(rods))),
+        links=tuple(np.ascontiguousarray(links[first[i] : first[i + 1]]) for i in range(len(rods))),
+        positions=np.ascontiguousarray(positions[keep]),
+        quaternions=np.ascontiguousarray(quaternions[keep]),
+        link_positions=np.ascontiguousarray((matrices(back) @ arms[:, :, None])[:, :, 0]),
+        link_quaternions=product(back, quaternions[attached]),
+    )
+
+
+def _first_of_each(total: int, pairs: list[tuple[int, int]]) -> Integers:
+    """Return the lowest of all numbers that pairs connect with each number below ``total``."""
+    first = list(range(total))
+
+    def lowest(k: int) -> int:
+        while first[k] != k:
+            first[k] = first[first[k]]
+            k = first[k]
+        return k
+
+    for a, b in pairs:
+        low, high = sorted((lowest(a), lowest(b)))
+        first[high] = low
+    return np.array([lowest(k) for k in range(total)], dtype=np.int64)
+
+
+def element_nodes(nodes: Integers, order: int) -> Integers:
+    """Arrange the nodes of a rod by element ``(elements, order + 1)``."""
+    count = (len(nodes) - 1) // order
+    return np.ascontiguousarray(nodes[order * np.arange(count)[:, None] + np.arange(order + 1)[None, :]])
+
+
+def stations_of(mesh: Mesh) -> Stations:
+    """All element nodes, rod by rod."""
+    return Stations(
+        rod=np.concatenate([np.full(len(m.s), i, dtype=np.int64) for i, m in enumerate(mesh.rods)]),
+        s=np.concatenate([m.s for m in mesh.rods]),
+        nodes=np.concatenate(mesh.shared),
+        links=np.concatenate(mesh.links),
+    )
+
+
+class SectionTable:
+    """Distinct section matrices, each stored once."""
+
+    def __init__(self) -> None:
+        self._index: dict[bytes, int] = {}
+        self.stiffness: list[Floats] = []
+        self.damping: list[Floats] = []
+        self.held: list[Floats] = []
+        self.branches: list[dict[float, Floats]] = []
+
+    def add(self, rod: Rod, s: float, held: Floats) -> int:
+        """Return the index of a rod's section without what ``held (6,)`` marks: multipliers give those forces."""
+        stiffness, damping, _ = rod.matrices_at(s)
+        times, branches = rod.branches_at(s)
+        key = b"".join(array.tobytes() for array in (stiffness, damping, times, branches, held))
+        if key not in self._index:
+            self._index[key] = len(self.stiffness)
+            free = np.outer(1.0 - held, 1.0 - held)
+            self.stiffness.append(free * stiffness)
+            self.damping.append(free * damping)
+            self.held.append(held)
+            own: dict[float, Floats] = {}
+            for time, branch in zip(times.tolist(), branches, strict=True):
+                own[time] = own.get(time, 0.0) + free * branch
+            self.branches.append(own)
+        return self._index[key]
+
+    def branches_of(self, times: list[float]) -> Floats:
+        """Return the stiffnesses of Maxwell branches with these relaxation times ``(sections, n, 6, 6)``."""
+        none = np.zeros((6, 6))
+        found = [own.get(time, none) for own in self.branches for time in times]
+        return np.array(found).reshape(len(self.branches), len(times), 6, 6)
+
+
+def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], Floats, Floats]:
+    """Element arrays grouped by order, nodal masses ``(n, 6, 6)`` lumped at Gauss-Lobatto nodes, relaxation times."""
+    mass = np.zeros((len(mesh.positions), 6, 6))
+    for node, body in enumerate(mesh.bodies):
+        mass[node] = body.mass_matrix()
+    sets = []
+    tables: list[SectionTable] = []
+    for order in sorted({m.order for m in mesh.rods}):
+        table = SectionTable()
+        columns: dict[str, list[Any]] = {
+            k: [] for k in ("nodes", "links", "rod", "start", "half", "section", "width")
+        }
+        points, weights = gauss(order)
+        lumps = lobatto(order)[1]
+        for i, rod_mesh in enumerate(mesh.rods):
+            if rod_mesh.order != order:
+                continue
+            start, half = rod_mesh.ends[:-1], 0.5 * np.diff(rod_mesh.ends)
+            nodes = element_nodes(mesh.shared[i], order)
+            links = element_nodes(mesh.links[i], order)
+            section = np.empty((len(start), order), dtype=np.int64)
+            widths = np.empty((len(start), order))
+            lumped = np.empty((len(start), order + 1, 6, 6))
+            middle = start + half
+            held = np.array(rod_mesh.rod.constrained_strains, dtype=float)
+            if isinstance(rod_mesh.rod.section, AnySection):
+                section[:] = table.add(rod_mesh.rod, 0.0, held)
+                widths[:] = rod_mesh.rod.section_at(0.0).half_width or 0.0
+                mass_per_length = rod_mesh.rod.matrices_at(0.0)[2]
+                lumped[:] = half[:, None, None, None] * lumps[:, None, None] * mass_per_length
+            else:
+                for e in range(len(start)):
+                    for g in range(order):
+                        s = middle[e] + half[e] * points[g]
+                        section[e, g] = table.add(rod_mesh.rod, s, held)
+                        widths[e, g] = rod_mesh.rod.section_at(s).half_width or 0.0
+                    for k in range(order + 1):
+                        # just inside the element: the section may change at its end
+                        inside = middle[e] + half[e] * lobatto(order)[0][k] * (1.0 - 1e-9)
+                        lumped[e, k] = half[e] * lumps[k] * rod_mesh.rod.matrices_at(inside)[2]
+            for e, k in zip(*np.nonzero(links >= 0), strict=True):
+                lumped[e, k] = _moved(lumped[e, k], mesh, int(links[e, k]))
+            np.add.at(mass, nodes, lumped)
+            for key, column in zip(
+                columns, (nodes, links, np.full(len(start), i), start, half, section, widths), strict=True
+            ):
+                columns[key].append(column)
+        shapes, slopes = gauss_table(order)
+        joined: dict[str, Any] = {
+            key: np.ascontiguousarray(np.concatenate(value)) for key, value in columns.items()
+        }
+        tables.append(table)
+        sets.append(
+            ElementSet(
+                order=order,
+                nodes=joined["nodes"],
+                links=joined["links"],
+                slots=pattern.slots(joined["nodes"]),
+                rod=joined["rod"],
+                start=joined["start"],
+                half_lengths=joined["half"],
+                shapes=shapes,
+                slopes=slopes,
+                weights=weights,
+                section=joined["section"],
+                half_widths=joined["width"],
+                stiffness=np.array(table.stiffness),
+                damping=np.array(table.damping),
+                held=np.array(table.held),
+                branches=np.zeros((0, 0, 6, 6)),
+            )
+        )
+    # branches of one time are one branch, whatever rods they are in
+    times = sorted({time for table in tables for own in table.branches for time in own})
+    complete = [
+        replace(known, branches=table.branches_of(times)) for known, table in zip(sets, tables, strict=True)
+    ]
+    return tuple(complete), mass, np.array(times)
+
+
+def link_matrix(mesh: Mesh, link: int) -> Floats:
+    """Body increment of an attached end per increment of the shared node ``(6, 6)``."""
+    X = np.empty((6, 6))
+    link_map(mesh.link_positions[link], mesh.link_quaternions[link], X)
+    return X
+
+
+def _moved(mass: Floats, mesh: Mesh, link: int) -> Floats:
+    X = link_matrix(mesh, link)
+    return np.asarray(X.T @ mass @ X)

@@ -1,0 +1,200 @@
+"""The discretised model: frozen arrays that every analysis and formulation works on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from viscorod.mechanics.elements.held_strains import HeldStrains
+from viscorod.model.actions.time_function import TimeFunction
+from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.linear.plan import Plan
+from viscorod.solve.problem.joint_set import JointSet
+from viscorod.typing import Floats, Integers
+
+TimeFactor = Callable[[float, bool], float]
+
+
+@dataclass(frozen=True)
+class ElementSet:
+    """All elements of one polynomial order, as arrays for ``mechanics.elements.geometric_element.assemble``.
+
+    ``slots (elements, m, m)`` are the matrix blocks between the nodes of an element, of the problem's pattern.
+    ``held (sections, 6)`` marks strains that multipliers hold; stiffness and damping have no rows and columns there.
+    ``branches (sections, n, 6, 6)`` are the stiffnesses of the Maxwell branches with the problem's relaxation times.
+    ``half_widths (elements, points)`` [m] are the largest distances of the section from the centre line, 0 if unknown.
+    """
+
+    order: int
+    nodes: Integers
+    links: Integers
+    slots: Integers
+    rod: Integers
+    start: Floats
+    half_lengths: Floats
+    shapes: Floats
+    slopes: Floats
+    weights: Floats
+    section: Integers
+    half_widths: Floats
+    stiffness: Floats
+    damping: Floats
+    held: Floats
+    branches: Floats
+
+    @property
+    def damped(self) -> bool:
+        """Whether any section has viscosity."""
+        return bool(np.any(self.damping != 0.0))
+
+    @property
+    def coupled(self) -> bool:
+        """Whether any section couples different strains; kernels skip the off-diagonals otherwise."""
+        off = ~np.eye(6, dtype=bool)
+        matrices = (self.stiffness, self.damping, self.branches.reshape(-1, 6, 6))
+        return any(bool(np.any(matrix[:, off] != 0.0)) for matrix in matrices)
+
+
+@dataclass(frozen=True)
+class SupportSet:
+    """Supported nodes: axes ``(m, 3, 3)``, fixed components ``(m, 6)`` as 0/1, prescribed motions, names.
+
+    Axes that are zero are those of the moving section: velocities along them are held.
+    """
+
+    nodes: Integers
+    axes: Floats
+    fixed: Floats
+    names: tuple[str, ...]
+    motions: tuple[tuple[int, int, TimeFunction], ...]  # (support, component, time function)
+
+    @property
+    def complete(self) -> Integers:
+        """Indices of supports that prescribe the whole pose."""
+        return np.flatnonzero(self.fixed.all(axis=1) & ~self.in_body).astype(np.int64)
+
+    @property
+    def partial(self) -> Integers:
+        """Indices of supports that leave some motion free."""
+        return np.flatnonzero(~self.fixed.all(axis=1) | self.in_body).astype(np.int64)
+
+    @property
+    def in_body(self) -> np.ndarray:
+        """Whether each support holds velocities along the axes of the moving section ``(m,)``."""
+        return np.asarray(~self.axes.any(axis=(1, 2)))
+
+
+@dataclass(frozen=True)
+class NodalLoad:
+    """Dead (global) and following (body) wrenches on some nodes with one time factor; or gravity.
+
+    Dead forces act at ``arms (k, 3)`` from the nodes, node axes [m].
+    """
+
+    nodes: Integers
+    dead: Floats
+    following: Floats
+    gravity: Floats
+    arms: Floats
+    factor: TimeFactor
+
+
+@dataclass(frozen=True)
+class StationLoad:
+    """A concentrated wrench at an arc length of a rod, which may move; outside the rod it does not act."""
+
+    rod: int
+    position: TimeFactor
+    dead: Floats
+    following: Floats
+    factor: TimeFactor
+
+
+@dataclass(frozen=True)
+class Stations:
+    """Element nodes rod by rod, in order of arc length: where results are reported."""
+
+    rod: Integers
+    s: Floats
+    nodes: Integers
+    links: Integers
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Mass centres and named points of rigid bodies: names, nodes ``(k,)``, arms in node axes ``(k, 3)`` [m]."""
+
+    names: tuple[str, ...]
+    nodes: Integers
+    arms: Floats
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Everything an analysis needs, in arrays; nodes are numbered rod by rod.
+
+    Attributes:
+        positions, quaternions: reference poses of the nodes ``(n, 3)`` [m], ``(n, 4)``.
+        mass: nodal inertia in body axes ``(n, 6, 6)`` [kg, kg m, kg m^2].
+        link_positions, link_quaternions: constant poses of rigidly attached rod ends in the frame of the shared node.
+        pattern: blocks of all matrices; their first rows are those of the nodes.
+        bodies: names of the rigid bodies and of their points, and where these are.
+        joints: coordinates of joints and springs; held: strains that multipliers hold.
+        multipliers: block rows of multipliers, after those of the nodes; first those of joints.
+        interiors: nodes within elements, element by element, that couple with nothing outside.
+        initial_strain: strains ``(6,)`` at t = 0 by arc length [m], of the rods (by index) that have any.
+        initial_twist: body twists at t = 0 for given poses, ``(r, q) -> (n, 6)``.
+        length: size of the model [m], the measure of "small" for displacements.
+        breakpoints, jumps: times [s] at which loads or motions are not smooth / an integrator must start anew.
+        periods: of harmonic loads and motions [s].
+    """
+
+    rods: tuple[str, ...]
+    rod_lengths: Floats
+    rod_orders: Integers
+    positions: Floats
+    quaternions: Floats
+    mass: Floats
+    sets: tuple[ElementSet, ...]
+    link_positions: Floats
+    link_quaternions: Floats
+    pattern: Pattern
+    bodies: Bodies
+    joints: JointSet
+    held: HeldStrains
+    multipliers: int
+    interiors: tuple[Integers, ...]
+    supports: SupportSet
+    nodal_loads: tuple[NodalLoad, ...]
+    station_loads: tuple[StationLoad, ...]
+    stations: Stations
+    initial_strain: Mapping[int, Callable[[float], Floats]]
+    initial_twist: Callable[[Floats, Floats], Floats]
+    relaxation_times: Floats
+    length: float
+    breakpoints: tuple[float, ...]
+    jumps: tuple[float, ...]
+    periods: tuple[float, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of nodes."""
+        return len(self.positions)
+
+    @property
+    def constrained(self) -> bool:
+        """Whether there are joints, springs or held strains."""
+        return self.joints.count > 0 or len(self.held.place) > 0
+
+    @property
+    def relaxing(self) -> bool:
+        """Whether any section has Maxwell branches."""
+        return len(self.relaxation_times) > 0
+
+    @cached_property
+    def plan(self) -> Plan:
+        """How all matrices are factorised."""
+        return Plan.of(self.pattern, self.interiors)

@@ -1,0 +1,1 @@
+"""Static equilibria and paths of them."""

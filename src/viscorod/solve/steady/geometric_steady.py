@@ -1,0 +1,223 @@
+"""Steady rotations in positions and rotations: poses of the nodes and the angular speed about a line in space.
+
+Nodes have the twists of a rigid rotation, ``x_k = Omega x1_k(H_k)``, so strains do not change and the balance is
+
+    f_int(H) + L1(x) M x - f_ext(H) = 0.
+
+A body increment d changes the twist by ``ad(x) d``; with it the derivative is the stiffness matrix K of the small
+motions about the rotation, gyroscopic and centrifugal parts included.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viscorod.mechanics.elements.internal_force import Points, energies
+from viscorod.mechanics.elements.linearised import Operators
+from viscorod.mechanics.nodes import applied_loads as loading
+from viscorod.mechanics.nodes.inertia import kinetic_energy
+from viscorod.mechanics.rotations.rotation import retract
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.element_forces import GeometricForces
+from viscorod.solve.formulations.system import State, System
+from viscorod.solve.linear.matrix import Matrix
+from viscorod.solve.problem.external_loads import LoadState
+from viscorod.solve.steady.equations import Balance, Measure, imbalance
+from viscorod.solve.steady.rigid_rotation import Turning, coriolis, rigid_twists
+from viscorod.solve.transient.integrators import jacobian
+from viscorod.typing import Floats
+
+
+@dataclass
+class Small:
+    """Small motions about a steady rotation, before supports: ``M d'' + C d' + K d = 0`` in body increments ``d``.
+
+    Dense ``(6 n, 6 n)``; ``turning`` is ``ad(x)`` of every node ``(n, 6, 6)``.
+    """
+
+    mass: Floats
+    damping: Floats
+    stiffness: Floats
+    turning: Floats
+
+
+class GeometricSteady:
+    """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; the last unknown is the angular speed.
+
+    Args:
+        system, supports: what turns; supports turn with it.
+        loads: that stay as they are while it turns.
+        turning: the line about which it turns.
+        state: first guess of the poses, overwritten; rate: of the angular speed [rad/s].
+    """
+
+    def __init__(
+        self,
+        system: System,
+        supports: SupportState,
+        loads: LoadState,
+        turning: Turning,
+        state: State,
+        rate: float,
+    ) -> None:
+        self.system, self.supports, self.loads, self.turning = system, supports, loads, turning
+        self.problem = system.problem
+        self.elements = system.elements()
+        self._forces = GeometricForces(self.system, self.elements)
+        self._points = Points.of(self.elements, 1)
+        self._carried: Floats | None = None
+        n = self.problem.size
+        self._internal = np.zeros((n, 6))
+        self._matrix = Matrix(self.problem.pattern)
+        self._K, self._C = np.zeros((2, *self._matrix.blocks.shape))
+        self._operators = Operators.of(self.elements)
+        self._state, self.rate = state, rate
+
+    def state(self) -> State:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        at = self._state
+        at.twist[:] = rigid_twists(at.r, at.q, [0.0] * 3, self.rate * self.turning.axis, self.turning.centre)
+        return at
+
+    def set_spin(self, value: float) -> None:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        self.rate = value
+
+    def sizes(self) -> Floats:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        length = self.problem.length
+        return np.append(np.tile([length, length, length, 1.0, 1.0, 1.0], self.problem.size), self.rate)
+
+    def balance(self) -> Balance:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        state, supports, n = self.state(), self.supports, self.problem.size
+        residual, gap = self.residual()
+        inertial = coriolis(self.problem.mass, state.twist)
+        stress = self._points.section_force[0] if self._carried is None else self._carried
+        self._linearise(state, stress)
+        self._matrix.blocks[:] = self._K
+        supports.impose(state, residual, self._matrix, tangent=True)
+        column = np.zeros(6 * n)
+        # inertial forces are quadratic in the angular speed
+        column[supports.free_rows()] = supports.free_basis(state).T @ (2.0 / self.rate * inertial).ravel()
+        matrix = np.hstack([self._matrix.sparse().toarray(), column[:, None]])
+        return Balance(residual.ravel(), matrix, gap)
+
+    def residual(self) -> tuple[Floats, float]:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; supports keep their reactions."""
+        state, problem = self.state(), self.problem
+        self._evaluate(state)
+        external = self._external(state, np.zeros((0, 6, 6)), tangent=False)
+        inertial = coriolis(problem.mass, state.twist)
+        residual = self._internal - external + inertial
+        left = residual.copy()
+        self.supports.impose(state, left, self._matrix, tangent=False)
+        left = self.supports.unbalanced(left)
+        forces = self._internal, external, inertial
+        whole = float(problem.mass[:, 0, 0].mean()) * problem.length * self.rate**2
+        return residual, imbalance(left, forces, whole, problem.length)
+
+    def measure(self, kind: Measure) -> tuple[float, Floats]:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        state, mass = self.state(), self.problem.mass
+        self._evaluate(state)
+        inertial = coriolis(mass, state.twist).ravel()
+        T, rate = kinetic_energy(mass, state.twist), self.rate
+        W = self.elastic_energy()
+        if kind == "spin":
+            return rate, np.append(np.zeros(6 * len(mass)), 1.0)
+        if kind == "energy":
+            return T + W, np.append(self._internal.ravel() - inertial, 2.0 * T / rate)
+        if kind == "momentum":
+            return 2.0 * T / rate, np.append(-2.0 / rate * inertial, 2.0 * T / rate**2)
+        return W, np.append(self._internal.ravel(), 0.0)
+
+    def elastic_energy(self) -> float:
+        """Elastic energy [J] of the last evaluation."""
+        elastic, dissipated = np.empty((2, 1))
+        energies(self.elements, self._points.strain, self._points.strain_rate, elastic, dissipated)
+        return float(elastic[0])
+
+    def move(self, change: Floats) -> None:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`.
+
+        Section forces are carried along by the frozen operator (mixed Newton, as in statics).
+        """
+        e, increment = self.elements, change[:-1].reshape(-1, 6)
+        if self._carried is None:
+            self._carried = np.zeros_like(e.reference)
+        local = increment[e.nodes].reshape(len(e.nodes), -1)
+        for a, count in enumerate(6 * e.order):
+            carried = self._operators.force[a, :count, : count + 6] @ local[a, : count + 6]
+            self._carried[a, : e.order[a]] = self._points.section_force[0, a, : e.order[a]] + carried.reshape(
+                -1, 6
+            )
+        retract(self._state.r, self._state.q, increment, self._state.r, self._state.q)
+        self.rate += float(change[-1])
+
+    def keep(self) -> object:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        return self._state.copy(), self.rate
+
+    def restore(self, kept: object) -> None:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        assert isinstance(kept, tuple)
+        self._state, self.rate = kept[0].copy(), kept[1]
+        self._carried = None
+
+    def fields(self) -> tuple[Floats, Floats]:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        self._evaluate(self.state())
+        return self._points.strain[0].copy(), self._points.section_force[0].copy()
+
+    def small_motions(self) -> Small:
+        """Return the matrices of small motions at the present state."""
+        state = self.state()
+        self.balance()
+        turning = self._linearise(state, self._points.section_force[0])
+        pattern = self.problem.pattern
+        stiffness, damping = (pattern.sparse(blocks).toarray() for blocks in (self._K, self._C))
+        mass = np.zeros_like(stiffness)
+        for k, block in enumerate(self.problem.mass):
+            mass[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = block
+        return Small(mass, damping, stiffness, turning)
+
+    def _evaluate(self, state: State) -> None:
+        """Evaluate strains and elastic forces; without twists, whose strain rates are round-off."""
+        resting = State(state.r, state.q, np.zeros_like(state.twist))
+        self._forces.evaluate(resting, self._points, self._internal)
+
+    def _linearise(self, state: State, stress: Floats) -> Floats:
+        """Fill the blocks ``K`` and ``C``; returns ``ad(x)`` of every node."""
+        n = self.problem.size
+        turning, product = np.zeros((n, 6, 6)), np.zeros((n, 6, 6))
+        jacobian.adjoint(state.twist, turning)
+        self._K.fill(0.0)
+        self._C.fill(0.0)
+        self._forces.linearise(state, turning, stress, self._operators, self._K, self._C)
+        self._external(state, self._K, tangent=True)
+        jacobian.add_inertia(
+            self.problem.mass, state.twist, turning, self._K, self._C, self.problem.pattern.diagonal, product
+        )
+        return turning
+
+    def _external(self, state: State, blocks: Floats, *, tangent: bool) -> Floats:
+        """Return the loads ``(n, 6)``; with ``tangent`` their derivative is subtracted from ``blocks``."""
+        loads, external = self.loads, np.zeros((self.problem.size, 6))
+        if len(loads.nodes):
+            loading.add_nodal_loads(
+                loads.nodes,
+                state.q,
+                loads.dead,
+                loads.following,
+                loads.gravity,
+                loads.levers,
+                self.problem.mass,
+                tangent,
+                external,
+                blocks,
+                self.problem.pattern.diagonal,
+            )
+        return external

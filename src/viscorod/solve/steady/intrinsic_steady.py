@@ -1,0 +1,249 @@
+"""Steady rotations in body twists and strains (AWP 20): no pose enters.
+
+At all Gauss points and nodes
+
+    B(eps) x1 = 0        L1(x1) M x1 + B(eps)^T C eps = f
+
+with full damping; with linearised damping (AWP 22) the balance has ``B(0)^T D B(0) x1`` besides, the power of which
+vanishes in unforced steady motions: ``x1' = E^T x1`` (AWP 33). The same matrices give the small motions about the
+state.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.mechanics.nodes.inertia import kinetic_energy
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.problem import Problem
+from viscorod.solve.steady.equations import Balance, Measure, imbalance
+from viscorod.solve.steady.rigid_rotation import Turning, coriolis, gyroscopic
+from viscorod.solve.steady.steady_poses import poses_about
+from viscorod.solve.steady.strain_rates import StrainRates, force_map, strain_map
+from viscorod.typing import Floats
+
+
+@dataclass
+class FirstOrder:
+    """Small motions about a steady rotation: ``mass z' = matrix z``.
+
+    ``magnitude`` has the sizes of what adds up to the entries of the matrix: round-off is a part of them. From the
+    intrinsic formulation ``z`` are changes of strains, then of free twists.
+    """
+
+    mass: Floats
+    matrix: Floats
+    magnitude: Floats
+
+
+class IntrinsicSteady:
+    """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; unknowns are all twists and strains.
+
+    Args:
+        problem, elements: what turns; linearised: whether damping is.
+        free: which components of the nodal twists are unknown ``(n, 6)``; the others stay as they are.
+        following: wrenches that are carried along ``(n, 6)``, body components.
+        joint: node whose angular velocity counts as the spin; still: whether the mass centre must not travel.
+        turning: the line about which poses are to turn.
+        state: twists of the first guess, and the pose from which poses are found; strain: its strains.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        elements: Elements,
+        *,
+        linearised: bool,
+        free: np.ndarray,
+        following: Floats,
+        joint: int,
+        still: bool,
+        turning: Turning,
+        state: State,
+        strain: Floats,
+    ) -> None:
+        self.problem, self.elements, self.linearised = problem, elements, linearised
+        self.rates = StrainRates(elements, problem.size)
+        self.free = np.flatnonzero(free.ravel())
+        self.following, self.joint, self.still, self.turning = following, joint, still, turning
+        self._guess = state.copy()
+        self.twist, self.strain = state.twist.copy(), strain[self.rates.used]
+        self._columns = np.concatenate([np.arange(self.strain.size), self.strain.size + self.free])
+
+    # the unknowns in order: strains, then free twists
+
+    def balance(self) -> Balance:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        rates, force, inertial = self._rates_and_forces()
+        residual = np.concatenate([rates.ravel(), (force + inertial - self.following).ravel()])[self._columns]
+        matrix = self._matrix()[np.ix_(self._columns, self._columns)]
+        if self.still:
+            # a body that is free may travel along its axis as well: no momentum there
+            p = np.einsum("nij,nj->ni", self.problem.mass, self.twist)
+            travel = np.zeros_like(self.twist)
+            travel[:, 3:] = p[:, :3]
+            travel += np.einsum("nij,nj->ni", self.problem.mass[:, :, :3], self.twist[:, 3:])
+            row = np.concatenate([np.zeros(self.strain.size), travel.ravel()])[self._columns]
+            matrix = np.vstack([matrix, row])
+            residual = np.append(residual, float(np.sum(p[:, :3] * self.twist[:, 3:])))
+        return Balance(residual, matrix, self._gap(rates, force, inertial))
+
+    def measure(self, kind: Measure) -> tuple[float, Floats]:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        mass, w = self.problem.mass, self.twist[self.joint, 3:]
+        spin = float(np.linalg.norm(w))
+        by_strain, by_twist = np.zeros_like(self.strain), np.zeros_like(self.twist)
+        by_spin = np.zeros_like(self.twist)
+        by_spin[self.joint, 3:] = w / spin
+        T, momentum = kinetic_energy(mass, self.twist), np.einsum("nij,nj->ni", mass, self.twist)
+        stress = self.rates.weights[:, None] * np.einsum("gij,gj->gi", self.rates.C, self.strain)
+        W = 0.5 * float(np.sum(stress * self.strain))
+        if kind == "spin":
+            value, by_twist = spin, by_spin
+        elif kind == "energy":
+            value, by_twist, by_strain = T + W, momentum, stress
+        elif kind == "momentum":
+            value, by_twist = 2.0 * T / spin, 2.0 * momentum / spin - 2.0 * T / spin**2 * by_spin
+        else:
+            value, by_strain = W, stress
+        return value, np.concatenate([by_strain.ravel(), by_twist.ravel()])[self._columns]
+
+    def set_spin(self, value: float) -> None:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        self.twist = self.twist * (value / float(np.linalg.norm(self.twist[self.joint, 3:])))
+
+    def sizes(self) -> Floats:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        length = self.problem.length
+        spin = max(float(np.linalg.norm(self.twist[self.joint, 3:])), 1e-300)
+        strains = np.tile([1.0, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length], len(self.strain))
+        twists = np.tile([spin * length] * 3 + [spin] * 3, len(self.twist))
+        sizes: Floats = np.concatenate([strains, twists])[self._columns]
+        return sizes
+
+    def move(self, change: Floats) -> None:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        count = self.strain.size
+        self.strain = self.strain + change[:count].reshape(-1, 6)
+        twist = self.twist.ravel().copy()
+        twist[self.free] += change[count:]
+        self.twist = twist.reshape(-1, 6)
+
+    def keep(self) -> object:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        return self.twist.copy(), self.strain.copy()
+
+    def restore(self, kept: object) -> None:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        assert isinstance(kept, tuple)
+        self.twist, self.strain = kept[0].copy(), kept[1].copy()
+
+    def state(self) -> State:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; poses follow from the strains."""
+        r, q = poses_about(
+            self.problem,
+            self.elements,
+            self.fields()[0],
+            self._guess,
+            self.joint,
+            self.twist[self.joint],
+            self.turning,
+        )
+        return State(r, q, self.twist.copy())
+
+    def fields(self) -> tuple[Floats, Floats]:
+        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        strain, force = np.zeros((2, *self.elements.reference.shape))
+        strain[self.rates.used] = self.strain
+        at_points = np.einsum("gij,gj->gi", self.rates.C, self.strain)
+        if self.linearised:
+            at_points += np.einsum("gij,gj->gi", self.rates.D, self.rates.unstrained @ self.twist.ravel())
+        force[self.rates.used] = at_points
+        return strain, force
+
+    def small_motions(self) -> FirstOrder:
+        """Return the matrices of small motions at the present state."""
+        count, n = self.strain.size, self.problem.size
+        mass = np.eye(count + 6 * n)
+        for k, block in enumerate(self.problem.mass):
+            first = count + 6 * k
+            mass[first : first + 6, first : first + 6] = block
+        matrix = self._matrix(viscous=True)
+        matrix[count:] *= -1.0
+        pick = np.ix_(self._columns, self._columns)
+        return FirstOrder(mass[pick], matrix[pick], np.abs(matrix[pick]))
+
+    def residual(self) -> tuple[Floats, float]:
+        """Return the balance of the nodes ``(n, 6)`` before supports, and its gap."""
+        rates, force, inertial = self._rates_and_forces()
+        return force + inertial - self.following, self._gap(rates, force, inertial)
+
+    def elastic_energy(self) -> float:
+        """Elastic energy [J]."""
+        return self.measure("elastic")[0]
+
+    def _rates_and_forces(self) -> tuple[Floats, Floats, Floats]:
+        """Strain rates ``(m, 6)``, internal forces (without the viscous ones of full damping) and inertial ones."""
+        x, weights = self.twist.ravel(), self.rates.weights[:, None]
+        B = self.rates.at(self.strain)
+        force = np.einsum("gij,gi->j", B, weights * np.einsum("gij,gj->gi", self.rates.C, self.strain))
+        if self.linearised:
+            B0 = self.rates.unstrained
+            force += np.einsum("gij,gi->j", B0, weights * np.einsum("gij,gj->gi", self.rates.D, B0 @ x))
+        return B @ x, force.reshape(-1, 6), coriolis(self.problem.mass, self.twist)
+
+    def _matrix(self, *, viscous: bool = False) -> Floats:
+        """Derivative of strain rates and forces by strains and twists.
+
+        Args:
+            viscous: include the viscous forces of full damping, which vanish in a steady state but resist small
+                motions.
+        """
+        rates, n = self.rates, self.problem.size
+        count = self.strain.size
+        B = rates.at(self.strain)
+        at_points = rates.shapes @ self.twist.ravel()
+        # L = [[-w~, -v~], [0, -w~]]: eps_t by eps
+        L = -strain_map(np.hstack([at_points[:, :3], at_points[:, 3:]]))
+        matrix = np.zeros((count + 6 * n, count + 6 * n))
+        flat = B.reshape(count, 6 * n)
+        block = matrix[:count, :count].reshape(len(L), 6, len(L), 6)
+        each = np.arange(len(L))
+        block[each, :, each, :] = L
+        matrix[:count, count:] = flat
+        weighted = rates.weights[:, None, None]
+        stress = np.einsum("gij,gj->gi", rates.C, self.strain)
+        through = np.einsum("gai,gab->gib", B, weighted * rates.C)
+        through += np.einsum("gai,gab->gib", rates.shapes, weighted * force_map(stress))
+        damping = np.zeros((6 * n, 6 * n))
+        if self.linearised:
+            B0 = rates.unstrained.reshape(count, 6 * n)
+            damping = B0.T @ (weighted * rates.D @ rates.unstrained).reshape(count, 6 * n)
+        elif viscous:
+            damping = flat.T @ (weighted * rates.D @ B).reshape(count, 6 * n)
+            through += np.einsum("gai,gab->gib", B, weighted * rates.D @ L)
+        matrix[count:, :count] = through.transpose(1, 0, 2).reshape(6 * n, count)
+        matrix[count:, count:] = damping
+        for k, block_ in enumerate(gyroscopic(self.problem.mass, self.twist)):
+            rows = slice(count + 6 * k, count + 6 * k + 6)
+            matrix[rows, rows] += block_
+        return matrix
+
+    def _gap(self, rates: Floats, force: Floats, inertial: Floats) -> float:
+        left = (force + inertial - self.following).ravel()
+        held = np.ones(left.size, dtype=bool)
+        held[self.free] = False
+        left[held] = 0.0
+        length, mass = self.problem.length, self.problem.mass
+        spin = float(np.linalg.norm(self.twist[self.joint, 3:]))
+        whole = float(mass[:, 0, 0].mean()) * length * spin**2
+        forces = force, inertial, self.following
+        balance = imbalance(left.reshape(-1, 6), forces, whole, length)
+        return max(
+            balance,
+            float(np.abs(rates[:, :3]).max()) / spin,
+            float(np.abs(rates[:, 3:]).max()) * length / spin,
+        )

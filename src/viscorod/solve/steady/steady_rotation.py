@@ -1,0 +1,110 @@
+"""What is to be said of a steady rotation that was found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viscorod.mechanics.nodes.inertia import kinetic_energy
+from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.external_loads import LoadState
+from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.solve.steady.conditions import Holding, no_loads
+from viscorod.solve.steady.geometric_steady import GeometricSteady
+from viscorod.solve.steady.intrinsic_steady import IntrinsicSteady
+from viscorod.solve.steady.rigid_rotation import Turning, rigid_twists, spatial_momenta
+from viscorod.solve.steady.stability import Stability, first_order, stability
+from viscorod.typing import Floats
+
+ROUND_OFF = 1e-13
+"""Part of mass times acceleration below which the reaction of a support is none."""
+
+
+@dataclass(frozen=True)
+class SteadyRotation:
+    """A steady rotation and its small motions.
+
+    Attributes:
+        state: poses and twists; strain, section_force: at all Gauss points in the order of results ``(m, 6)``.
+        reaction: global wrenches of the supports ``(supports, 6)``.
+        spin: angular velocity [rad/s]; centre: a point on its axis [m]; momentum: angular momentum about it [N m s];
+            global axes. body_spin: the angular velocity in the axes of the node at the joint, or of the first node.
+        kinetic, elastic: energies [J].
+        gap: largest imbalance, as a part of the forces that balance; iterations: of Newton's method.
+    """
+
+    state: State
+    strain: Floats
+    section_force: Floats
+    reaction: Floats
+    spin: Floats
+    body_spin: Floats
+    centre: Floats
+    momentum: Floats
+    kinetic: float
+    elastic: float
+    gap: float
+    iterations: int
+    stability: Stability
+
+
+def described(
+    solver: StaticSolver,
+    equations: GeometricSteady | IntrinsicSteady,
+    loads: LoadState,
+    held: Holding,
+    iterations: int,
+) -> SteadyRotation:
+    """Return fields, energies and stability of the rotation at which ``equations`` have arrived."""
+    problem, supports, turning = solver.system.problem, solver.supports, equations.turning
+    state, (strain, force) = equations.state(), equations.fields()
+    balance, gap = equations.residual()
+    joint = int(supports.set.nodes[0]) if len(supports.set.nodes) else 0
+    body_spin = state.twist[joint, 3:].copy()
+    rate = float(np.linalg.norm(body_spin))
+    turn = matrices(state.q[supports.set.nodes])
+    reaction = balance[supports.set.nodes].reshape(-1, 2, 3)
+    reaction = np.einsum("nij,npj->npi", turn, reaction).reshape(-1, 6)
+    whole = float(problem.mass[:, 0, 0].sum()) * problem.length * rate**2
+    reaction[np.abs(reaction) < ROUND_OFF * whole * np.array([1.0] * 3 + [problem.length] * 3)] = 0.0
+    _, momentum = spatial_momenta(problem.mass, state.r, state.q, state.twist, turning.centre)
+    if isinstance(equations, GeometricSteady):
+        copies = _copies(supports, state, turning, held, no_loads(loads))
+        small = first_order(equations.small_motions(), supports, state, turning, copies, problem.length)
+    else:
+        small = equations.small_motions()
+    places = solver.system.gauss_places()
+    return SteadyRotation(
+        state=state.copy(),
+        strain=strain.reshape(-1, 6)[places],
+        section_force=force.reshape(-1, 6)[places],
+        reaction=reaction,
+        spin=rate * turning.axis,
+        body_spin=body_spin,
+        centre=turning.centre,
+        momentum=momentum,
+        kinetic=kinetic_energy(problem.mass, state.twist),
+        elastic=equations.elastic_energy(),
+        gap=gap,
+        iterations=iterations,
+        stability=stability(small, rate),
+    )
+
+
+def _copies(supports: SupportState, state: State, turning: Turning, held: Holding, unloaded: bool) -> Floats:
+    """Velocity fields ``(c, 6)`` that take the rotation to copies of itself: what nothing holds or directs."""
+    turns = np.hstack([np.zeros((3, 3)), np.eye(3)])
+    if unloaded and held is Holding.FREE:
+        return np.vstack([turns, np.eye(6)[:3]])
+    if unloaded and held is Holding.JOINT:
+        arm = state.r[supports.set.nodes[0]] - turning.centre
+        if np.linalg.norm(np.cross(arm, turning.axis)) < 1e-9 * supports.problem.length:
+            return turns
+    about = np.concatenate([np.zeros(3), turning.axis])
+    field = rigid_twists(state.r, state.q, [0.0] * 3, turning.axis, turning.centre).ravel()
+    basis = supports.free_basis(state).toarray()
+    left = field - basis @ (np.linalg.pinv(basis) @ field)
+    return np.zeros((0, 6)) if np.abs(left).max() > 1e-9 * np.abs(field).max() else about[None]

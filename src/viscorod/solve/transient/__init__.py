@@ -1,0 +1,1 @@
+"""Motion in time: the driver, step control, events, saved states, integrators."""

@@ -1,0 +1,115 @@
+"""What acts on a model from outside during a step: loads and prescribed motions, evaluated where kernels read them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.nodes import applied_loads as loading
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.system import State, System
+from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
+from viscorod.solve.transient.integrators.stage_data import Body, Given
+from viscorod.typing import Floats
+
+
+class Actions:
+    """Loads and prescribed motions of a run.
+
+    Args:
+        system, supports: what is integrated; body: the same for kernels.
+        stages: of the method.
+
+    Attributes:
+        given: loads and motions at the stages of the step that is prepared.
+    """
+
+    def __init__(self, system: System, supports: SupportState, body: Body, stages: int) -> None:
+        self.system, self.supports, self.body = system, supports, body
+        self.loads = ExternalLoads(system.problem)
+        self.given = Given.of(
+            stages, body, max(1, len(system.problem.station_loads)), offset=self.loads.offset
+        )
+        self._no_blocks = np.zeros((0, 6, 6))
+        self._written: list[LoadState | None] = [None] * stages
+
+    def prepare(self, i: int, t: float, *, before: bool) -> None:
+        """Evaluate loads and prescribed motions of stage ``i`` at time ``t`` [s]; ``before``: limits from the left."""
+        given, supports = self.given, self.supports
+        if supports.moving:
+            supports.update(t, before)
+            given.target[i], given.rate[i] = supports.target, supports.rate
+            c = supports.complete
+            if len(c):
+                r, q, twist, rate = supports.complete_motion()
+                given.r[i, c], given.q[i, c], given.twist[i, c], given.twist_rate[i, c] = r, q, twist, rate
+        loads = self.loads.at(t, before)
+        if loads is self._written[i]:  # time factors are the same
+            return
+        self._written[i] = loads
+        given.acting[i] = 1.0 if len(loads.nodes) else 0.0
+        if len(loads.nodes):
+            given.dead[i], given.following[i], given.gravity[i] = loads.dead, loads.following, loads.gravity
+            given.levers[i] = loads.levers
+        if self.system.problem.station_loads:
+            given.element[i] = -1
+            for k, load in enumerate(loads.stations):
+                given.element[i, k] = self.system.element_number(load.part, load.element)
+                given.shape[i, k, : len(load.shape)] = load.shape
+                given.point_dead[i, k], given.point_following[i, k] = load.dead, load.following
+
+    def forget(self) -> None:
+        """Write all loads anew: ``given`` was changed from outside."""
+        self._written = [None] * len(self._written)
+
+    def move_supports(self, t: float, *, before: bool) -> None:
+        """Bring moving supports to time ``t`` [s]."""
+        if self.supports.moving:
+            self.supports.update(t, before)
+
+    def add_loads(self, t: float, state: State, external: Floats, *, before: bool) -> None:
+        """Add the loads at time ``t`` [s] to ``external (n, 6)``, in body components."""
+        self._add(self.loads.at(t, before), state, external, self._no_blocks, False)
+
+    def add_load_stiffness(
+        self, t: float, state: State, external: Floats, K: Floats, *, before: bool = False
+    ) -> None:
+        """Subtract the derivative of the loads at time ``t`` [s], which turn with the body frames, from ``K``.
+
+        The loads are added to ``external (n, 6)`` too.
+        """
+        self._add(self.loads.at(t, before), state, external, K, True)
+
+    def _add(self, loads: LoadState, state: State, external: Floats, blocks: Floats, tangent: bool) -> None:
+        body = self.body
+        if len(loads.nodes):
+            loading.add_nodal_loads(
+                loads.nodes,
+                state.q,
+                loads.dead,
+                loads.following,
+                loads.gravity,
+                loads.levers,
+                body.mass,
+                tangent,
+                external,
+                blocks,
+                body.pattern.diagonal,
+            )
+        for load in loads.stations:
+            elements, e = body.elements, self.system.element_number(load.part, load.element)
+            m = int(elements.order[e]) + 1
+            loading.add_station_load(
+                elements.nodes[e, :m],
+                elements.links[e, :m],
+                elements.link_positions,
+                elements.link_quaternions,
+                load.shape,
+                load.dead,
+                load.following,
+                state.r,
+                state.q,
+                tangent,
+                external,
+                blocks,
+                elements.slots[e],
+            )

@@ -1,0 +1,379 @@
+"""Collocation methods on the Lie group: what Radau IIA and the midpoint rule share.
+
+The step's unknowns are nodal coordinates relative to the poses at its start, in which the equations of motion are
+ordinary
+differential equations; so the methods keep their order for large rotations. Stresses are carried as independent
+iterates (mixed Newton), which lets a frozen Jacobian serve steps with large rotations: only strains, never stiffness
+times strains, are linearised about old poses. The Jacobian and the factors stay in use over several steps (see
+``stages`` and ``jacobian``).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from viscorod.mechanics.elements.internal_force import Points, energies
+from viscorod.mechanics.nodes import inertia
+from viscorod.solve.constraints.projection import start_consistently
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.system import State, System
+from viscorod.solve.history import Snapshot
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.integrators import iteration, jacobian
+from viscorod.solve.transient.integrators.actions import Actions
+from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.linked import Linked
+from viscorod.solve.transient.integrators.predictor import Predictor
+from viscorod.solve.transient.integrators.records import Records
+from viscorod.solve.transient.integrators.relaxed import Relaxed
+from viscorod.solve.transient.integrators.solved_step import try_step
+from viscorod.solve.transient.integrators.stage_data import Body, Ends, Matrices, Stages, Work
+from viscorod.solve.transient.integrators.stage_systems import StageSystems
+from viscorod.solve.transient.integrators.tableau import Tableau
+from viscorod.solve.transient.time_step import start_step
+from viscorod.typing import Floats
+
+_OUTCOME = {
+    iteration.CONVERGED: Outcome.CONVERGED,
+    iteration.SLOW: Outcome.SLOW,
+    iteration.DIVERGED: Outcome.DIVERGED,
+    iteration.NOT_FINITE: Outcome.NOT_FINITE,
+}
+
+
+class Collocation:
+    """What all collocation methods share (see :class:`~viscorod.solve.transient.integrators.contract.Integrator`).
+
+    Args:
+        system, supports: what is integrated.
+        tableau: the method.
+        newton_tolerance: error left by the iteration (displacement over model length, rotation in rad).
+    """
+
+    stale = 0.1
+    """Convergence rate from which on the Jacobian is renewed."""
+
+    iterations = 12
+    """Allowed iterations per step."""
+
+    def __init__(
+        self, system: System, supports: SupportState, tableau: Tableau, newton_tolerance: float
+    ) -> None:
+        self.system, self.supports, self.tableau = system, supports, tableau
+        self.newton_tolerance = newton_tolerance
+        problem = system.problem
+        self.t = 0.0
+        self.state = State.reference(problem)
+        self.kinetic = self.elastic = self.work = self.loss = 0.0
+        self.evaluations = self.factorisations = self.jacobians = 0
+        stages = len(tableau.nodes)
+        self._last = stages - 1
+        self.body = body = Body.of(problem, system.elements(), supports)
+        self.forces = system.element_forces(body.elements, stages)
+        self.actions = Actions(system, supports, body, stages)
+        self.stages = Stages.of(stages, body)
+        self.predictor = Predictor(body, self.stages, tableau)
+        self.linked = Linked(system.constraints, tableau) if problem.constrained else None
+        memory = system.relaxation
+        self.relaxed = None if memory is None else Relaxed(memory, body, tableau)
+        self.systems = StageSystems(body, system.matrix.scales, tableau, problem.plan, self.relaxed)
+        self.recorded = Records(
+            body,
+            self.actions.given,
+            self.stages,
+            tableau,
+            supports,
+            system.gauss_places(),
+            self.linked,
+            self.systems.solve_real,
+        )
+        self.ends: Ends | None = None
+        self.matrices = Matrices.of(body)
+        self.scratch = Work.of(body, stages)
+        carried = len(problem.held.place) > 0 or problem.relaxing
+        self._points = Points.of(body.elements, 1, carried=carried)  # at t
+        self._stress = np.zeros(body.elements.reference.shape)  # at t
+        self._force = np.zeros((problem.size, 6))  # what accelerates the nodes at t
+        self._end_rate = np.zeros((problem.size, 6))  # of the twists at t
+        self._turning = np.zeros((problem.size, 6, 6))
+        self._powers = np.zeros((2, stages))
+        self._reaction = np.zeros((len(body.nodes), 6))  # of the supports at t, along their axes
+        self._error = np.zeros((problem.size, 6))
+        self._elastic = np.zeros(stages)
+        self._have_jacobian = self._fresh_jacobian = False
+        self._factor_step = self._end = self._step = 0.0
+        self._rate = 1.0
+
+    # --- the contract
+
+    def start(self, t: float, state: State) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        supports = self.supports
+        supports.update(t, False)
+        supports.prescribe(state)
+        supports.project_twists(state)
+        if self.linked is not None:
+            self.system.constraints.update(t)
+            start_consistently(self.system, supports, state)
+            self.linked.forget()
+        self._settle(t, state, before=False)
+        self.predictor.forget()
+        self._rate = 1.0
+        self._have_jacobian = False
+
+    def first_step(self, duration: float) -> float:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return start_step(
+            self.body.mass, self._force, self.state.twist, self.body.held, self.body.length, duration
+        )
+
+    def attempt(self, end: float, *, before: bool) -> StepReport:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        h = end - self.t
+        self._prepare_step(end, before)
+        if not self._have_jacobian:
+            self.system.constraints.pace = self.tableau.real / h
+            self._renew_jacobian()
+        # equal steps differ by the rounding of their ends
+        if abs(h - self._factor_step) > 1e-9 * h and not self._factorise(h):
+            return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
+        self.predictor.predict(self.state, self._stress, h)
+        if self.linked is not None:
+            self.linked.predict(h)
+        if self.relaxed is not None:
+            self.relaxed.prepare(h)
+        code, count, size, rate, unknown, error, worst = try_step(*self.step_arguments(h))
+        self.systems.check()
+        self.evaluations += (count + (code == iteration.CONVERGED)) * len(self.tableau.nodes)
+        self._end = end
+        if code == iteration.CONVERGED:
+            self._rate = rate
+            error, worst = self._judge(error, worst)
+            node, component = divmod(worst, 6)
+            return StepReport(Outcome.CONVERGED, count, size, 0.0, node, error, rate, component)
+        node, component = divmod(unknown, 6)
+        self._rate = 1.0
+        if not self._fresh_jacobian:
+            self._have_jacobian = False
+            return self.attempt(end, before=before).after(count)
+        if self.linked is not None:
+            self.system.constraints.laws.callback.check()
+        imbalance = float(np.abs(self.stages.residual[:, : len(self.body.mass)]).max())
+        return StepReport(_OUTCOME[code], count, size, imbalance, node, 0.0, rate, component)
+
+    def step_arguments(self, h: float) -> tuple[Any, ...]:
+        """Return what the compiled step takes, for a step of ``h`` [s] from the present state."""
+        state = self.state
+        return (
+            self.body,
+            self.actions.given,
+            state.r,
+            state.q,
+            state.twist,
+            self._force,
+            h,
+            self.tableau,
+            self.systems.factors,
+            self.matrices,
+            self.stages,
+            self.ends,
+            self.scratch,
+            self.forces.motion,
+            None if self.linked is None else self.linked.links,
+            None if self.relaxed is None else self.relaxed.step,
+            self.newton_tolerance,
+            self.iterations,
+            self._rate,
+            self._powers,
+            self._elastic,
+            self._error,
+        )
+
+    def accept(self) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        weights = self.tableau.weights
+        h = self._end - self.t
+        self.elastic = float(self._elastic[self._last])
+        self.work, self.loss = h * float(weights @ self._powers[0]), h * float(weights @ self._powers[1])
+        self.recorded.leave(self.state)
+        self.predictor.keep(self.state, self._stress, h)
+        if self.relaxed is not None:
+            self.relaxed.arrive(self.stages.strain)
+        self._arrive()
+        self.t, self._step = self._end, h
+        self._fresh_jacobian = False
+        if self._rate > self.stale:
+            self._have_jacobian = False
+
+    @property
+    def drift(self) -> tuple[float, float]:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return (0.0, 0.0) if self.linked is None else self.linked.drift
+
+    @property
+    def strain(self) -> float:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return self.recorded.strain
+
+    def snapshot(self) -> Snapshot:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        snapshot = self.recorded.snapshot
+        if self.relaxed is not None:
+            power = self.relaxed.memory.power(self.relaxed.memory.strain)
+            snapshot = snapshot._replace(branch_power=power.ravel()[self.system.gauss_places()])
+        if self.linked is None or self._factor_step == 0.0:
+            return snapshot
+        self.system.constraints.update(self.t, True)  # states between may have been asked for
+        return self.linked.shown(snapshot, self.systems.solve_real)
+
+    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        records = self.recorded.between(
+            parts, self.t, self._step, self.state, self._end_rate, self._powers, self.loss
+        )
+        if self.relaxed is None:
+            return records
+        powers = self.relaxed.power_between(parts).reshape(len(parts), -1)[:, self.system.gauss_places()]
+        return [
+            (snapshot._replace(branch_power=power), work, loss)
+            for (snapshot, work, loss), power in zip(records, powers, strict=True)
+        ]
+
+    @property
+    def branch_loss(self) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return np.zeros(0) if self.relaxed is None else self.relaxed.lost
+
+    def branch_losses(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return np.zeros((len(parts), 0)) if self.relaxed is None else self.relaxed.lost_until(parts)
+
+    def resume(self) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: factors follow from the Jacobian."""
+        self.actions.forget()
+        if self._factor_step > 0.0:
+            self.systems.factorise(self.matrices, self._factor_step)
+
+    # --- what methods differ in
+
+    def _judge(self, error: float, unknown: int) -> tuple[float, int]:
+        """Return the error of a converged step over the tolerated one, and the unknown where it is largest."""
+        del error, unknown
+        return 0.0, 0
+
+    def _prepare_step(self, end: float, before: bool) -> None:
+        """Evaluate loads and prescribed motions at all stages of the step to ``end``."""
+        for i, c in enumerate(self.tableau.nodes):
+            last = i == self._last
+            t = end if last else self.t + c * (end - self.t)
+            self.actions.prepare(i, t, before=before and last)
+            if self.linked is not None:
+                self.linked.prepare(i, t, before=before and last)
+
+    def _arrive(self) -> None:
+        """Make the last stage the new state."""
+        stages, last = self.stages, self._last
+        self.state = State(
+            stages.r[last].copy(), stages.q[last].copy(), stages.twist[last].copy(), self.state.multiplier
+        )
+        self._force[:], self._stress[:] = stages.force[last], stages.stress[last]
+        self.forces.arrive(stages.strain[last])
+        self._reaction[:] = stages.reaction[last]
+        if len(self.supports.partial):
+            self.actions.move_supports(self._end, before=True)
+            self.supports.project_twists(self.state)
+        if self.linked is not None:
+            self.system.constraints.update(self._end, True)
+            self.elastic += self.linked.arrive(self.state, self._end - self.t, stage=True)
+        self._end_rate = stages.acceleration[last].copy()
+        self.kinetic = self.recorded.arrive(self.state, self.elastic)
+
+    # --- parts
+
+    def _settle(self, t: float, state: State, *, before: bool, acceleration: Floats | None = None) -> None:
+        """Make ``state`` the one at ``t``: forces, energies and reactions there.
+
+        Without accelerations those of free nodes are unknown, and reactions lack the inertia of partly held ones.
+        """
+        supports, body, points = self.supports, self.body, self._points
+        self.t, self.state = t, state
+        internal, external = self.scratch.vector, self.scratch.change
+        self.forces.evaluate(state, points, internal)
+        constraints = self.system.constraints
+        if self.linked is not None:
+            constraints.add_forces(state, internal)
+            self.linked.begin(state)
+        external.fill(0.0)
+        self.actions.add_loads(t, state, external, before=before)
+        self.evaluations += 1
+        residual = internal - external
+        inertia.add_coriolis(body.mass, state.twist, residual)
+        np.negative(residual, out=self._force)
+        if acceleration is None:
+            supports.add_acceleration(residual)
+        else:
+            residual += np.einsum("nij,nj->ni", body.mass, acceleration)
+        supports.impose(state, residual, self.system.matrix, tangent=False)
+        self.kinetic = inertia.kinetic_energy(body.mass, state.twist)
+        elastic, dissipated = np.empty((2, 1))  # not the powers of the last step, which states between need
+        energies(body.elements, points.strain, points.strain_rate, elastic, dissipated)
+        self.elastic = float(elastic[0]) + constraints.energy
+        if self.relaxed is not None:
+            memory, strain = self.relaxed.memory, points.strain[0]
+            memory.strain[:] = strain
+            self.elastic += memory.energy(strain)
+        self._reaction[:] = supports.reaction
+        self._stress[:] = points.stress[0]
+        self.recorded.settle(state, points, supports.global_reactions(state), self.kinetic, self.elastic)
+
+    def _renew_jacobian(self) -> None:
+        """Linearise at the start of the step."""
+        state, matrices, body = self.state, self.matrices, self.body
+        jacobian.adjoint(state.twist, self._turning)
+        matrices.K.fill(0.0)
+        matrices.C.fill(0.0)
+        self.forces.linearise(state, self._turning, self._stress, matrices.operators, matrices.K, matrices.C)
+        if self.linked is not None:
+            self.linked.linearise(state, self._turning, body.elements, matrices)
+        self.actions.add_load_stiffness(self.t, state, self.scratch.vector, matrices.K)
+        matrices.mass[:] = body.mass
+        jacobian.add_inertia(
+            body.mass,
+            state.twist,
+            self._turning,
+            matrices.K,
+            matrices.C,
+            body.pattern.diagonal,
+            matrices.adjoint,
+        )
+        self.actions.move_supports(self.t, before=False)
+        jacobian.project(
+            body.nodes,
+            body.fixed,
+            body.axes,
+            body.r0,
+            body.q0,
+            self.supports.target,
+            self._reaction,
+            state.r,
+            state.q,
+            body.pattern.starts,
+            body.pattern.across,
+            body.pattern.diagonal,
+            matrices.K,
+            matrices.C,
+            matrices.mass,
+            matrices.G,
+            matrices.Z,
+        )
+        self._have_jacobian = self._fresh_jacobian = True
+        self._factor_step = 0.0
+        self.jacobians += 1
+
+    def _factorise(self, h: float) -> bool:
+        """Factorise the real and the complex matrix for the step ``h``; False if one is singular."""
+        self._factor_step = h
+        self.factorisations += 1
+        return self.systems.factorise(self.matrices, h)

@@ -1,0 +1,438 @@
+"""Generalised-alpha on the Lie group, in poses and spatial momenta.
+
+The equations of motion are first order in the poses ``H`` (with ``H_t = H x1``) and the spatial momenta ``pi``
+(with ``pi_t``
+= resultant wrench about the origin). Both are advanced by the generalised-alpha method for first-order systems (Jansen,
+Whiting and Hulbert 2000), the poses on SE(3) by the exponential (as Bruels and Cardona 2010 do for the second-order
+method):
+
+    D/h  = (1-g) xi_n + g xi_n+1      (1-am) xi_n+1 + am xi_n = (1-af) x1_n+1 + af x1_n       H_n+1 = H_n exp(D)
+
+and the same for ``pi`` with the wrenches in place of the twists. It is of second order, dissipates only high
+frequencies,
+``rho`` being the spectral radius at infinity, and keeps linear and angular momentum of a free body to round-off,
+because
+internal forces have no spatial resultant and the scheme is linear in the momenta.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from viscorod.mechanics.nodes import inertia
+from viscorod.mechanics.rotations.pose_interpolation import interpolate
+from viscorod.mechanics.rotations.rotation import add_mapped, inverse_motion_tangent, retract
+from viscorod.solve.constraints.projection import close, shown, start_consistently
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.system import State, System
+from viscorod.solve.history import Snapshot
+from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
+from viscorod.solve.statics.newton import Convergence, Outcome, SingularMatrixError, worst_node
+from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.time_step import start_step
+from viscorod.typing import Floats
+
+STEP_FACTOR = 1.0
+"""Error that a step may have over ``tolerance^1.5``: that of a step is of order 3, that of the motion of order 2."""
+
+ERROR_CONSTANT = 1.0 / 6.0
+"""Estimated error of a step over ``h (x1' - x1 - h rate)``, the third derivative of the pose times h^3."""
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """The three numbers of the method for a spectral radius ``rho`` at infinite frequency in [0, 1]."""
+
+    mass: float
+    force: float
+    gamma: float
+
+    @classmethod
+    def of(cls, rho: float) -> Coefficients:
+        """Second order with optimal dissipation (Jansen et al. 2000, in the convention of Bruels and Cardona)."""
+        return cls(
+            mass=(3.0 * rho - 1.0) / (2.0 * (1.0 + rho)), force=rho / (1.0 + rho), gamma=1.0 / (1.0 + rho)
+        )
+
+
+@dataclass(frozen=True)
+class Relation:
+    """A step's linear relations: ``twist = slope increment + constant`` and ``wrench = slope momentum + history``."""
+
+    slope: float
+    constant: Floats
+    history: Floats
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A solved balance: report, state, the increment that led there and the momentum before it."""
+
+    report: StepReport
+    state: State
+    increment: Floats
+    momentum_before: Floats
+
+
+class GeneralizedAlpha:
+    """Implicit one-step integrator of second order (see the module's text).
+
+    Args:
+        system, supports: what is integrated.
+        spectral_radius: 1 damps nothing numerically, 0 annihilates the highest frequencies in one step.
+        tolerance: wanted accuracy of the motion (displacement over model length, rotation in rad); None makes no
+            error estimate.
+        newton_tolerance: size of the last Newton increment, likewise.
+        iterations: allowed Newton iterations per step.
+    """
+
+    order = 2
+    records = 1
+
+    def __init__(
+        self,
+        system: System,
+        supports: SupportState,
+        *,
+        spectral_radius: float = 0.8,
+        tolerance: float | None = None,
+        newton_tolerance: float = 1e-9,
+        iterations: int = 12,
+    ) -> None:
+        self.system = system
+        self.supports = supports
+        self.loads = ExternalLoads(system.problem)
+        self.coefficients = Coefficients.of(spectral_radius)
+        self.step_tolerance = None if tolerance is None else STEP_FACTOR * tolerance**1.5
+        self.newton_tolerance = newton_tolerance
+        self.iterations = iterations
+        n = system.problem.size
+        self.t = 0.0
+        self.state = State.reference(system.problem)
+        self.kinetic = self.elastic = self.work = self.loss = 0.0
+        self.evaluations = self.factorisations = self.jacobians = 0
+        self.drift = 0.0, 0.0
+        self.branch_loss: Floats = np.zeros(len(system.problem.relaxation_times))
+        self._power = self._end = self._step = 0.0
+        self._trial: tuple[Relation, Solution]
+        self._start: tuple[State, Snapshot]
+        self._snapshot: Snapshot
+        self._twist_mean: Floats = np.zeros((n, 6))  # xi
+        self._momentum: Floats = np.zeros((n, 6))
+        self._wrench: Floats = np.zeros((n, 6))
+        self._wrench_mean: Floats = np.zeros((n, 6))  # b
+        self._rate: Floats = np.zeros((n, 6))  # of the twists, for predicting
+        self._map = np.zeros((n, 6, 6))
+        self._fresh = True
+        self._held = supports.set.nodes[supports.complete]
+
+    def start(self, t: float, state: State) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        system, supports = self.system, self.supports
+        mass = system.problem.mass
+        supports.update(t, False)
+        system.constraints.update(t)
+        supports.prescribe(state)
+        supports.project_twists(state)
+        start_consistently(system, supports, state)
+        if system.relaxation is not None and system.relaxation.known:
+            system.relaxation.elapse(0.0)
+        system.assemble(state, self.loads.at(t), None, tangent=False, moving=True)
+        system.settle()
+        system.reset_stress()
+        system.constraints.settle()
+        residual = system.residual()
+        supports.add_inertia(state, residual)
+        supports.impose(state, residual, system.matrix, tangent=False)
+        self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
+        self.elastic = system.elastic_energy()
+        system.viscous_loss(0.0)
+        self._fresh = True
+        self._rate = np.zeros_like(state.twist)
+        self.t = t
+        self.state = state
+        self._power = self._work_rate()
+        self._snapshot = Snapshot.of(state, system, supports, self.kinetic)
+
+    def first_step(self, duration: float) -> float:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        problem, held = self.system.problem, np.zeros(self.system.problem.size)
+        held[self._held] = 1.0
+        force = self.system.external - self.system.internal
+        return start_step(problem.mass, force, self.state.twist, held, problem.length, duration)
+
+    def attempt(self, end: float, *, before: bool) -> StepReport:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        self._end = end
+        if self._fresh:
+            return self._first_step(end, before=before)
+        h = end - self.t
+        c, old = self.coefficients, self.state
+        slope = (1.0 - c.mass) / ((1.0 - c.force) * c.gamma * h)
+        lag = c.mass / (1.0 - c.force) - (1.0 - c.gamma) * slope * h
+        keep = c.force / (1.0 - c.force)
+        relation = Relation(
+            slope,
+            lag * self._twist_mean - keep * old.twist,
+            lag * self._wrench_mean - keep * self._wrench - slope * self._momentum,
+        )
+        predicted = h * old.twist + 0.5 * h * h * self._rate
+        self._trial = relation, self._solve(end, before, relation, predicted.copy())
+        return self._judged(self._trial[1], 0)
+
+    def _first_step(self, end: float, *, before: bool) -> StepReport:
+        """Start with the two-stage, second-order, L-stable method SDIRK2 (Alexander 1977).
+
+        It needs no initial accelerations: those after a sudden load live in the fastest modes and would ring on.
+        """
+        g = 1.0 - np.sqrt(0.5)
+        h = end - self.t
+        old = self.state
+        slope = 1.0 / (g * h)
+        first = Relation(slope, np.zeros_like(old.twist), -slope * self._momentum)
+        stage = self._solve(self.t + g * h, False, first, g * h * old.twist)
+        if not stage.report.converged:
+            return stage.report
+        momentum = np.empty_like(self._momentum)
+        new = stage.state
+        inertia.momenta(self.system.problem.mass, new.r, new.q, new.twist, momentum)
+        wrench = slope * momentum + first.history
+        ratio = (1.0 - g) / g
+        second = Relation(slope, -ratio * new.twist, -slope * self._momentum - ratio * wrench)
+        self._trial = second, self._solve(end, before, second, h * new.twist)
+        return self._judged(self._trial[1], stage.report.iterations)
+
+    def _judged(self, solution: Solution, iterations: int) -> StepReport:
+        """Complete the report of an attempt by the estimated error."""
+        report = solution.report.after(iterations)
+        if self.step_tolerance is None or not report.converged:
+            return report
+        h = self._end - self.t
+        error = ERROR_CONSTANT * h * (solution.state.twist - self.state.twist - h * self._rate)
+        error[self._held] = 0.0
+        # (M/h^2 + C/h + K)^-1 M/h^2, factors of the last iteration: what rings faster than the step does not count
+        slope = self._trial[0].slope
+        error = slope**2 * np.einsum("nij,nj->ni", self.system.problem.mass, error)
+        error[self.supports.set.nodes] *= 1.0 - self.supports.set.fixed
+        gaps = np.zeros((self.system.problem.multipliers, 6))
+        error = self.system.matrix.solve(np.concatenate([error, gaps]))[: len(error)]
+        size = np.abs(error) / ([self.system.problem.length] * 3 + [1.0] * 3)
+        node, component = divmod(int(np.argmax(size)), 6)
+        return report._replace(error=float(size.max()) / self.step_tolerance, node=node, component=component)
+
+    def accept(self) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        relation, solution = self._trial
+        h, first = self._end - self.t, self._fresh
+        self._start = self.state, self._snapshot
+        self._accept(solution, relation, self._end)
+        if self._fresh:
+            self._wrench_mean, self._twist_mean = self._wrench.copy(), self.state.twist.copy()
+            self._settle()
+            if self.step_tolerance is None:
+                self._rate[:] = 0.0  # the first difference still holds the jump
+            self._fresh = False
+        else:
+            mean, c1 = self._wrench_mean, 1.0 - self.coefficients.gamma
+            self._wrench_mean = (
+                (self._momentum - solution.momentum_before) / h - c1 * mean
+            ) / self.coefficients.gamma
+            self._twist_mean = (solution.increment / h - c1 * self._twist_mean) / self.coefficients.gamma
+            self._settle()
+        power = self._work_rate()
+        if first:  # forces of motors at the start are not known
+            self._power += self.system.constraints.motor_power()
+        self.work = 0.5 * h * (self._power + power)
+        self.branch_loss = self.system.settle()
+        self.loss = self.system.viscous_loss(h) + float(self.branch_loss.sum())
+        self.elastic = self.system.elastic_energy()
+        self._power = power
+        self._step = h
+        self._snapshot = Snapshot.of(self.state, self.system, self.supports, self.kinetic)
+        constraints = self.system.constraints
+        gap = float((np.abs(constraints.gap) / constraints.unit).max(initial=0.0))
+        self.drift = max(self.drift[0], gap), self.drift[1]
+
+    @property
+    def strain(self) -> float:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return float(np.abs(self._snapshot.strain[:, :3]).max())
+
+    def _work_rate(self) -> float:
+        """Present power of loads and moving supports [W]."""
+        loads = float(np.sum(self.system.external * self.state.twist))
+        return loads + self.supports.power() + self.system.constraints.motor_power()
+
+    def snapshot(self) -> Snapshot:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        if self._fresh or self.system.constraints.rows == 0:
+            return self._snapshot
+        found, left = shown(self.system.constraints, self._snapshot, self.system.matrix.solve)
+        self.drift = self.drift[0], max(self.drift[1], left)
+        return found
+
+    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
+        """Interpolate within the last step, cubic in the poses, linear in the rest (see ``contract.Integrator``)."""
+        (old, before), new, after = self._start, self.state, self._snapshot
+        count = len(parts)
+        r, q, twist = (np.empty((count, *shape.shape)) for shape in (new.r, new.q, new.twist))
+        interpolate(
+            parts,
+            self._step,
+            old.r,
+            old.q,
+            old.twist,
+            self._rate,
+            new.r,
+            new.q,
+            new.twist,
+            self._rate,
+            np.zeros(len(new.r)),
+            False,
+            r,
+            q,
+            twist,
+        )
+        states = [State(r[k], q[k], twist[k], new.multiplier) for k in range(count)]
+        constraints, begin = self.system.constraints, self.t - self._step
+        if constraints.rows:
+            for state, part in zip(states, parts, strict=True):
+                constraints.update(begin + part * self._step)
+                gap = close(constraints, state, self.system.matrix.solve)
+                self.drift = max(self.drift[0], gap), self.drift[1]
+            constraints.update(self.t, True)
+        return [
+            (
+                before.blend(after, part, states[k], self.system),
+                part * self.work,
+                part * self.loss,
+            )
+            for k, part in enumerate(parts)
+        ]
+
+    def resume(self) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: every iteration factorises."""
+
+    def branch_losses(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: linear in time."""
+        return np.multiply.outer(parts, self.branch_loss)
+
+    def _solve(self, t: float, before: bool, relation: Relation, increment: Floats) -> Solution:
+        """Solve the balance at time ``t`` for the poses reached by ``increment`` (predicted) from the last state."""
+        system, supports, old = self.system, self.supports, self.state
+        supports.update(t, before)
+        system.constraints.update(t, before)
+        if system.relaxation is not None:
+            system.relaxation.elapse(t - self.t)
+        loads = self.loads.at(t, before)
+        increment[self._held] = 0.0
+        new = old.copy()
+        convergence = Convergence(system.problem.length, self.newton_tolerance, self.iterations)
+        count, imbalance, node = 0, 0.0, 0
+        verdict: Outcome | None = None
+        while verdict is None:
+            try:
+                residual, change = self.iterate(new, increment, relation, loads)
+            except SingularMatrixError as error:
+                verdict, size, node = Outcome.SINGULAR, 0.0, error.row // 6
+                break
+            count += 1
+            verdict, size = convergence.judge(change, count)
+            if verdict not in (None, Outcome.CONVERGED):
+                unbalanced = supports.unbalanced(residual)[: system.problem.size]
+                imbalance, node = worst_node(unbalanced, system.problem.length)
+        self.evaluations += count
+        self.factorisations += count
+        self.jacobians += count
+        report = StepReport(verdict, count, size, imbalance, node)
+        if report.converged:
+            self._reach(new, increment, relation)
+        else:
+            self._undo()
+        return Solution(report, new, increment, self._momentum)
+
+    def iterate(
+        self, new: State, increment: Floats, relation: Relation, loads: LoadState
+    ) -> tuple[Floats, Floats]:
+        """Do one Newton iteration: assemble where ``increment`` leads, factorise, solve, update ``increment``.
+
+        Returns:
+            the residual before and the change of the nodal poses, body frame, each ``(n, 6)``.
+
+        Raises:
+            SingularMatrixError: the matrix is singular.
+        """
+        system = self.system
+        self._reach(new, increment, relation)
+        inverse_motion_tangent(increment, relation.slope, self._map)
+        self._map[self._held] = 0.0
+        system.constraints.pace = relation.slope
+        system.assemble(new, loads, self._map, tangent=True, moving=True)
+        residual = self._residual(new, relation, tangent=True)
+        self.supports.impose(new, residual, system.matrix, tangent=True)
+        system.matrix.factorise()
+        change = system.matrix.solve(-residual)
+        new.multiplier += system.multiplier_change(change)
+        change = np.ascontiguousarray(change[: system.problem.size])
+        add_mapped(self._map, change, 1.0 / relation.slope, increment)
+        system.carry_stress(change)
+        return residual, change
+
+    def _reach(self, new: State, increment: Floats, relation: Relation) -> None:
+        """Poses and twists that belong to an increment."""
+        retract(self.state.r, self.state.q, increment, new.r, new.q)
+        np.multiply(increment, relation.slope, out=new.twist)
+        new.twist += relation.constant
+        self.supports.prescribe(new)
+
+    def _residual(self, new: State, relation: Relation, *, tangent: bool) -> Floats:
+        system = self.system
+        residual = system.residual()
+        inertia.add_momentum_rate(
+            system.problem.mass,
+            new.r,
+            new.q,
+            new.twist,
+            relation.slope,
+            relation.history,
+            self._map,
+            tangent,
+            residual,
+            system.matrix.blocks,
+            system.matrix.pattern.diagonal,
+        )
+        return residual
+
+    def _accept(self, solution: Solution, relation: Relation, end: float) -> None:
+        """Take a solution as the new state; leaves forces and reactions there in system and supports."""
+        system, supports, new = self.system, self.supports, solution.state
+        system.assemble(new, self.loads.last, None, tangent=False, moving=True)
+        system.reset_stress()
+        system.constraints.settle()
+        supports.impose(new, self._residual(new, relation, tangent=False), system.matrix, tangent=False)
+        momentum = np.empty_like(self._momentum)
+        self.kinetic = inertia.momenta(system.problem.mass, new.r, new.q, new.twist, momentum)
+        self._momentum = momentum
+        self._wrench = relation.slope * momentum + relation.history
+        self._rate = (new.twist - self.state.twist) / (end - self.t)
+        self.state = new
+        self.t = end
+
+    def _settle(self) -> None:
+        """Make the velocities of partly supported nodes exactly those that are allowed."""
+        if len(self.supports.partial):
+            state = self.state
+            self.supports.project_twists(state)
+            mass = self.system.problem.mass
+            self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
+
+    def _undo(self) -> None:
+        """Put system and supports back to the last accepted state."""
+        if self.system.relaxation is not None:
+            self.system.relaxation.elapse(0.0)
+        self.supports.update(self.t, False)
+        self.system.constraints.update(self.t)
+        self.system.assemble(self.state, self.loads.at(self.t), None, tangent=False, moving=True)
+        self.system.reset_stress()

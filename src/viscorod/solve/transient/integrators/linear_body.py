@@ -1,0 +1,209 @@
+"""A model linear about a state at rest that may be strained and stressed (AWP V.A, "L. Dyn. - L. Damp.").
+
+With nodal displacements ``xi`` along the body axes of that state (``r_t = T v`` with a constant ``T``),
+
+    M xi'' + C xi' + K xi = F(t) - F_0      C = int B0^T D B0      K = int (B^T C B + N L2(S_0) B) - load stiffness
+
+where ``F`` are the loads as they act at that state. The energy is ``W_0 + F_0 . xi + xi.K xi/2 + xi'.M xi'/2``. A part
+of ``K`` that is not symmetric (following loads) does work from outside.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+from viscorod.mechanics.elements.internal_force import Elements, Points, energies
+from viscorod.mechanics.elements.intrinsic_linearised import linearise_intrinsic
+from viscorod.mechanics.elements.poses_from_strains import rotated
+from viscorod.mechanics.rotations.rotation import retract
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.element_forces import GeometricForces, IntrinsicForces
+from viscorod.solve.formulations.system import State, System
+from viscorod.solve.history import Snapshot
+from viscorod.solve.transient.integrators.actions import Actions
+from viscorod.solve.transient.integrators.jacobian import project
+from viscorod.solve.transient.integrators.stage_data import Body, Matrices
+from viscorod.typing import Floats
+
+
+class LinearBody:
+    """Forces, energies and poses for displacements ``xi`` and velocities ``x``, each ``(6 n,)``.
+
+    Args:
+        system, supports: the model.
+        t: time [s] just before which its loads hold the state.
+        state: what it is linear about; its twists do not matter.
+
+    Attributes:
+        basis: displacements that the supports leave free ``(6 n, free)``, in lengths of the model.
+        reduced: stiffness, damping and mass matrix of these.
+        mass: of all nodes ``(6 n, 6 n)``; unit: length of the model at displacements, 1 at rotations ``(6 n,)``.
+    """
+
+    def __init__(self, system: System, supports: SupportState, t: float, state: State) -> None:
+        n = len(state.twist)
+        self.system, self.supports = system, supports
+        self.base = State(state.r.copy(), state.q.copy(), np.zeros((n, 6)))
+        self.body = body = Body.of(system.problem, system.elements(), supports)
+        self.unit = np.tile([body.length] * 3 + [1.0] * 3, n)
+        self.actions = Actions(system, supports, body, 1)
+        self._places = system.gauss_places()
+        points, internal = Points.of(body.elements, 1), np.zeros((n, 6))
+        GeometricForces(system, body.elements).evaluate(self.base, points, internal)
+        self._force, self._strain = internal.ravel().copy(), points.strain[0].copy()
+        self._forces = IntrinsicForces(system, body.elements, 1, linearised=True)
+        elastic, unused = np.zeros((2, 1))
+        energies(body.elements, points.strain, np.zeros_like(points.strain), elastic, unused)
+        self._energy = float(elastic[0])
+        self._load_stiffness = np.zeros_like(system.matrix.blocks)
+        if internal.any():
+            self.actions.add_load_stiffness(t, self.base, np.zeros((n, 6)), self._load_stiffness, before=True)
+        self.mass = sparse.block_diag(list(body.mass), format="csr")
+        self._reduce(self._matrices(self._strain, points.section_force[0], body.elements))
+        self._separate(self._strain, points.section_force[0])
+
+    def _reduce(self, matrices: Matrices) -> None:
+        """Set up the matrices of the motions that the supports leave free."""
+        body, supports = self.body, self.supports
+        supports.impose(self.base, self._force.reshape(-1, 6).copy(), self.system.matrix, tangent=False)
+        matrices.mass[:] = body.mass
+        project(
+            body.nodes,
+            body.fixed,
+            body.axes,
+            body.r0,
+            body.q0,
+            supports.target,
+            supports.reaction,
+            self.base.r,
+            self.base.q,
+            body.pattern.starts,
+            body.pattern.across,
+            body.pattern.diagonal,
+            matrices.K,
+            matrices.C,
+            matrices.mass,
+            matrices.G,
+            matrices.Z,
+        )
+        rows = supports.free_rows()
+        unit = sparse.diags_array(self.unit[rows])
+        self.basis = sparse.csr_array(supports.free_basis(self.base) @ unit)
+        mass = sparse.block_diag(list(matrices.mass), format="csr")
+        self.reduced = [
+            sparse.csc_array(unit @ matrix[rows] @ self.basis)
+            for matrix in (self._sparse(matrices.K), self._sparse(matrices.C), mass)
+        ]
+
+    def _sparse(self, blocks: Floats) -> sparse.csr_array:
+        return sparse.csr_array(self.body.pattern.sparse(blocks))
+
+    def _matrices(self, strain: Floats, section_force: Floats, elements: Elements) -> Matrices:
+        """Operators, stiffness (that of the loads too) and damping matrix at rest, not projected."""
+        matrices = Matrices.of(self.body)
+        matrices.K[:] = self._load_stiffness
+        still = np.zeros_like(section_force)
+        linearise_intrinsic(
+            elements,
+            True,
+            strain,
+            still,
+            still,
+            np.zeros((len(self.body.mass), 6, 6)),
+            section_force,
+            matrices.operators,
+            matrices.K,
+            matrices.C,
+        )
+        return matrices
+
+    def _separate(self, strain: Floats, section_force: Floats) -> None:
+        """Split the stiffness into ``B^T C B`` and what loads and stresses add.
+
+        Sums of stiff terms leave a rest that is no equilibrium; applied factor by factor, ``C`` multiplies strains, and
+        what rounding adds to them does no harm.
+        """
+        elements = self.body.elements
+        weights = [
+            elements.weights[p] * h for p, h in zip(elements.order, elements.half_lengths, strict=True)
+        ]
+        blocks = np.array(weights)[..., None, None] * elements.stiffness[elements.section]
+        self._weighted_stiffness = sparse.block_diag(list(blocks.reshape(-1, 6, 6)), format="csr")
+        blocks = np.array(weights)[..., None, None] * elements.damping[elements.section]
+        self._weighted_damping = sparse.block_diag(list(blocks.reshape(-1, 6, 6)), format="csr")
+        soft = elements._replace(
+            stiffness=np.zeros_like(elements.stiffness), damping=np.zeros_like(elements.damping), damped=False
+        )
+        matrices = self._matrices(strain, section_force, soft)
+        self._B = _operator(matrices.operators.strain, elements, len(self.body.mass))
+        rest = self._sparse(matrices.K)
+        self._skew = 0.5 * (rest - rest.T)
+        self._rest = rest - self._skew
+        matrices = self._matrices(np.zeros_like(strain), section_force, soft)
+        self._B0 = _operator(matrices.operators.strain, elements, len(self.body.mass))
+
+    # --- what an integrator asks
+
+    def loads(self, t: float, before: bool) -> Floats:
+        """Return the loads ``(6 n,)`` at time ``t`` [s], body axes of the state it is linear about."""
+        external = np.zeros((len(self.body.mass), 6))
+        self.actions.add_loads(t, self.base, external, before=before)
+        return external.ravel()
+
+    def internal(self, xi: Floats, x: Floats) -> Floats:
+        """Return ``F_0 + K xi + C xi'``."""
+        stiff = self._B.T @ (self._weighted_stiffness @ (self._B @ xi))
+        soft = self._rest @ xi + self._skew @ xi
+        return np.asarray(self._force + stiff + soft + self.damping(x))
+
+    def damping(self, x: Floats) -> Floats:
+        """Return ``C x``."""
+        return np.asarray(self._B0.T @ (self._weighted_damping @ (self._B0 @ x)))
+
+    def power(self, xi: Floats, x: Floats, load: Floats) -> tuple[float, float]:
+        """Return the power of loads and the dissipated power [W]."""
+        rate = self._B0 @ x
+        return float(x @ load - x @ (self._skew @ xi)), float(rate @ (self._weighted_damping @ rate))
+
+    def kinetic(self, x: Floats) -> float:
+        """Return the kinetic energy [J]."""
+        return 0.5 * float(x @ (self.mass @ x))
+
+    def elastic(self, xi: Floats) -> float:
+        """Return the elastic energy [J], that of the state it is linear about included."""
+        strain = self._B @ xi
+        second = strain @ (self._weighted_stiffness @ strain) + xi @ (self._rest @ xi)
+        return self._energy + float(self._force @ xi + 0.5 * second)
+
+    def state(self, xi: Floats, x: Floats) -> State:
+        """Return poses and twists: positions are linear in the displacements, rotations made of rotation vectors."""
+        n = len(self.base.r)
+        moved, increment = xi.reshape(n, 6), np.zeros((n, 6))
+        increment[:, 3:] = moved[:, 3:]
+        state = State(np.empty((n, 3)), np.empty((n, 4)), x.reshape(n, 6).copy())
+        retract(self.base.r, self.base.q, increment, state.r, state.q)
+        state.r[:] = self.base.r + rotated(self.base.q, moved[:, :3])
+        return state
+
+    def snapshot(self, xi: Floats, x: Floats, acceleration: Floats, load: Floats) -> Snapshot:
+        """Return everything about a state with given accelerations and loads ``(6 n,)``."""
+        state = self.state(xi, x)
+        points, unused = Points.of(self.body.elements, 1), np.zeros_like(state.twist)
+        self._forces.arrive(self._strain + (self._B @ xi).reshape(self._strain.shape))
+        self._forces.evaluate(state, points, unused)
+        residual = (self.internal(xi, x) + self.mass @ acceleration - load).reshape(-1, 6)
+        self.supports.impose(self.base, residual, self.system.matrix, tangent=False)
+        strain, rate, force = (field[0].reshape(-1, 6)[self._places] for field in points[:3])
+        reactions = self.supports.global_reactions(self.base)
+        return Snapshot(state, strain, rate, force, reactions, self.kinetic(x), self.elastic(xi))
+
+
+def _operator(blocks: Floats, elements: Elements, nodes: int) -> sparse.csr_array:
+    """Operators of all elements ``(e, 6 points, 6 m)`` as one sparse array, Gauss points times nodes."""
+    count, rows, columns = blocks.shape
+    at = (6 * elements.nodes[:, :, None] + np.arange(6)).reshape(count, 1, columns)
+    row = np.arange(count * rows).reshape(count, rows, 1)
+    at, row = np.broadcast_to(at, blocks.shape), np.broadcast_to(row, blocks.shape)
+    stored = blocks != 0.0
+    return sparse.csr_array((blocks[stored], (row[stored], at[stored])), shape=(count * rows, 6 * nodes))

@@ -1,0 +1,241 @@
+"""Linear dynamics about the state that a motion starts from: constant matrices, one solution per step."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse.linalg as spla
+from scipy import sparse
+
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.system import State, System
+from viscorod.solve.history import Snapshot
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.linear_body import LinearBody
+from viscorod.solve.transient.integrators.tableau import MIDPOINT, RADAU, Tableau
+from viscorod.solve.transient.time_step import start_step
+from viscorod.typing import Floats
+
+SWEEPS = 3
+"""Solutions with the same factors per step."""
+
+RECORDS = 4
+"""States per step that draw the motion smoothly."""
+
+
+class LinearMotion:
+    """Radau IIA or the midpoint rule, see :class:`~viscorod.solve.transient.integrators.contract.Integrator`.
+
+    Args:
+        system, supports: what is integrated; the supports stay where they are, and the first
+            state that it starts from is the one it is linear about.
+        tableau: the method.
+        tolerance: wanted accuracy of the motion where the method has an error estimate: displacement over model
+            length, rotation in rad.
+    """
+
+    step_factor = 2.0
+    """Error that a step may have by its estimate, over the tolerance, as for nonlinear motions."""
+
+    order = 3
+    """Of the error estimate."""
+
+    drift = 0.0, 0.0
+    """There are no joints in linear motions."""
+
+    def __init__(
+        self, system: System, supports: SupportState, tableau: Tableau, tolerance: float | None = None
+    ) -> None:
+        self.system, self.supports, self.tableau = system, supports, tableau
+        self.tolerance = tolerance
+        problem, stages = system.problem, len(tableau.nodes)
+        self.t = 0.0
+        self.state = State.reference(problem)
+        self.kinetic = self.elastic = self.work = self.loss = 0.0
+        self.evaluations = self.factorisations = self.jacobians = 0
+        self._body: LinearBody | None = None
+        self._last = stages - 1
+        self._step = self._factor_step = 0.0
+        self._now = np.zeros((2, 6 * problem.size))  # displacements and velocities at t
+        self._stages = np.zeros((2, stages, 6 * problem.size))
+        self._powers = np.zeros((stages, 2))
+
+    @property
+    def records(self) -> int:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return RECORDS if self._last else 1
+
+    @property
+    def strain(self) -> float:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return float(np.abs(self._snapshot.strain[:, :3]).max())
+
+    @property
+    def body(self) -> LinearBody:
+        """The linear model, known from the first start on."""
+        assert self._body is not None
+        return self._body
+
+    # --- the contract
+
+    def start(self, t: float, state: State) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        self.supports.update(t, False)
+        self.t = t
+        if self._body is None:
+            self.supports.project_twists(state)
+            self._body = LinearBody(self.system, self.supports, t, state)
+            self.jacobians += 1
+            self._now[1] = state.twist.ravel()
+            held = self.supports.set.nodes[self.supports.complete]
+            self._now[1].reshape(-1, 6)[held] = 0.0
+        self._load = self.body.loads(t, False)
+        self.evaluations += 1
+        self._arrive(self._now, np.zeros_like(self._load))
+
+    def first_step(self, duration: float) -> float:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        body = self.body.body
+        force = (self._load - self.body.internal(*self._now)).reshape(-1, 6)
+        return start_step(body.mass, force, self.state.twist, body.held, body.length, duration)
+
+    def attempt(self, end: float, *, before: bool) -> StepReport:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        h, tableau, body = end - self.t, self.tableau, self.body
+        if h != self._factor_step and not self._factorise(h):
+            return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
+        last = self._last
+        times = [end if i == last and last else self.t + c * h for i, c in enumerate(tableau.nodes)]
+        self._stage_loads = np.array([body.loads(t, before and i == last) for i, t in enumerate(times)])
+        self.evaluations += len(times)
+        xi, x = self._now
+        D = tableau.derivative / h
+        changes = np.zeros_like(self._stages[0])
+        size = 0.0
+        for _ in range(SWEEPS):  # the first solves, the others mend what rounding of stiff terms spoilt
+            rates = D @ changes
+            residual = D @ (rates - x) @ body.mass - self._stage_loads
+            residual += [body.internal(xi + c, r) for c, r in zip(changes, rates, strict=True)]
+            modes = -(tableau.to_modes @ residual @ body.basis)
+            change = np.empty_like(modes)
+            change[0] = self._real.solve(modes[0])
+            if last:
+                pair = self._pair.solve(modes[1] + 1j * modes[2])
+                change[1], change[2] = pair.real, pair.imag
+            correction = (tableau.to_stages @ change) @ body.basis.T
+            changes += correction
+            size = float(np.abs(correction / body.unit).max())
+            if not size < np.inf:
+                return StepReport(Outcome.NOT_FINITE, 1, 0.0, 0.0, 0)
+        self._stages[0], self._stages[1] = xi + changes, D @ changes
+        self._end = end
+        report = StepReport(Outcome.CONVERGED, SWEEPS, size, 0.0, 0)
+        if self.tolerance is None:
+            return report
+        error = self._error(h, changes)
+        node, component = divmod(int(np.argmax(error)), 6)
+        allowed = self.step_factor * self.tolerance
+        return report._replace(error=float(error.max()) / allowed, node=node, component=component)
+
+    def _error(self, h: float, changes: Floats) -> Floats:
+        """Estimated errors ``(6 n,)``: displacements over model length, rotations (see ``solved_step``)."""
+        tableau, body, x = self.tableau, self.body, self._now[1]
+        p = x + tableau.error @ changes / h
+        v = tableau.error @ (self._stages[1] - x) / h + tableau.real / h * p
+        side = self._load - body.internal(*self._now) + body.mass @ v + body.damping(p)
+        return np.asarray(np.abs(body.basis @ self._real.solve(body.basis.T @ side)) / body.unit)
+
+    def accept(self) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        h, last, tableau, body = self._end - self.t, self._last, self.tableau, self.body
+        change = self._stages[1] - self._now[1]
+        rates = tableau.start_derivative / h @ change, (tableau.derivative / h @ change)[last]
+        self._powers = np.array(
+            [body.power(xi, x, load) for xi, x, load in zip(*self._stages, self._stage_loads, strict=True)]
+        )
+        self.work, self.loss = (float(total) for total in h * (tableau.weights @ self._powers))
+        end = self._stages[:, last].copy() if last else 2.0 * self._stages[:, 0] - self._now
+        self._before, self._rates = self._now, rates
+        self.t, self._step = self._end, h
+        self._load = self._stage_loads[last] if last else body.loads(self.t, True)
+        self._arrive(end, rates[1])
+
+    def snapshot(self) -> Snapshot:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return self._snapshot
+
+    @property
+    def branch_loss(self) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: there are no Maxwell branches."""
+        return np.zeros(0)
+
+    def resume(self) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: the next step factorises."""
+        self._factor_step = 0.0
+
+    def branch_losses(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return np.zeros((len(parts), 0))
+
+    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`.
+
+        Displacements are polynomials of degree 5 through both ends, with velocities and accelerations.
+        """
+        h, found, loss = self._step, [], 0.0
+        totals = h * self.tableau.partial_weights(parts) @ self._powers
+        for part, (work, lost) in zip(parts, totals, strict=True):
+            xi, x, a = _quintic(float(part), h, self._before, self._now, self._rates)
+            load = self.body.loads(self.t - (1.0 - float(part)) * h, False)
+            loss = max(loss, min(float(lost), self.loss))  # interpolation must not give energy back
+            found.append((self.body.snapshot(xi, x, a, load), float(work), loss))
+        return found
+
+    # --- parts
+
+    def _arrive(self, now: Floats, acceleration: Floats) -> None:
+        self._now = now
+        self._snapshot = self.body.snapshot(now[0], now[1], acceleration, self._load)
+        self.state = self._snapshot.state
+        self.kinetic, self.elastic = self._snapshot.kinetic, self._snapshot.elastic
+
+    def _factorise(self, h: float) -> bool:
+        K, C, M = self.body.reduced
+        self._factor_step = h
+        self.factorisations += 1
+        mu = self.tableau.real / h
+        try:
+            self._real = spla.splu(sparse.csc_array(K + mu * C + mu**2 * M))
+            if self._last:
+                pair = self.tableau.pair / h
+                self._pair = spla.splu(sparse.csc_array(K + pair * C + pair**2 * M))
+        except RuntimeError:  # exactly singular
+            return False
+        return True
+
+
+def _quintic(
+    part: float, h: float, old: Floats, new: Floats, rates: tuple[Floats, Floats]
+) -> tuple[Floats, Floats, Floats]:
+    """Displacement, velocity and acceleration at a ``part`` of a step ``h`` between two ends with all three given."""
+    x0, x1 = old[0], new[0]
+    v0, v1, a0, a1 = h * old[1], h * new[1], h * h * rates[0], h * h * rates[1]
+    gap, slope, bend = x1 - x0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0
+    c3 = 10.0 * gap - 4.0 * slope + 0.5 * bend
+    c4 = -15.0 * gap + 7.0 * slope - bend
+    c5 = 6.0 * gap - 3.0 * slope + 0.5 * bend
+    s = part
+    xi = x0 + s * (v0 + s * (0.5 * a0 + s * (c3 + s * (c4 + s * c5))))
+    x = (v0 + s * (a0 + s * (3.0 * c3 + s * (4.0 * c4 + s * 5.0 * c5)))) / h
+    a = (a0 + s * (6.0 * c3 + s * (12.0 * c4 + s * 20.0 * c5))) / h**2
+    return xi, x, a
+
+
+def linear_radau(system: System, supports: SupportState, *, tolerance: float) -> LinearMotion:
+    """Radau IIA of order 5 with error control."""
+    return LinearMotion(system, supports, RADAU, tolerance)
+
+
+def linear_midpoint(system: System, supports: SupportState) -> LinearMotion:
+    """The implicit midpoint rule."""
+    return LinearMotion(system, supports, MIDPOINT)

@@ -1,0 +1,142 @@
+"""Where the iteration of a collocation step starts: the polynomials of the last step go on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.compilation.compiled import kernel
+from viscorod.mechanics.rotations.nodal_motion import extrapolate
+from viscorod.solve.formulations.system import State
+from viscorod.solve.transient.integrators.stage_data import Body, Stages
+from viscorod.solve.transient.integrators.tableau import Tableau
+from viscorod.typing import Floats
+
+
+class Predictor:
+    """Predicts coordinates and stresses of the stages of a step.
+
+    Stresses go on with the polynomial through start and stages of the last step, of degree ``s``. Coordinates go on
+    with one of degree ``s + 1``, which has the rates of that polynomial at the stages, and at the start the twist
+    there: collocation leaves a gap between the two rates, which is also what the error estimate is made of.
+
+    Args:
+        body, stages, tableau: of the method; ``stages.X`` and ``stages.stress`` are written.
+    """
+
+    def __init__(self, body: Body, stages: Stages, tableau: Tableau) -> None:
+        self.body, self.stages, self.tableau = body, stages, tableau
+        s = len(tableau.nodes)
+        self._several = s > 1
+        through = np.poly(tableau.nodes)
+        # coefficients of the powers 1 to s + 1 of the polynomial with the rate 1 at the start and 0 at the stages
+        self._gap = np.ascontiguousarray(np.polyint(through / through[-1])[-2::-1], dtype=np.float64)
+        self._X = np.empty(stages.X.shape)
+        self._stress = np.empty((s + 1, stages.stress[0].size))
+        self._stages_stress = stages.stress.reshape(s, -1)
+        self._old: State | None = None  # at the start of the last step
+        self._step = 0.0
+
+    def forget(self) -> None:
+        """Begin anew: the last step says nothing about the next one."""
+        self._old = None
+
+    def keep(self, state: State, stress: Floats, h: float) -> None:
+        """Keep the polynomials of a step of ``h`` [s] from ``state``, where the stresses were ``(e, points, 6)``."""
+        if self._several:
+            self._old, self._step = state, h
+            self._X[:] = self.stages.X
+            self._stress[0] = stress.ravel()
+            self._stress[1:] = self._stages_stress
+
+    def predict(self, state: State, stress: Floats, h: float) -> None:
+        """Write the stages of a step of ``h`` [s] from ``state``, where the stresses are ``(e, points, 6)``.
+
+        They follow the last step's polynomials, or the present twists and stresses.
+        """
+        tableau, stages, body, old = self.tableau, self.stages, self.body, self._old
+        if old is None:
+            np.multiply.outer(tableau.nodes * h, state.twist, out=stages.X)
+            stages.X[:, body.held != 0.0] = 0.0
+            stages.stress[:] = stress
+            return
+        go_on(
+            tableau.nodes,
+            h / self._step,
+            tableau.values,
+            self._gap,
+            tableau.start_derivative,
+            self._step,
+            old.r,
+            old.q,
+            old.twist,
+            self._X,
+            self._stress,
+            state.r,
+            state.q,
+            body.split,
+            body.held,
+            stages.X,
+            self._stages_stress,
+        )
+
+
+@kernel
+def go_on(
+    nodes: Floats,
+    ratio: float,
+    values: Floats,
+    gap: Floats,
+    start_derivative: Floats,
+    h: float,
+    r0: Floats,
+    q0: Floats,
+    twist0: Floats,
+    X: Floats,
+    stress: Floats,
+    r1: Floats,
+    q1: Floats,
+    split: Floats,
+    held: Floats,
+    new_X: Floats,
+    new_stress: Floats,
+) -> None:
+    """Continue coordinates and stresses of a step into the next one.
+
+    Args:
+        nodes: of the method; ratio: new step over the old one; values, start_derivative: as in ``Tableau``.
+        gap: coefficients of the powers 1 to s + 1 of the place in the step, of a coordinate whose rate is one at the
+            start and zero at the stages.
+        h: old step [s]; r0, q0, twist0: its start; X: its coordinates ``(s, n, 6)``; stress: at its start and stages
+            ``(s + 1, numbers)``.
+        r1, q1: start of the new step; split, held: as in ``motion.extrapolate``.
+        new_X, new_stress: outputs ``(s, n, 6)``, ``(s, numbers)``.
+    """
+    s = nodes.shape[0]
+    weights = np.empty((s, s + 1))
+    for i in range(s):
+        place = 1.0 + nodes[i] * ratio
+        rest = 1.0
+        for j in range(s):
+            power, weight = place, 0.0
+            for k in range(s):
+                weight += values[j, k] * power
+                power *= place
+            weights[i, j] = weight
+            rest -= weight
+        weights[i, s] = rest
+    for i in range(s):
+        for m in range(stress.shape[1]):
+            total = weights[i, s] * stress[0, m]
+            for j in range(s):
+                total += weights[i, j] * stress[j + 1, m]
+            new_stress[i, m] = total
+    for i in range(s):
+        place = 1.0 + nodes[i] * ratio
+        power, correction = place, 0.0
+        for k in range(s + 1):
+            correction += gap[k] * power
+            power *= place
+        for j in range(s):
+            weights[i, j] -= correction * start_derivative[j]
+        weights[i, s] = correction * h
+    extrapolate(r0, q0, twist0, X, weights, r1, q1, split, held, new_X)

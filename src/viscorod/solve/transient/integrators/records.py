@@ -1,0 +1,180 @@
+"""What is recorded of the steps of a collocation method: everything at their ends, and between their stages."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from viscorod.mechanics.elements.internal_force import Points
+from viscorod.mechanics.nodes import support_rows as support_kernels
+from viscorod.mechanics.rotations.pose_interpolation import interpolate
+from viscorod.solve.constraints.constraints import JointState
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import Snapshot
+from viscorod.solve.transient.integrators.linked import Linked
+from viscorod.solve.transient.integrators.readings import read_between, read_end
+from viscorod.solve.transient.integrators.stage_data import Body, Given, Stages
+from viscorod.solve.transient.integrators.tableau import Tableau
+from viscorod.typing import Floats, Integers
+
+
+class Records:
+    """Snapshots at the ends of steps and between.
+
+    Args:
+        body, given, stages, tableau: of the method; supports: correct what is interpolated where they hold in part.
+        places: where the Gauss points of the results are in the arrays of the stages, flattened.
+        linked: joints, if there are any; solve_real: with the real matrix of the last step.
+
+    Attributes:
+        snapshot: everything at the present time; strain: largest shear or stretch there.
+    """
+
+    snapshot: Snapshot
+
+    def __init__(
+        self,
+        body: Body,
+        given: Given,
+        stages: Stages,
+        tableau: Tableau,
+        supports: SupportState,
+        places: Integers,
+        linked: Linked | None,
+        solve_real: Callable[[Floats], Floats],
+    ) -> None:
+        self.body, self.given, self.stages, self.tableau = body, given, stages, tableau
+        self.supports = supports
+        self._places = places
+        self.linked, self.solve_real = linked, solve_real
+        self.strain = 0.0
+        self._fields = np.empty((3, len(places), 6))
+        self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
+        self._reactions = np.zeros(stages.reaction.shape)
+
+    def settle(self, state: State, points: Points, reaction: Floats, kinetic: float, elastic: float) -> None:
+        """Take the snapshot of a ``state`` that no stage led to.
+
+        Args:
+            state: poses and twists; points: one stage of Gauss points in that state.
+            reaction: global wrenches of the supports ``(supports, 6)``; kinetic, elastic: energies [J].
+        """
+        self._read(state, points.strain, points.strain_rate, points.stress)
+        self._take(state, reaction, kinetic, elastic)
+
+    def leave(self, state: State) -> None:
+        """Keep what states between need of the ``state`` at the start of an accepted step, and of its stages."""
+        self._start = (state, self._fields, self.snapshot.reaction)
+        self._joints = self.snapshot.joints
+        b, stages = self.body, self.stages
+        self._reactions = np.empty(stages.reaction.shape)
+        support_kernels.reaction_wrenches(
+            b.nodes,
+            b.fixed,
+            b.axes,
+            b.r0,
+            b.q0,
+            self.given.target,
+            stages.r,
+            stages.q,
+            stages.reaction,
+            self._reactions,
+        )
+
+    def arrive(self, state: State, elastic: float) -> float:
+        """Take the snapshot of a ``state`` that is the last stage's; return its kinetic energy [J]."""
+        stages = self.stages
+        kinetic = self._read(state, stages.strain, stages.strain_rate, stages.stress)
+        self._take(state, self._reactions[-1], kinetic, elastic)
+        return kinetic
+
+    def _take(self, state: State, reaction: Floats, kinetic: float, elastic: float) -> None:
+        strain, rate, force = self._fields
+        joints = None if self.linked is None else self.linked.state()
+        self.snapshot = Snapshot(state, strain, rate, force, reaction, kinetic, elastic, joints)
+
+    def _read(self, state: State, strain: Floats, rate: Floats, force: Floats) -> float:
+        """Bring the last stage of Gauss-point fields into the order of results; return the kinetic energy [J]."""
+        self._fields = np.empty((3, len(self._places), 6))
+        kinetic, self.strain = read_end(
+            strain, rate, force, self._places, self.body.mass, state.twist, self._fields
+        )
+        return kinetic
+
+    def between(
+        self,
+        parts: Floats,
+        t: float,
+        h: float,
+        new: State,
+        end_rate: Floats,
+        powers: Floats,
+        whole_loss: float,
+    ) -> list[tuple[Snapshot, float, float]]:
+        """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start.
+
+        Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), Gauss points
+        and reactions follow the stages.
+
+        Args:
+            parts: in ascending order.
+            t, h: end and length of the step [s]; new, end_rate: state there, and the rate of its twists ``(n, 6)``.
+            powers: of loads and viscosity at the stages ``(2, s)`` [W]; whole_loss: of the step [J].
+        """
+        (old, start, start_reaction), stages, tableau = self._start, self.stages, self.tableau
+        count, (n, _) = len(parts), new.r.shape
+        change = (stages.twist - old.twist).reshape(len(tableau.nodes), -1)
+        start_rate = np.dot(tableau.start_derivative / h, change).reshape(n, 6)
+        r, q, twist = np.empty((count, n, 3)), np.empty((count, n, 4)), np.empty((count, n, 6))
+        interpolate(
+            parts,
+            h,
+            old.r,
+            old.q,
+            old.twist,
+            start_rate,
+            new.r,
+            new.q,
+            new.twist,
+            end_rate,
+            self.body.split,
+            len(tableau.nodes) > 1,
+            r,
+            q,
+            twist,
+        )
+        states = [State(*fields, new.multiplier) for fields in zip(r, q, twist, strict=True)]
+        if self.supports.moving and self.body.partly:
+            for state, part in zip(states, parts, strict=True):
+                self.supports.correct(state, t - (1.0 - part) * h)
+        points = np.empty((3, count, len(self._places), 6))
+        reaction, energies = np.empty((count, *start_reaction.shape)), np.empty((3, count))
+        read_between(
+            parts,
+            h,
+            tableau.values,
+            tableau.integrals,
+            start,
+            stages.strain,
+            stages.strain_rate,
+            stages.stress,
+            self._places,
+            start_reaction,
+            self._reactions,
+            powers,
+            whole_loss,
+            self.body.mass,
+            twist,
+            points,
+            reaction,
+            energies,
+        )
+        kinetic, work, loss = energies.tolist()
+        joints: Sequence[JointState | None] = [None] * count
+        if self.linked is not None and self._joints is not None:
+            times = t - (1.0 - parts) * h
+            joints = self.linked.between(self._joints, states, parts, times, self.solve_real)
+        snapshots = map(Snapshot, states, *points, reaction, kinetic, [0.0] * count, joints)
+        return list(zip(snapshots, work, loss, strict=True))

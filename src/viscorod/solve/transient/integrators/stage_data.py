@@ -1,0 +1,282 @@
+"""What the kernels of the collocation integrators work on: the body, what is given in time, stages, matrices, scratch.
+
+All arrays are allocated once for a run; the classes are tuples that compiled code takes as they are.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.elements.internal_force import Elements, ElementWork
+from viscorod.mechanics.elements.linearised import Operators
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.linear.factors import Factors as MatrixFactors
+from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.problem.problem import Problem
+from viscorod.typing import Floats, Integers
+
+
+class Body(NamedTuple):
+    """What does not change in a run: elements, inertia, supports.
+
+    ``mass (n, 6, 6)``; ``held``, ``split (n,)`` mark nodes whose pose is prescribed / held in part; ``nodes, fixed,
+    axes, r0, q0, complete`` describe the supports as in ``mechanics.nodes.support_rows.impose``, ``partly``: any of
+    them leaves motions free; ``loaded`` lists the nodes that loads act on; ``pattern`` is that of all matrices.
+    """
+
+    elements: Elements
+    mass: Floats
+    held: Floats
+    split: Floats
+    nodes: Integers
+    fixed: Floats
+    axes: Floats
+    r0: Floats
+    q0: Floats
+    complete: Floats
+    partly: bool
+    loaded: Integers
+    length: float
+    pattern: Pattern
+
+    @classmethod
+    def of(cls, problem: Problem, elements: Elements, supports: SupportState) -> Body:
+        """Collect what the kernels need to know of a problem."""
+        n = problem.size
+        held, split = np.zeros(n), np.zeros(n)
+        held[supports.set.nodes[supports.complete]] = 1.0
+        split[supports.set.nodes[supports.partial]] = 1.0
+        complete = np.zeros(len(supports.set.nodes))
+        complete[supports.complete] = 1.0
+        loaded = np.zeros(n, dtype=bool)
+        for load in problem.nodal_loads:
+            loaded[load.nodes] = True
+            loaded |= bool(load.gravity.any())
+        return cls(
+            elements,
+            problem.mass,
+            held,
+            split,
+            supports.set.nodes,
+            supports.set.fixed,
+            supports.set.axes,
+            supports.r0,
+            supports.q0,
+            complete,
+            len(supports.partial) > 0,
+            np.flatnonzero(loaded).astype(np.int64),
+            problem.length,
+            problem.pattern,
+        )
+
+
+class Given(NamedTuple):
+    """Loads and prescribed motions at the stages (first index).
+
+    Attributes:
+        target, rate: prescribed values of the supports and their rates ``(s, m, 6)``.
+        r, q, twist, twist_rate: prescribed motion of completely held supports ``(s, m, ...)``.
+        acting: 1 where nodal loads act; dead, following ``(s, n, 6)``; gravity ``(s, 3)``; levers: of dead forces at
+            arms ``(s, n, 3, 3)``, no nodes if there are none.
+        element: elements with concentrated loads ``(s, loads)``, -1 if none; their basis values ``shape`` and wrenches.
+        end_r, end_q: poses of completely held supports at the end of the step, if that is no stage.
+    """
+
+    target: Floats
+    rate: Floats
+    r: Floats
+    q: Floats
+    twist: Floats
+    twist_rate: Floats
+    acting: Floats
+    dead: Floats
+    following: Floats
+    gravity: Floats
+    levers: Floats
+    element: Integers
+    shape: Floats
+    point_dead: Floats
+    point_following: Floats
+    end_r: Floats
+    end_q: Floats
+
+    @classmethod
+    def of(cls, stages: int, body: Body, loads: int, *, offset: bool) -> Given:
+        """Allocate for a number of stages and of concentrated loads; ``offset``: any dead force acts at an arm."""
+        s, n, m = stages, len(body.mass), len(body.nodes)
+        return cls(
+            target=np.zeros((s, m, 6)),
+            rate=np.zeros((s, m, 6)),
+            r=np.tile(body.r0, (s, 1, 1)),
+            q=np.tile(body.q0, (s, 1, 1)),
+            twist=np.zeros((s, m, 6)),
+            twist_rate=np.zeros((s, m, 6)),
+            acting=np.zeros(s),
+            dead=np.zeros((s, n, 6)),
+            following=np.zeros((s, n, 6)),
+            gravity=np.zeros((s, 3)),
+            levers=np.zeros((s, n if offset else 0, 3, 3)),
+            element=np.full((s, loads), -1, dtype=np.int64),
+            shape=np.zeros((s, loads, body.elements.nodes.shape[1])),
+            point_dead=np.zeros((s, loads, 6)),
+            point_following=np.zeros((s, loads, 6)),
+            end_r=body.r0.copy(),
+            end_q=body.q0.copy(),
+        )
+
+
+class Stages(NamedTuple):
+    """State of all stages of a step (first index): unknowns, what follows from them, and the residual."""
+
+    X: Floats
+    r: Floats
+    q: Floats
+    twist: Floats
+    acceleration: Floats
+    internal: Floats
+    external: Floats
+    force: Floats
+    residual: Floats
+    reaction: Floats
+    strain: Floats
+    strain_rate: Floats
+    section_force: Floats
+    stress: Floats
+    held_power: Floats
+
+    @classmethod
+    def of(cls, stages: int, body: Body) -> Stages:
+        """Allocate."""
+        s, n = stages, len(body.mass)
+        points = (s, *body.elements.reference.shape)
+        return cls(
+            X=np.zeros((s, n, 6)),
+            r=np.zeros((s, n, 3)),
+            q=np.zeros((s, n, 4)),
+            twist=np.zeros((s, n, 6)),
+            acceleration=np.zeros((s, n, 6)),
+            internal=np.zeros((s, n, 6)),
+            external=np.zeros((s, n, 6)),
+            force=np.zeros((s, n, 6)),
+            residual=np.zeros((s, body.pattern.size, 6)),  # of nodes and multipliers
+            reaction=np.zeros((s, len(body.nodes), 6)),
+            strain=np.zeros(points),
+            strain_rate=np.zeros(points),
+            section_force=np.zeros(points),
+            stress=np.zeros(points),
+            held_power=np.zeros(s),
+        )
+
+
+class Ends(NamedTuple):
+    """Ends of a step for the method that conserves energy between them.
+
+    Poses and twists at the end of the step ``(1, n, ...)``, its Gauss points, the strains at the start, forces that
+    nobody needs, and what the work of Maxwell branches lacks ``(e, points)``.
+    """
+
+    r: Floats
+    q: Floats
+    twist: Floats
+    strain: Floats
+    strain_rate: Floats
+    section_force: Floats
+    start_strain: Floats
+    force: Floats
+    lacking: Floats
+
+    @classmethod
+    def of(cls, body: Body) -> Ends:
+        """Allocate."""
+        n, points = len(body.mass), (1, *body.elements.reference.shape)
+        return cls(
+            r=np.zeros((1, n, 3)),
+            q=np.zeros((1, n, 4)),
+            twist=np.zeros((1, n, 6)),
+            strain=np.zeros(points),
+            strain_rate=np.zeros(points),
+            section_force=np.zeros(points),
+            start_strain=np.zeros(points),
+            force=np.zeros((1, n, 6)),
+            lacking=np.zeros(body.elements.reference.shape[:2]),
+        )
+
+
+class Matrices(NamedTuple):
+    """The frozen Jacobian: blocks ``K`` and ``C (b, 6, 6)``, ``mass (n, 6, 6)``, with supported rows projected.
+
+    ``G, Z (m, 6, 6)`` are the directions of the supports; ``adjoint (n, 6, 6)`` is ``M ad(x)``, which ``C`` contains.
+    """
+
+    K: Floats
+    C: Floats
+    mass: Floats
+    adjoint: Floats
+    G: Floats
+    Z: Floats
+    operators: Operators
+
+    @classmethod
+    def of(cls, body: Body) -> Matrices:
+        """Allocate."""
+        b, n, m = len(body.pattern.rows), len(body.mass), len(body.nodes)
+        return cls(
+            K=np.zeros((b, 6, 6)),
+            C=np.zeros((b, 6, 6)),
+            mass=np.zeros((n, 6, 6)),
+            adjoint=np.zeros((n, 6, 6)),
+            G=np.zeros((m, 6, 6)),
+            Z=np.zeros((m, 6, 6)),
+            operators=Operators.of(body.elements),
+        )
+
+
+class Factors(NamedTuple):
+    """Factors of the real and the complex matrix; scales ``(6 N,)`` of their rows and of the unknowns."""
+
+    real: MatrixFactors
+    complex: MatrixFactors
+    real_rows: Floats
+    complex_rows: Floats
+    scales: Floats
+
+
+class Work(NamedTuple):
+    """Scratch: one element; right sides ``(6 N,)``; rates of all stages; nodal vectors ``(n, 6)``; blocks of no matrix.
+
+    ``G, Z (m, 6, 6)`` and ``psi (m, 3)`` are the directions of the supports.
+    """
+
+    element: ElementWork
+    real: Floats
+    complex: Floats
+    rates: Floats
+    rate: Floats
+    vector: Floats
+    change: Floats
+    reaction: Floats
+    G: Floats
+    Z: Floats
+    psi: Floats
+    no_blocks: Floats
+
+    @classmethod
+    def of(cls, body: Body, stages: int) -> Work:
+        """Allocate."""
+        n, m = len(body.mass), len(body.nodes)
+        return cls(
+            element=ElementWork.of(body.elements.nodes.shape[1] - 1),
+            real=np.zeros(6 * body.pattern.size),
+            complex=np.zeros(6 * body.pattern.size, dtype=complex),
+            rates=np.zeros((stages, n, 6)),
+            rate=np.zeros((n, 6)),
+            vector=np.zeros((n, 6)),
+            change=np.zeros((n, 6)),
+            reaction=np.zeros((m, 6)),
+            G=np.zeros((m, 6, 6)),
+            Z=np.zeros((m, 6, 6)),
+            psi=np.zeros((m, 3)),
+            no_blocks=np.zeros((0, 6, 6)),
+        )

@@ -1,0 +1,263 @@
+"""Parts of a compiled collocation step that go over all stages: supports, loads, right sides and changes.
+
+Unknowns are the coordinates ``X_i`` of all nodes at the stages, seen from the poses at the start of the step (see
+``mechanics.rotations.nodal_motion``). Twists follow exactly, ``x_i = T(X_i) sum_j d_ij X_j / h``, accelerations as
+``sum_j d_ij (x_j - x_0)/h``, and each stage has to be in balance,
+
+    R_i = M x_i' + L1(x_i) M x_i + f_int - f_ext = 0.
+
+With body increments ``dx = (increment)' + ad(x) increment``, and ``M, C, K`` from the frozen Jacobian, the linear
+system of all stages decouples in the eigenvectors of ``D``: one real and one complex matrix
+``(mu/h)^2 M + (mu/h) C + K`` of the size of the model (Hairer and Wanner 1996, IV.8, for the second-order form).
+
+Arrays have the stages ``s`` first. Parts take the arrays they need and nothing else: what they take is dear to compile.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from viscorod.mechanics.compilation.compiled import part
+from viscorod.mechanics.nodes import support_rows as supports
+from viscorod.mechanics.nodes.applied_loads import add_nodal_loads, add_station_load
+from viscorod.typing import Floats, Integers
+
+
+@part
+def hold(
+    nodes: Integers,
+    complete: Floats,
+    given_r: Floats,
+    given_q: Floats,
+    given_twist: Floats,
+    given_rate: Floats,
+    r: Floats,
+    q: Floats,
+    twist: Floats,
+    acceleration: Floats,
+) -> None:
+    """Put completely held nodes where their supports are: the given motion ``(s, m, ...)`` into ``(s, n, ...)``."""
+    for i in range(r.shape[0]):
+        for m in range(nodes.shape[0]):
+            if complete[m] != 0.0:
+                k = nodes[m]
+                for a in range(3):
+                    r[i, k, a] = given_r[i, m, a]
+                for a in range(4):
+                    q[i, k, a] = given_q[i, m, a]
+                for a in range(6):
+                    twist[i, k, a] = given_twist[i, m, a]
+                    acceleration[i, k, a] = given_rate[i, m, a]
+
+
+@part
+def held_power(nodes: Integers, complete: Floats, residual: Floats, twist: Floats, power: Floats) -> None:
+    """Write the power ``(s,)`` [W] that completely held nodes take, from the unbalanced forces ``(s, n, 6)`` there."""
+    for i in range(twist.shape[0]):
+        power[i] = 0.0
+        for m in range(nodes.shape[0]):
+            if complete[m] != 0.0:
+                for a in range(6):
+                    power[i] += residual[i, nodes[m], a] * twist[i, nodes[m], a]
+
+
+@part
+def impose(
+    nodes: Integers,
+    fixed: Floats,
+    axes: Floats,
+    r0: Floats,
+    q0: Floats,
+    target: Floats,
+    r: Floats,
+    q: Floats,
+    residual: Floats,
+    reaction: Floats,
+    G: Floats,
+    Z: Floats,
+    psi: Floats,
+) -> None:
+    """Replace the supported rows of the residuals; keeps the reactions (see ``mechanics.nodes.support_rows``)."""
+    for i in range(r.shape[0]):
+        supports.impose(
+            nodes, fixed, axes, r0, q0, target[i], r[i], q[i], residual[i], reaction[i], G, Z, psi
+        )
+
+
+@part
+def clear_held(held: Floats, values: Floats) -> None:
+    """Set the rows of completely held nodes to zero in ``(s, N, 6)``."""
+    for i in range(values.shape[0]):
+        for k in range(held.shape[0]):
+            if held[k] != 0.0:
+                for a in range(6):
+                    values[i, k, a] = 0.0
+
+
+@part
+def clear(values: Floats) -> None:
+    """Set ``(s, n, 6)`` to zero."""
+    for i in range(values.shape[0]):
+        for k in range(values.shape[1]):
+            for a in range(6):
+                values[i, k, a] = 0.0
+
+
+@part
+def add(values: Floats, out: Floats) -> None:
+    """Add ``(s, n, 6)`` to ``out``."""
+    for i in range(values.shape[0]):
+        for k in range(values.shape[1]):
+            for a in range(6):
+                out[i, k, a] += values[i, k, a]
+
+
+@part
+def evaluate_loads(
+    loaded: Integers,
+    mass: Floats,
+    acting: Floats,
+    dead: Floats,
+    following: Floats,
+    gravity: Floats,
+    levers: Floats,
+    loaded_element: Integers,
+    given_shape: Floats,
+    point_dead: Floats,
+    point_following: Floats,
+    order: Integers,
+    element_nodes: Integers,
+    element_links: Integers,
+    link_positions: Floats,
+    link_quaternions: Floats,
+    r: Floats,
+    q: Floats,
+    external: Floats,
+    diagonal: Integers,
+    slots: Integers,
+    no_blocks: Floats,
+) -> None:
+    """Write the external loads of all stages ``(s, n, 6)``, in body components; arguments as in ``Given``.
+
+    ``diagonal`` and ``slots`` are not used: that there are ``no_blocks`` says so.
+    """
+    # no constants are handed on: for every constant the load kernels would be compiled again
+    tangent = no_blocks.shape[0] > 0
+    for i in range(r.shape[0]):
+        for k in range(r.shape[1]):
+            for a in range(6):
+                external[i, k, a] = 0.0
+        if acting[i] != 0.0:
+            add_nodal_loads(
+                loaded,
+                q[i],
+                dead[i],
+                following[i],
+                gravity[i],
+                levers[i],
+                mass,
+                tangent,
+                external[i],
+                no_blocks,
+                diagonal,
+            )
+        for load in range(loaded_element.shape[1]):
+            e = loaded_element[i, load]
+            if e < 0:
+                continue
+            m = order[e] + 1
+            nodes = np.empty(m, np.int64)
+            links = np.empty(m, np.int64)
+            shape = np.empty(m)
+            for k in range(m):
+                nodes[k] = element_nodes[e, k]
+                links[k] = element_links[e, k]
+                shape[k] = given_shape[i, load, k]
+            add_station_load(
+                nodes,
+                links,
+                link_positions,
+                link_quaternions,
+                shape,
+                point_dead[i, load],
+                point_following[i, load],
+                r[i],
+                q[i],
+                tangent,
+                external[i],
+                no_blocks,
+                slots[e],
+            )
+
+
+@part
+def to_modes(
+    residual: Floats, T: Floats, rows: Floats, complex_rows: Floats, real: Floats, pair: Floats
+) -> None:
+    """Write the right sides ``-T R`` of the real and the complex system, rows scaled.
+
+    Args:
+        residual: ``(s, N, 6)``; T: ``to_modes`` of the method; rows, complex_rows: scales ``(6 N,)``.
+        real, pair: outputs ``(6 N,)``; methods of one stage have no complex pair.
+    """
+    for k in range(residual.shape[1]):
+        for a in range(6):
+            row = 6 * k + a
+            one = re = im = 0.0
+            for j in range(residual.shape[0]):
+                value = residual[j, k, a]
+                one -= T[0, j] * value
+                if residual.shape[0] > 1:
+                    re -= T[1, j] * value
+                    im -= T[2, j] * value
+            real[row] = rows[row] * one
+            if residual.shape[0] > 1:
+                pair[row] = complex(complex_rows[row] * re, complex_rows[row] * im)
+
+
+@part
+def to_changes(
+    real: Floats, pair: Floats, T: Floats, scales: Floats, held: Floats, length: float, change: Floats
+) -> tuple[float, int]:
+    """Write the changes of all stages from the solutions; return size and unknown of the largest.
+
+    Args:
+        real, pair: solutions ``(6 N,)``; T: ``to_stages`` of the method; scales: of the unknowns.
+        length: displacements are measured in it; infinity is returned if any change is undefined.
+        change: output ``(s, N, 6)``, zero at nodes that are ``held (n,)``; only the nodes' size counts.
+    """
+    largest, where = 0.0, 0
+    for k in range(change.shape[1]):
+        for i in range(change.shape[0]):
+            for a in range(6):
+                row = 6 * k + a
+                value = T[i, 0] * real[row]
+                if change.shape[0] > 1:
+                    value += T[i, 1] * pair[row].real + T[i, 2] * pair[row].imag
+                value *= scales[row]
+                if k >= held.shape[0]:
+                    change[i, k, a] = value
+                    continue
+                if held[k] != 0.0:
+                    value = 0.0
+                change[i, k, a] = value
+                size = abs(value) / length if a < 3 else abs(value)
+                if not size <= 1e300:
+                    return math.inf, row
+                if size > largest:
+                    largest, where = size, row
+    return largest, where
+
+
+@part
+def differentiate(D: Floats, h: float, values: Floats, out: Floats) -> None:
+    """Write the rates ``sum_j d_ij values_j / h`` of stage values ``(s, N, 6)`` of nodes, ``out (s, n, 6)``."""
+    for i in range(values.shape[0]):
+        for k in range(out.shape[1]):
+            for a in range(6):
+                total = 0.0
+                for j in range(values.shape[0]):
+                    total += D[i, j] * values[j, k, a]
+                out[i, k, a] = total / h

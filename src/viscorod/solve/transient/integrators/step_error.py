@@ -1,0 +1,131 @@
+"""The estimated error of a collocation step: right sides of its equation, and its size."""
+
+from __future__ import annotations
+
+from viscorod.mechanics.compilation.compiled import part
+from viscorod.typing import Floats, Integers
+
+
+@part
+def project_free(nodes: Integers, fixed: Floats, Z: Floats, free: Floats, out: Floats) -> None:
+    """Project the forces ``(n, 6)`` on supported nodes on their free directions ``Z``; ``free (n, 6)`` is scratch."""
+    for m in range(nodes.shape[0]):
+        k = nodes[m]
+        for a in range(6):
+            total = 0.0
+            for b in range(6):
+                total += Z[m, b, a] * out[k, b]
+            free[0, a] = total if fixed[m, a] == 0.0 else 0.0
+        for a in range(6):
+            out[k, a] = free[0, a]
+
+
+@part
+def error_sides(
+    X: Floats,
+    twist: Floats,
+    twist0: Floats,
+    force0: Floats,
+    h: float,
+    real: float,
+    weights: Floats,
+    held: Floats,
+    mass: Floats,
+    adjoint: Floats,
+    rate: Floats,
+    v: Floats,
+    out: Floats,
+) -> None:
+    """Write both right sides of :func:`estimate_error` before the damping matrix joins them ``(n, 6)``.
+
+    ``p = sum e_i X_i/h`` into ``rate`` and ``F + M (sum e_i (x_i - x_0)/h + mu p) - M ad(x) p`` into ``out``.
+    """
+    for k in range(X.shape[1]):
+        for a in range(6):
+            p, d = twist0[k, a], 0.0
+            for i in range(X.shape[0]):
+                p += weights[i] * X[i, k, a] / h
+                d += weights[i] * (twist[i, k, a] - twist0[k, a]) / h
+            rate[k, a] = 0.0 if held[k] != 0.0 else p
+            v[k, a] = d + real / h * p
+        for a in range(6):
+            total = force0[k, a]
+            for b in range(6):
+                total += mass[k, a, b] * v[k, b] - adjoint[k, a, b] * rate[k, b]
+            out[k, a] = total
+
+
+@part
+def add_damping(rows: Integers, columns: Integers, C: Floats, rate: Floats, out: Floats) -> None:
+    """Add ``C rate`` to ``out (n, 6)``; ``rows, columns`` are those of the blocks ``C (b, 6, 6)``."""
+    nodes = out.shape[0]
+    for s in range(C.shape[0]):
+        row, column = rows[s], columns[s]
+        if row < nodes and column < nodes:
+            for j in range(6):
+                p = rate[column, j]
+                for i in range(6):
+                    out[row, i] += C[s, j, i] * p
+
+
+@part
+def scale_free(nodes: Integers, fixed: Floats, rows: Floats, out: Floats, right: Floats) -> None:
+    """Write the right side ``(6 N,)``: the scaled ``out (n, 6)``, zero at held components and for multipliers."""
+    for i in range(6 * out.shape[0], right.shape[0]):
+        right[i] = 0.0
+    for k in range(out.shape[0]):
+        for a in range(6):
+            right[6 * k + a] = rows[6 * k + a] * out[k, a]
+    for m in range(nodes.shape[0]):
+        for a in range(6):
+            if fixed[m, a] != 0.0:
+                right[6 * nodes[m] + a] = 0.0
+
+
+@part
+def largest_error(scales: Floats, solution: Floats, length: float, out: Floats) -> tuple[float, int]:
+    """Write the scaled solution ``(n, 6)``; return its size and the unknown it is at."""
+    largest, where = 0.0, 0
+    for k in range(out.shape[0]):
+        for a in range(6):
+            value = scales[6 * k + a] * solution[6 * k + a]
+            out[k, a] = value
+            value = abs(value) / length if a < 3 else abs(value)
+            if not value <= largest:
+                largest, where = value, 6 * k + a
+    return largest, where
+
+
+@part
+def estimate_error(
+    stages_X: Floats,
+    stages_twist: Floats,
+    twist0: Floats,
+    force0: Floats,
+    h: float,
+    real: float,
+    weights: Floats,
+    held: Floats,
+    mass: Floats,
+    adjoint: Floats,
+    nodes: Integers,
+    fixed: Floats,
+    Z: Floats,
+    rows: Integers,
+    columns: Integers,
+    C: Floats,
+    rate: Floats,
+    vector: Floats,
+    free: Floats,
+    out: Floats,
+) -> None:
+    """Write the right side of the equation of the estimated error of the poses ``(n, 6)`` (body components).
+
+    ``(mu M ex + C0 ex + K0 eX, mu eX - ex) = (F + M sum e_i (x_i - x_0)/h, x_0 + sum e_i X_i/h)`` with ``mu = real/h``,
+    reduced to the poses, where the real matrix is factorised already.
+    """
+    error_sides(
+        stages_X, stages_twist, twist0, force0, h, real, weights, held, mass, adjoint, rate, vector, out
+    )
+    project_free(nodes, fixed, Z, free, out)
+    add_damping(rows, columns, C, rate, out)

@@ -1,0 +1,129 @@
+"""The state of a run as plain data, and back: what a run needs to go on, bit for bit, in another process.
+
+The objects of a run are walked attribute by attribute. What is read back is put into objects that were made anew from
+the same model, arrays in place, so that views and compiled code see them. Reading makes objects of the few small
+classes named here and of no other; nothing in a file is ever executed.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from inspect import isroutine
+from typing import Any
+
+import numpy as np
+
+from viscorod.mechanics.compilation.callback import Callback
+from viscorod.mechanics.elements.held_strains import HeldStrains
+from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.solve.constraints.constraints import JointState
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import Snapshot
+from viscorod.solve.linear.direct import DirectSolver
+from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.linear.plan import Plan
+from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
+from viscorod.solve.problem.joint_set import JointSet
+from viscorod.solve.problem.law_callbacks import Laws
+from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
+from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, Relation, Solution
+from viscorod.solve.transient.integrators.stage_data import Body
+from viscorod.solve.transient.integrators.tableau import Tableau
+
+Tree = Any
+"""Nested dicts and lists of arrays, numbers, words, truth values and None."""
+
+MADE: dict[str, type[Any]] = {kind.__name__: kind for kind in (State, Snapshot, JointState)}
+"""Classes whose objects come and go in a run: they are made from what was saved."""
+
+UNCHANGED = (
+    Problem, ElementSet, SupportSet, Elements, Body, Pattern, Plan, Tableau, HeldStrains, JointSet, Laws, Callback,
+    DirectSolver, ExternalLoads, LoadState, Coefficients, Relation, Solution,
+)  # fmt: skip
+"""What a run does not change, or makes again from the rest: it is not saved."""
+
+_LEFT_OUT: Any = object()
+
+
+def saved(value: Any) -> Tree:
+    """Return the state of an object as plain data."""
+    return _saved(value, set())
+
+
+def _saved(value: Any, seen: set[int]) -> Tree:
+    if isinstance(value, np.generic):
+        value = value.item()
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    if isinstance(value, complex):
+        return {"kind": "complex", "parts": [value.real, value.imag]}
+    if isinstance(value, np.ndarray):
+        return value.copy() if value.dtype != object else _LEFT_OUT
+    if (
+        isinstance(value, UNCHANGED)
+        or (callable(value) and not hasattr(value, "__dict__"))
+        or isroutine(value)
+    ):
+        return _LEFT_OUT
+    name = type(value).__name__
+    if name not in MADE:  # one object that many share is saved once; small ones are saved wherever they are
+        if id(value) in seen:
+            return _LEFT_OUT
+        seen.add(id(value))
+    if isinstance(value, list | deque) or (isinstance(value, tuple) and not hasattr(value, "_fields")):
+        items = [_saved(item, seen) for item in value]
+        if any(item is _LEFT_OUT for item in items):
+            return _LEFT_OUT
+        return {"kind": "sequence", "type": name, "items": items}
+    fields = value._asdict() if hasattr(value, "_asdict") else getattr(value, "__dict__", None)
+    if fields is None or isinstance(value, dict):
+        return _LEFT_OUT
+    content = {key: _saved(item, seen) for key, item in fields.items()}
+    return {
+        "kind": "object",
+        "type": name,
+        "fields": {key: item for key, item in content.items() if item is not _LEFT_OUT},
+    }
+
+
+def restore(value: Any, tree: Tree) -> None:
+    """Put back what :func:`saved` returned for an object that was made from the same model."""
+    _restored(value, tree)
+
+
+def _restored(value: Any, tree: Tree) -> Any:
+    """Return what is to stand where ``value`` stands now, which may be that object itself, changed."""
+    if isinstance(tree, np.ndarray):
+        same = isinstance(value, np.ndarray) and value.shape == tree.shape and value.dtype == tree.dtype
+        if same and value.flags.writeable:
+            value[...] = tree
+            return value
+        return tree.copy()
+    if not isinstance(tree, dict):
+        return tree
+    if tree["kind"] == "complex":
+        return complex(*tree["parts"])
+    if tree["kind"] == "sequence":
+        return _sequence(value, tree)
+    if tree["type"] in MADE:  # others may hold the one that is there
+        return MADE[tree["type"]](**{key: _restored(None, item) for key, item in tree["fields"].items()})
+    if type(value).__name__ != tree["type"]:
+        return value
+    if hasattr(value, "_replace"):
+        fields = value._asdict()
+        return value._replace(**{k: _restored(fields[k], item) for k, item in tree["fields"].items()})
+    for key, item in tree["fields"].items():
+        old = value.__dict__.get(key)
+        new = _restored(old, item)
+        if new is not old:
+            setattr(value, key, new)
+    return value
+
+
+def _sequence(value: Any, tree: Tree) -> Any:
+    known = list(value) if isinstance(value, tuple | list | deque) else []
+    known += [None] * (len(tree["items"]) - len(known))
+    items = [_restored(old, item) for old, item in zip(known, tree["items"], strict=False)]
+    if tree["type"] == "deque":
+        return deque(items, maxlen=value.maxlen if isinstance(value, deque) else None)
+    return tuple(items) if tree["type"] == "tuple" else items

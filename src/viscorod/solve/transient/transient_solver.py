@@ -1,0 +1,287 @@
+"""Transient analysis: drives an integrator through time, hits all corners of the loads, keeps the energy account."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import EnergyAccount, History
+from viscorod.solve.problem.problem import Problem
+from viscorod.solve.statics.newton import Outcome, interruption
+from viscorod.solve.transient.events import Watch
+from viscorod.solve.transient.integrators.contract import Integrator, StepReport
+from viscorod.solve.transient.saved_state import Tree, restore, saved
+from viscorod.solve.transient.step_control import StepControl
+
+MOST_NOTES = 20
+
+LARGEST_STRAIN = 100.0
+"""Shear or stretch beyond which a run is stopped: nothing that means anything comes after it."""
+
+
+@dataclass
+class Effort:
+    """What a run took: steps, iterations, and where the smallest accepted step was and why."""
+
+    steps: int = 0
+    rejected: int = 0
+    iterations: int = 0
+    evaluations: int = 0
+    factorisations: int = 0
+    jacobians: int = 0
+    smallest_step: float = np.inf
+    smallest_at: float = 0.0
+    smallest_why: str = ""
+
+
+@dataclass
+class TransientResult:
+    """History of a transient run and how it ended.
+
+    Attributes:
+        outcome: COMPLETED or the reason of the last failed step, which happened at ``failed_at`` [s].
+        notes: one line per instant at which a step failed.
+        reason: why an INTERRUPTED run stopped.
+    """
+
+    history: History = field(default_factory=History)
+    outcome: Outcome = Outcome.COMPLETED
+    failed_at: float = 0.0
+    report: StepReport | None = None
+    effort: Effort = field(default_factory=Effort)
+    notes: list[str] = field(default_factory=list)
+    reason: str = ""
+
+
+class Transient:
+    """Runs an integrator over a time span.
+
+    The instants at which loads or prescribed motions are not smooth are always hit, and after a jump the integrator
+    starts anew, so that no load is ever averaged over a jump.
+
+    Args:
+        problem: for the corners of its loads; integrator, control: what steps, and how far.
+        place: describes a node in words.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        integrator: Integrator,
+        control: StepControl,
+        place: Callable[[int], str],
+    ) -> None:
+        self.problem = problem
+        self.place = place
+        self.integrator = integrator
+        self.control = control
+        self.account = EnergyAccount()
+        self.effort = Effort()
+        self.notes: list[str] = []
+        self.watch = Watch([])
+        self.result = TransientResult()
+        self.duration = math.inf
+        self.output_interval: float | None = None
+        self._progress: Callable[[float, float], None] | None = None
+        self._after_step: Callable[[], str] | None = None
+
+    def run(
+        self,
+        state: State,
+        duration: float,
+        *,
+        output_interval: float | None = None,
+        progress: Callable[[float, float], None] | None = None,
+        history: History | None = None,
+        checkpoint: Tree = None,
+        after_step: Callable[[], str] | None = None,
+        watch: Watch | None = None,
+    ) -> TransientResult:
+        """Integrate from ``state`` at t = 0 to ``duration`` [s].
+
+        Args:
+            state: initial poses and twists (overwritten).
+            output_interval: time between records [s]; None records every step and what lies between.
+            progress: called with (time, step) after every step.
+            history: what records; None keeps everything in memory.
+            checkpoint: what :meth:`saved` returned in a run that was stopped: this one goes on from there.
+            after_step: called after every step; returns why the run is to stop, or nothing.
+            watch: asked after every step what has happened, and whether the run ends with it.
+        """
+        self.watch = watch or Watch([])
+        self.output_interval, self.duration = output_interval, duration
+        self._progress, self._after_step = progress, after_step
+        self.result = result = TransientResult(history or History(), effort=self.effort, notes=self.notes)
+        try:
+            self._march(state, checkpoint)
+        except KeyboardInterrupt as asked:
+            result.outcome, result.reason = Outcome.INTERRUPTED, interruption(asked)
+        except InputError as error:
+            if not result.history.count:
+                raise
+            result.outcome, result.reason = Outcome.INTERRUPTED, str(error)
+        self.count()
+        return result
+
+    def count(self) -> None:
+        """Note what the integrator has done so far."""
+        effort, integrator = self.effort, self.integrator
+        effort.evaluations, effort.factorisations = integrator.evaluations, integrator.factorisations
+        effort.jacobians = integrator.jacobians
+
+    def _march(self, state: State, checkpoint: Tree) -> None:
+        integrator, control = self.integrator, self.control
+        self.begin(state, record=checkpoint is None)
+        if checkpoint is not None:
+            self.resume(checkpoint)
+        corners, jumps = self.corners(0.0, self.duration)
+        t, restart, resumed = integrator.t, True, checkpoint is not None
+        for corner in corners:
+            if resumed and corner < t:
+                continue
+            if not resumed:
+                control.begin(t, corner, first=integrator.first_step(self.duration) if restart else None)
+            resumed = False
+            if not self.reach(corner):
+                return
+            t, restart = corner, corner in jumps
+            if restart:
+                self.restart(corner)
+
+    def begin(self, state: State, *, record: bool = True) -> None:
+        """Start from ``state`` at t = 0, and record it."""
+        integrator, account = self.integrator, self.account
+        integrator.start(0.0, state)
+        account.elastic = integrator.elastic
+        account.kinetic = integrator.kinetic
+        account.start = account.kinetic + account.elastic
+        account.branches = np.zeros(len(self.problem.relaxation_times))
+        if record:
+            self.result.history.record(0.0, integrator.snapshot(), account, 0.0, 0)
+            self.watch.begin(0.0, integrator.snapshot())
+
+    def reach(self, corner: float) -> bool:
+        """Go on to the time ``corner`` [s], for which the step control has been told; False if the run ends before."""
+        integrator, control, effort, result = self.integrator, self.control, self.effort, self.result
+        while integrator.t < corner:
+            t = integrator.t
+            end = control.aim(t)
+            report = integrator.attempt(end, before=end == corner)
+            effort.iterations += report.iterations
+            result.report = report
+            if not control.accepts(report, end - t):
+                effort.rejected += 1
+                if not report.converged and control.notes_failures and len(result.notes) < MOST_NOTES:
+                    result.notes.append(f"t = {t:.6g} s: a step of {end - t:.3g} s failed and was shortened")
+                if control.exhausted:
+                    result.outcome, result.failed_at = report.outcome, end
+                    if report.converged:
+                        result.outcome = Outcome.TOO_SMALL
+                    return False
+                continue
+            before = self.account.copy()
+            integrator.accept()
+            if not integrator.strain < LARGEST_STRAIN:
+                result.outcome, result.failed_at = Outcome.BROKEN, end
+                return False
+            self.account.add(integrator)
+            effort.steps += 1
+            if end - t < effort.smallest_step:
+                effort.smallest_step, effort.smallest_at = end - t, t
+                effort.smallest_why = self._why(report)
+            if self._progress is not None:
+                self._progress(end, end - t)
+            stop = self.watch.after(integrator, t) if self.watch.monitors else None
+            self._record(before, t, end, stop, report.iterations)
+            if control.exhausted:
+                result.outcome, result.failed_at = Outcome.TOO_SMALL, end
+                return False
+            if stop is not None:
+                return False
+            reason = self._after_step() if self._after_step is not None else ""
+            if reason and end < self.duration:
+                result.outcome, result.reason = Outcome.INTERRUPTED, reason
+                return False
+        return True
+
+    def _record(
+        self, before: EnergyAccount, t: float, end: float, stop: float | None, iterations: int
+    ) -> None:
+        """Record what is due of the step from ``t`` to ``end`` [s], or to where the run stops in it."""
+        integrator, account, history = self.integrator, self.account, self.result.history
+        times = self._records(t, end, self.output_interval, end == self.duration)
+        if stop is not None:
+            times = [*(at for at in times if at < stop), stop]
+        parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
+        states = integrator.between(np.array(parts)) if parts else []
+        lost = integrator.branch_losses(np.array(parts))
+        for (between, work, loss), at, part, branches in zip(states, times, parts, lost, strict=False):
+            energy = before.between(account, part, between.kinetic, work, loss, branches)
+            history.record(at, between, energy, end - t, iterations)
+        if len(times) > len(states):
+            history.record(times[-1], integrator.snapshot(), account, end - t, iterations)
+
+    def saved(self) -> Tree:
+        """Return from what another run of the same model can go on."""
+        parts = (self.integrator, self.control, self.account, self.effort, self.watch)
+        return {"parts": [saved(part) for part in parts], "notes": list(self.notes)}
+
+    def resume(self, checkpoint: Tree) -> None:
+        """Put back what :meth:`saved` returned."""
+        parts = (self.integrator, self.control, self.account, self.effort, self.watch)
+        for part, tree in zip(parts, checkpoint["parts"], strict=True):
+            restore(part, tree)
+        self.notes[:] = checkpoint["notes"]
+        self.integrator.resume()
+
+    def _records(self, t: float, end: float, output_interval: float | None, final: bool) -> list[float]:
+        """Return the times in the step from ``t`` to ``end`` at which states are recorded."""
+        if output_interval is None:
+            count = self.integrator.records
+            return [*(t + k / count * (end - t) for k in range(1, count)), end]
+        first = math.floor(t / output_interval * (1.0 + 1e-12) + 1e-9) + 1
+        last = math.floor(end / output_interval * (1.0 + 1e-12) + 1e-9)
+        times = [k * output_interval for k in range(first, last + 1)]
+        return [*times, end] if final and (not times or times[-1] < end * (1.0 - 1e-9)) else times
+
+    def _why(self, report: StepReport) -> str:
+        """What limited an accepted step, in words."""
+        limit = self.control.limit
+        if limit in ("the error", "convergence of Newton's method"):
+            return f"{limit}{' of' if limit == 'the error' else ' for'} {report.motion} at {self.place(report.node)}"
+        return limit
+
+    def corners(self, start: float, end: float) -> tuple[list[float], set[float]]:
+        """Instants from ``start`` to ``end`` [s] that steps must hit, and those after which the integrator starts anew.
+
+        ``end`` is the last of the former, ``start`` may be one of the latter. Instants that only rounding keeps apart
+        are one; the later stands for both, but ``start`` for what is next to it.
+        """
+        near = 1e-12 * end
+        corners = [start]
+        jumps: set[float] = set()
+        for t in [*sorted(t for t in self.problem.breakpoints if start - near < t < end), end]:
+            jumped = t in self.problem.jumps and t < end
+            if t - corners[-1] < near and len(corners) > 1:
+                jumped = jumped or corners[-1] in jumps
+                corners.pop()
+            if t - start >= near:
+                corners.append(t)
+            if jumped:
+                jumps.add(corners[-1])
+        return corners[1:], jumps
+
+    def restart(self, t: float) -> None:
+        """Start the integrator anew at ``t`` [s], after a jump of loads or prescribed motions.
+
+        The impulse of a support whose velocity jumps counts as external work.
+        """
+        before = self.integrator.kinetic
+        self.integrator.start(t, self.integrator.state)
+        self.account.external += self.integrator.kinetic - before
+        self.account.kinetic = self.integrator.kinetic
