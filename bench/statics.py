@@ -19,7 +19,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import viscorod as vr
 from viscorod.analyses.case_run import as_model
-from viscorod.analyses.discrete import Workplace
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.statics.tangent import negative_eigenvalues
@@ -44,7 +44,7 @@ def main() -> None:
     model = as_model(vr.load_case(CASE).description)
     model.equilibrium()
 
-    work = Workplace.of(model)
+    work = DiscreteModel.of(model)
     state = State.reference(work.problem)
     work.static.solve(state)
     tangent = work.static.tangent(state)
@@ -59,7 +59,7 @@ def main() -> None:
     rows = {
         "model.equilibrium()": model.equilibrium,
         "  discretise": lambda: discretise(model),
-        "  discretise and set up": lambda: Workplace.of(model),
+        "  discretise and set up": lambda: DiscreteModel.of(model),
         "  find the equilibrium": solve,
         "  tangent there": lambda: work.static.tangent(state),
         "  count its negative eigenvalues": lambda: negative_eigenvalues(tangent),

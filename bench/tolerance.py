@@ -47,7 +47,7 @@ def flying_rod() -> tuple[vr.Model, float, str]:
     model = vr.Model()
     section = vr.StiffnessSection([1e4, 1e4, 1e4, 500, 500, 500], [1, 1, 1, 10, 10, 20])
     model.add("rod", vr.Rod.straight((0, 0, 0), (6, 0, -8), section=section, elements=4, order=4))
-    triangle = vr.Table([0, 2.5, 5], [0, 1, 0])
+    triangle = vr.TimeTable([0, 2.5, 5], [0, 1, 0])
     model.force("rod.end", (20, 0, 0), time=triangle, until=5.0)
     model.moment("rod.end", (0, 200, 100), time=triangle, until=5.0)
     return model, 6.0, "reference"
@@ -61,7 +61,7 @@ def frame() -> tuple[vr.Model, float, str]:
     model.add("leg1", vr.Rod.straight((0, 10, 0), (10, 10, 0), section=section, elements=3, order=4))
     model.attach("leg0.end", "leg1.start")
     model.clamp("leg0.start")
-    model.force("leg0.end", (0, 0, 50), time=vr.Table([0, 1, 2], [0, 1, 0]), until=2.0)
+    model.force("leg0.end", (0, 0, 50), time=vr.TimeTable([0, 1, 2], [0, 1, 0]), until=2.0)
     return model, 5.0, "reference"
 
 

@@ -15,7 +15,7 @@ from viscorod.solve.transient.integrators.generalized_alpha import GeneralizedAl
 TIME = 0.3
 
 
-class Workplace:
+class DiscreteModel:
     def __init__(self, model, seed=3):
         rng = np.random.default_rng(seed)
         self.problem = discretise(model)

@@ -120,7 +120,7 @@ class Case:
         if self.preload:
             model.force(self.tip, self.preload, until=0.0)
         if self.pulse:
-            model.force("leg0.end", self.pulse, time=vr.Table([0, 1, 2], [0, 1, 0]), until=2.0)
+            model.force("leg0.end", self.pulse, time=vr.TimeTable([0, 1, 2], [0, 1, 0]), until=2.0)
         if self.gravity:
             model.gravity(self.gravity)
         return model

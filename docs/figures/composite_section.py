@@ -26,8 +26,8 @@ def channel() -> vr.Composite:
              (0.003, 0.027), (0.04, 0.027), (0.04, 0.03), (0, 0.03)]  # fmt: skip
     return vr.Composite(
         [
-            vr.Region(aluminium, points=walls),
-            vr.Region(layer, vr.Rectangle(0.004, 0.06), at=(-0.002, 0.0)),
+            vr.CompositeRegion(aluminium, points=walls),
+            vr.CompositeRegion(layer, vr.Rectangle(0.004, 0.06), at=(-0.002, 0.0)),
         ],
         origin="given",
     )

@@ -20,7 +20,7 @@ def strip() -> vr.Model:
     """The shipped strip of rubber in gravity, with a damper at its end; its clamp is lifted from 1 s to 1.5 s."""
     model = load_case(shipped_case("rubber_strip")).model(vr.Model)
     model.supports[:] = []
-    model.clamp("strip.start", motion={"uz": vr.Table([0, 1.0, 1.5], [0, 0, 0.02])})
+    model.clamp("strip.start", motion={"uz": vr.TimeTable([0, 1.0, 1.5], [0, 0, 0.02])})
     model.spring("strip.end", damping={"uz": 0.02}, name="damper")
     model.gravity()
     return model

@@ -7,13 +7,34 @@ takes no time.
 from __future__ import annotations
 
 import importlib
+import warnings
 
 import lazy_loader
 
 _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
+RENAMED = {
+    "BodyVelocity": "VelocitySupport",
+    "Curve": "ParametricCurve",
+    "Function": "FunctionOfTime",
+    "Member": "SweepRun",
+    "ModalDamping": "MeasuredDamping",
+    "Outline": "PolygonSection",
+    "Points": "ThroughPoints",
+    "Region": "CompositeRegion",
+    "Relaxation": "RelaxationModulus",
+    "Section": "SectionProperties",
+    "System": "CoSimulation",
+    "Table": "TimeTable",
+}
+"""Public names of version 0.1 and what they are called now."""
+
 
 def __getattr__(name: str) -> object:
+    if name in RENAMED:
+        text = f"viscorod.{name} is now viscorod.{RENAMED[name]}"
+        warnings.warn(text, DeprecationWarning, stacklevel=2)
+        return _load(RENAMED[name])
     if name == "__version__":
         from importlib.metadata import version
 

@@ -1,7 +1,7 @@
 # The one list of public names: type checkers read it, and __init__.py loads each name from where it says.
 
 from . import programs as programs
-from .analyses.coupling import System as System
+from .analyses.coupling import CoSimulation as CoSimulation
 from .analyses.material_fit import kelvin_voigt_fit as kelvin_voigt_fit
 from .analyses.model import Model as Model
 from .analyses.sweep import sweep as sweep
@@ -24,8 +24,8 @@ from .model.actions.time_function import Ramp as Ramp
 from .model.actions.time_function import Sine as Sine
 from .model.actions.time_function import SpinUp as SpinUp
 from .model.actions.time_function import Until as Until
-from .model.actions.time_table import Function as Function
-from .model.actions.time_table import Table as Table
+from .model.actions.time_table import FunctionOfTime as FunctionOfTime
+from .model.actions.time_table import TimeTable as TimeTable
 from .model.bodies.body import Body as Body
 from .model.bodies.body_shapes import Box as Box
 from .model.bodies.body_shapes import Cylinder as Cylinder
@@ -33,8 +33,8 @@ from .model.bodies.body_shapes import Sphere as Sphere
 from .model.centrelines.line_shapes import Arc as Arc
 from .model.centrelines.line_shapes import Helix as Helix
 from .model.centrelines.line_shapes import Straight as Straight
-from .model.centrelines.parametric_lines import Curve as Curve
-from .model.centrelines.parametric_lines import Points as Points
+from .model.centrelines.parametric_lines import ParametricCurve as ParametricCurve
+from .model.centrelines.parametric_lines import ThroughPoints as ThroughPoints
 from .model.connections.axis_joint import Cylindrical as Cylindrical
 from .model.connections.axis_joint import Planar as Planar
 from .model.connections.axis_joint import Prismatic as Prismatic
@@ -50,20 +50,20 @@ from .model.connections.support import Guide as Guide
 from .model.connections.support import Pin as Pin
 from .model.connections.support import Roller as Roller
 from .model.connections.support import Support as Support
-from .model.connections.velocity_support import BodyVelocity as BodyVelocity
+from .model.connections.velocity_support import VelocitySupport as VelocitySupport
 from .model.materials.complex_moduli import ComplexModuli as ComplexModuli
 from .model.materials.complex_moduli import ModulusTable as ModulusTable
 from .model.materials.loss_factor import LossFactor as LossFactor
 from .model.materials.material import KelvinVoigt as KelvinVoigt
 from .model.materials.material import Material as Material
-from .model.materials.measured_damping import ModalDamping as ModalDamping
+from .model.materials.measured_damping import MeasuredDamping as MeasuredDamping
 from .model.materials.prony import Prony as Prony
-from .model.materials.relaxation_modulus import Relaxation as Relaxation
+from .model.materials.relaxation_modulus import RelaxationModulus as RelaxationModulus
 from .model.rod import Rod as Rod
 from .model.sections.composite import Composite as Composite
-from .model.sections.composite import Region as Region
-from .model.sections.isotropic_section import Section as Section
-from .model.sections.outline import Outline as Outline
+from .model.sections.composite import CompositeRegion as CompositeRegion
+from .model.sections.isotropic_section import SectionProperties as SectionProperties
+from .model.sections.outline import PolygonSection as PolygonSection
 from .model.sections.section_profile import Piecewise as Piecewise
 from .model.sections.section_profile import Taper as Taper
 from .model.sections.section_shapes import Annulus as Annulus
@@ -81,7 +81,7 @@ from .results.kelvin_voigt_fit import KelvinVoigtFit as KelvinVoigtFit
 from .results.run import Equilibrium as Equilibrium
 from .results.run import Run as Run
 from .results.steady_result import Steady as Steady
-from .results.sweep_result import Member as Member
 from .results.sweep_result import Sweep as Sweep
+from .results.sweep_result import SweepRun as SweepRun
 
 __version__: str

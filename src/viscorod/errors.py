@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["InputError", "Problem", "SolveError", "writing"]
+__all__ = ["Fault", "InputError", "SolveError", "writing"]
 
 
 @dataclass(frozen=True)
-class Problem:
+class Fault:
     """One thing that is wrong in what the user described.
 
     `where` is the key's path in the words of the case file (``loads[0].value``), `found` the value there,
@@ -36,7 +36,7 @@ class Problem:
         tail = f"; {self.instead}" if self.instead else ""
         return f"{head}{found}{self.why}{tail}"
 
-    def within(self, prefix: str) -> Problem:
+    def within(self, prefix: str) -> Fault:
         """The same problem with `prefix` put before its path."""
         return replace(self, where=join_path(prefix, self.where))
 
@@ -47,10 +47,10 @@ class InputError(ValueError):
     `problems` lists everything that was found in one go; the message holds one line for each of them.
     """
 
-    def __init__(self, problems: str | Problem | Iterable[Problem], *, heading: str = "") -> None:
+    def __init__(self, problems: str | Fault | Iterable[Fault], *, heading: str = "") -> None:
         if isinstance(problems, str):
-            self.problems: tuple[Problem, ...] = (Problem("", "", problems, ""),)
-        elif isinstance(problems, Problem):
+            self.problems: tuple[Fault, ...] = (Fault("", "", problems, ""),)
+        elif isinstance(problems, Fault):
             self.problems = (problems,)
         else:
             self.problems = tuple(problems)
@@ -91,7 +91,7 @@ def join_path(prefix: str, path: str) -> str:
     return prefix + path if path.startswith("[") else f"{prefix}.{path}"
 
 
-def _text(problems: tuple[Problem, ...], heading: str) -> str:
+def _text(problems: tuple[Fault, ...], heading: str) -> str:
     if len(problems) == 1:
         return f"{heading}: {problems[0]}" if heading else str(problems[0])
     lines = "".join(f"\n  - {problem}" for problem in problems)

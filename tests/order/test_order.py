@@ -84,7 +84,7 @@ def released(time_step):
     """A release: the load jumps at t = 0 and again at t = 0.25, which no step may straddle."""
     model = curved(3, 4, damping=0.02)
     model.force("rod.end", (0, 0, 1.0), until=0.0)
-    model.force("rod.end", (0.5, 0, 0), time=vr.Table([0.0, 0.25, 0.25], [0.0, 0.0, 1.0]))
+    model.force("rod.end", (0.5, 0, 0), time=vr.TimeTable([0.0, 0.25, 0.25], [0.0, 0.0, 1.0]))
     return (
         model.simulate(0.7, time_step=time_step, integrator="generalized_alpha").history("rod.end").values[-1]
     )

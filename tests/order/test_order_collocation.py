@@ -63,7 +63,7 @@ def released():
     model = curved(0.02)
     model.clamp("rod.start")
     model.force("rod.end", (0, 0, 1.0), until=0.0)
-    model.force("rod.end", (0.5, 0, 0), time=vr.Table([0.0, 0.25, 0.25], [0.0, 0.0, 1.0]))
+    model.force("rod.end", (0.5, 0, 0), time=vr.TimeTable([0.0, 0.25, 0.25], [0.0, 0.0, 1.0]))
     return model
 
 

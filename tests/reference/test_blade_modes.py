@@ -10,7 +10,7 @@ from blades import PRIMARY, blade_text
 from viscorod import programs as vd
 from viscorod.analyses.check import check
 from viscorod.casefile.case import parse_case
-from viscorod.model.settings import EquilibriumSettings
+from viscorod.solve.settings import EquilibriumSettings
 
 MU = 2e-4
 PRIMARY_LINE = [[float(word) for word in line.split()] for line in PRIMARY.splitlines()[10:14]]

@@ -48,7 +48,7 @@ def test_prescribed_spin_about_the_own_axis(method):
     model = vr.Model()
     section = stiff(1e3, 1e3, 1.0, 50.0, damping=0.02)
     model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=1, order=4))
-    speed = vr.Table([0.0, 0.5], [0.0, 20.0], "linear")
+    speed = vr.TimeTable([0.0, 0.5], [0.0, 20.0], "linear")
     model.body_velocity("rod.start", ["v1", "v2", "v3", "w1", "w2"], velocity={"w3": speed})
     run = model.simulate(2.0, initial="reference", **method)
     spin = run.data["angular_velocity"].values[-1]

@@ -21,8 +21,8 @@ def test_first_mode_of_a_strip_with_a_free_layer(origin):
     layer = vr.Material(E2, nu, 1200.0, damping=vr.KelvinVoigt(shear_time=tau, bulk_time=tau))
     section = vr.Composite(
         [
-            vr.Region(vr.Material(E1, 0.33, 2700.0), vr.Rectangle(b, h1), at=(0, -h1 / 2)),
-            vr.Region(layer, vr.Rectangle(b, h2), at=(0, h2 / 2)),
+            vr.CompositeRegion(vr.Material(E1, 0.33, 2700.0), vr.Rectangle(b, h1), at=(0, -h1 / 2)),
+            vr.CompositeRegion(layer, vr.Rectangle(b, h2), at=(0, h2 / 2)),
         ],
         origin=origin,
     )

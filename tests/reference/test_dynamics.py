@@ -74,7 +74,7 @@ def flying_rod(elements, order, duration, **method):
     model = vr.Model()
     section = vr.StiffnessSection([1e4, 1e4, 1e4, 500, 500, 500], [1, 1, 1, 10, 10, 20])
     model.add("rod", vr.Rod.straight((0, 0, 0), (6, 0, -8), section=section, elements=elements, order=order))
-    triangle = vr.Table([0, 2.5, 5], [0, 1, 0])
+    triangle = vr.TimeTable([0, 2.5, 5], [0, 1, 0])
     model.force("rod.end", (20, 0, 0), time=triangle, until=5.0)
     model.moment("rod.end", (0, 200, 100), time=triangle, until=5.0)
     return model.simulate(duration, initial="reference", output_interval=0.05, **method)
@@ -150,7 +150,7 @@ def test_right_angle_cantilever_energy(method):
     model.add("leg2", vr.Rod.straight((10, 0, 0), (10, 10, 0), **given))
     model.attach("leg1.end", "leg2.start")
     model.clamp("leg1.start")
-    model.force("leg1.end", (0, 0, 50), time=vr.Table([0, 1, 2], [0, 1, 0]), until=2.0)
+    model.force("leg1.end", (0, 0, 50), time=vr.TimeTable([0, 1, 2], [0, 1, 0]), until=2.0)
     run = model.simulate(6.0, initial="reference", **method)
     total = (run.data["kinetic"] + run.data["elastic"]).values[run.time > 2.0 + 1e-9]
     assert total == pytest.approx(114.88, abs=5e-3)

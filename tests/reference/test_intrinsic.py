@@ -148,7 +148,7 @@ def test_slow_loading_ends_in_the_static_equilibrium():
     for order in (2, 4, 6):
         model = helix(order, 0.5)
         model.clamp("rod.start")
-        model.force("rod.end", (0.05, 0.1, 0.2), time=vr.Table([0, 40], [0, 1], "cubic"))
+        model.force("rod.end", (0.05, 0.1, 0.2), time=vr.TimeTable([0, 40], [0, 1], "cubic"))
         given = {"tolerance": 1e-7, "output_interval": 100.0}
         run = model.simulate(100.0, initial="reference", formulation="intrinsic", **given)
         model.loads.clear()

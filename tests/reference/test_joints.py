@@ -187,7 +187,7 @@ def test_motor_that_starts_with_a_jump_strikes(method):
     """The impulse that gives a disc its speed counts as work from outside, at once."""
     J, speed = 0.04, 7.0
     model = rigid_parts(("disc", brick(2.0, (0.02, 0.03, J))))
-    drive = vr.Table([0.0, 0.5, 1.0], [0.0, 0.0, 0.5 * speed])
+    drive = vr.TimeTable([0.0, 0.5, 1.0], [0.0, 0.0, 0.5 * speed])
     model.revolute("disc", "ground", axis=(0, 0, 1), name="motor", motion={"rz": drive})
     motion = Motion(model, 1.0, initial="reference", output_interval=0.1, **method)
     e = motion.energy

@@ -62,7 +62,7 @@ RUNS = {
 
 def pushed():
     model = swing()
-    model.force("beam.end", (0, 0, 0.02), time=vr.Table([0, 0.5, 0.5, 1.0, 1.0, 2.0], [0, 0, 1, 1, 0, 0]))
+    model.force("beam.end", (0, 0, 0.02), time=vr.TimeTable([0, 0.5, 0.5, 1.0, 1.0, 2.0], [0, 0, 1, 1, 0, 0]))
     return model
 
 

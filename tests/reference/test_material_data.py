@@ -6,11 +6,11 @@ from scipy.optimize import newton
 
 import viscorod as vr
 
-SHEAR, BULK = vr.Relaxation(4e5, (2e5, 1e5), (0.05, 0.002)), vr.Relaxation(2e6, (1e6,), (0.01,))
+SHEAR, BULK = vr.RelaxationModulus(4e5, (2e5, 1e5), (0.05, 0.002)), vr.RelaxationModulus(2e6, (1e6,), (0.01,))
 YOUNG = 9.0 * 2e6 * 4e5 / (3.0 * 2e6 + 4e5)
 
 
-def at(relaxation: vr.Relaxation, s: complex) -> complex:
+def at(relaxation: vr.RelaxationModulus, s: complex) -> complex:
     """Modulus at a complex frequency, the relaxation function's transform times s."""
     terms = zip(relaxation.moduli, relaxation.times, strict=True)
     return relaxation.equilibrium + sum(m * s * t / (1.0 + s * t) for m, t in terms)

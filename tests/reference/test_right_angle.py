@@ -20,7 +20,7 @@ def test_right_angle_frame_trajectory():
     model.add("leg2", vr.Rod.straight((10, 0, 0), (10, 10, 0), **given))
     model.attach("leg1.end", "leg2.start")
     model.clamp("leg1.start")
-    model.force("leg1.end", (0, 0, 50), time=vr.Table([0, 1, 2], [0, 1, 0]), until=2.0)
+    model.force("leg1.end", (0, 0, 50), time=vr.TimeTable([0, 1, 2], [0, 1, 0]), until=2.0)
     run = model.simulate(30.0, initial="reference", tolerance=1e-6, output_interval=0.5)
     index = [int(np.argmin(np.abs(run.time - t))) for t in rows["t"]]
     for place, name in (("leg1.end", "elbow"), ("leg2.end", "tip")):

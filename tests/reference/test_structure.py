@@ -118,7 +118,7 @@ def test_slow_loading_ends_in_the_static_equilibrium(method):
     static.force("rod.end", (0.05, 0.1, 0.2))
     expected = static.equilibrium()
     slow = model()
-    slow.force("rod.end", (0.05, 0.1, 0.2), time=vr.Table([0, 40], [0, 1], "cubic"))
+    slow.force("rod.end", (0.05, 0.1, 0.2), time=vr.TimeTable([0, 40], [0, 1], "cubic"))
     run = slow.simulate(120.0, initial="reference", **method)
     assert run.history("rod.end").values[-1] == pytest.approx(expected.position("rod.end"), abs=1e-6)
     reaction = run.data["reaction"].values[-1, 0]
@@ -242,7 +242,7 @@ def test_reactions_balance_the_momentum_of_a_swinging_hinge(method):
     "travel",
     [
         {"speed": 2.0, "start": -0.31},
-        {"position": vr.Table([0, 0.1, 0.7, 1], [-0.2, -0.2, 1.0, 1.6])},
+        {"position": vr.TimeTable([0, 0.1, 0.7, 1], [-0.2, -0.2, 1.0, 1.6])},
         {"speed": -2.0, "start": 1.4},
     ],
 )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from assembled import Workplace
+from assembled import DiscreteModel
 from derivatives import slope_of
 
 
@@ -75,7 +75,7 @@ def assembly():
     return model
 
 
-class Assembly(Workplace):
+class Assembly(DiscreteModel):
     """With multipliers: unknowns are increments of the nodes, then multipliers in the scale of the matrix."""
 
     def __init__(self, model):

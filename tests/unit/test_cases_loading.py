@@ -16,7 +16,7 @@ from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.rod import Rod
 from viscorod.model.sections.section_profile import Piecewise, Taper
 from viscorod.model.sections.section_shapes import Circle, Rectangle
-from viscorod.model.settings import EquilibriumSettings, SimulateSettings
+from viscorod.solve.settings import EquilibriumSettings, SimulateSettings
 
 GOOD = """
 [materials.rubber]

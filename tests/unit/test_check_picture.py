@@ -171,7 +171,7 @@ def test_check_shows_the_couplings_of_a_section_and_its_mass_centre():
     """A strip whose centre line lies on its face: A, B = A h/2, and nothing where there is no coupling."""
     damping = vr.KelvinVoigt(shear_time=0.01, bulk_time=0.01)
     rubber = vr.Material(1e6, 0.3, 1000.0, damping=damping)
-    strip = vr.Outline([(-0.01, 0.0), (0.01, 0.0), (0.01, 0.004), (-0.01, 0.004)], origin="given")
+    strip = vr.PolygonSection([(-0.01, 0.0), (0.01, 0.0), (0.01, 0.004), (-0.01, 0.004)], origin="given")
     model = vr.Model()
     model.add("strip", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=strip, material=rubber))
     model.add("wire", vr.Rod.straight((0, 1, 0), (0.3, 1, 0), **STEEL))

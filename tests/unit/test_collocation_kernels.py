@@ -11,7 +11,7 @@ from frames import Moved, adjoint, closed, dense, frame
 from parts import from_python
 from viscorod.mechanics.elements.internal_force import (
     ElementWork,
-    Points,
+    GaussStates,
     conserve_energy,
     energies,
     internal_forces,
@@ -36,13 +36,13 @@ FRAMES = {
 
 def forces(at, r, q, twist, stress=None):
     """Internal forces ``(n, 6)`` and the Gauss points ``(e, points, 6)``; with ``stress`` of that iterate."""
-    points = Points.of(at.elements, 1)
+    points = GaussStates.of(at.elements, 1)
     if stress is not None:
         points = points._replace(stress=stress[None].copy())
     work = ElementWork.of(at.elements.nodes.shape[1] - 1)
     out = np.full((1, at.n, 6), np.nan)
     internal_forces(at.elements, r[None], q[None], twist[None], points, work, out)
-    return out[0], Points(*(field[0] for field in points))
+    return out[0], GaussStates(*(field[0] for field in points))
 
 
 @pytest.mark.parametrize("name", FRAMES)

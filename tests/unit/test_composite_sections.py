@@ -11,12 +11,12 @@ from sections import material, scaled
 from viscorod.casefile.case import case_from_dict
 from viscorod.errors import InputError
 from viscorod.model.materials.material import KelvinVoigt, Material
-from viscorod.model.materials.measured_damping import ModalDamping
+from viscorod.model.materials.measured_damping import MeasuredDamping
 from viscorod.model.materials.prony import Prony
 from viscorod.model.rod import Rod
-from viscorod.model.sections.composite import Composite, Region
-from viscorod.model.sections.isotropic_section import Section
-from viscorod.model.sections.outline import Outline
+from viscorod.model.sections.composite import Composite, CompositeRegion
+from viscorod.model.sections.isotropic_section import SectionProperties
+from viscorod.model.sections.outline import PolygonSection
 from viscorod.model.sections.saint_venant import _once
 from viscorod.model.sections.section_base import AnySection
 from viscorod.model.sections.section_profile import Piecewise, Taper
@@ -28,7 +28,10 @@ SQUARE = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
 def strip(lower, upper, b=0.04, h1=0.01, h2=0.02, **given):
     """Two layers of width b, one of height h1 below y = 0, one of height h2 above."""
     return Composite(
-        [Region(lower, Rectangle(b, h1), at=(0, -h1 / 2)), Region(upper, Rectangle(b, h2), at=(0, h2 / 2))],
+        [
+            CompositeRegion(lower, Rectangle(b, h1), at=(0, -h1 / 2)),
+            CompositeRegion(upper, Rectangle(b, h2), at=(0, h2 / 2)),
+        ],
         **given,
     )
 
@@ -82,7 +85,7 @@ def test_loss_of_a_free_damping_layer_by_obersts_formula(origin, e, h):
 def test_a_coated_wire_in_torsion():
     """Concentric circles do not warp: GJ = sum G_m I_p,m, and its damping sum eta_m I_p,m."""
     core, coat = material(7e10, nu=0.3, shear=1e-4, bulk=1e-4), material(5e6, nu=0.48, shear=0.05, bulk=0.01)
-    section = Composite([Region(core, Circle(0.001)), Region(coat, Annulus(0.002, 0.001))])
+    section = Composite([CompositeRegion(core, Circle(0.001)), CompositeRegion(coat, Annulus(0.002, 0.001))])
     C, D, _ = section.matrices()
     polar = math.pi / 2 * np.array([0.001**4, 0.002**4 - 0.001**4])
     assert C[5, 5] == pytest.approx(polar @ [core.shear_modulus, coat.shear_modulus], rel=1e-5)
@@ -95,8 +98,10 @@ def test_damping_is_positive_and_coupled():
     """A soft viscous block on one side of a stiff one: shear centre and couplings of C, D and M differ."""
     section = Composite(
         [
-            Region(material(2e9, nu=0.3, shear=1e-3, bulk=1e-3, density=1500.0), points=SQUARE),
-            Region(material(1e8, nu=0.45, shear=0.1, bulk=0.02, density=900.0), points=SQUARE, at=(1.0, 0.3)),
+            CompositeRegion(material(2e9, nu=0.3, shear=1e-3, bulk=1e-3, density=1500.0), points=SQUARE),
+            CompositeRegion(
+                material(1e8, nu=0.45, shear=0.1, bulk=0.02, density=900.0), points=SQUARE, at=(1.0, 0.3)
+            ),
         ]
     )
     C, D, M = section.matrices()
@@ -165,7 +170,7 @@ def test_a_prony_material_in_a_region():
     section = strip(steel, rubber, origin="given")
     times, stiffness = section.branch_matrices()
     corners = [(-0.02, 0.0), (0.02, 0.0), (0.02, 0.02), (-0.02, 0.02)]
-    alone_times, alone = Outline(corners, origin="given").branch_matrices(rubber)
+    alone_times, alone = PolygonSection(corners, origin="given").branch_matrices(rubber)
     assert len(times) == len(rubber.branches) == 2
     assert times == pytest.approx(alone_times)
     extension = np.ix_(range(len(times)), (2, 3, 4), (2, 3, 4))
@@ -176,10 +181,12 @@ def test_a_prony_material_in_a_region():
 
 def test_regions_are_placed_and_turned():
     law = material(1.0)
-    quarter = Composite([Region(law, Rectangle(0.2, 0.5), at=(1.0, 2.0), angle=math.pi / 2)], origin="given")
+    quarter = Composite(
+        [CompositeRegion(law, Rectangle(0.2, 0.5), at=(1.0, 2.0), angle=math.pi / 2)], origin="given"
+    )
     C = quarter.matrices()[0]
     assert quarter.centres.tension_centre == pytest.approx((1.0, 2.0))
-    centred = Composite([Region(law, Rectangle(0.5, 0.2))]).matrices()[0]
+    centred = Composite([CompositeRegion(law, Rectangle(0.5, 0.2))]).matrices()[0]
     assert C[3, 3] == pytest.approx(centred[3, 3] + 0.1 * 4.0, rel=1e-9)
     assert C[4, 4] == pytest.approx(centred[4, 4] + 0.1 * 1.0, rel=1e-9)
     assert C[3, 4] == pytest.approx(-0.1 * 2.0, rel=1e-9)
@@ -189,18 +196,18 @@ def test_regions_meet_in_spite_of_round_off():
     """0.1 + 0.2 against 0.3, and a slanted edge in the middle of which the others have a corner."""
     law, third = material(1.0), 1.0 / 3.0
     level = [
-        Region(law, points=[(0, 0), (1, 0), (1, 0.1 + 0.2), (0, 0.1 + 0.2)]),
-        Region(law, points=[(0, 0.3), (1, 0.3), (1, 1), (0, 1)]),
+        CompositeRegion(law, points=[(0, 0), (1, 0), (1, 0.1 + 0.2), (0, 0.1 + 0.2)]),
+        CompositeRegion(law, points=[(0, 0.3), (1, 0.3), (1, 1), (0, 1)]),
     ]
     slanted = [
-        Region(law, points=[(0, 0), (1, 0), (0, third)]),
-        Region(law, points=[(1, 0), (1, 1), (0.1, 0.9 * third)]),
-        Region(law, points=[(0.1, 0.9 * third), (1, 1), (0, third)]),
+        CompositeRegion(law, points=[(0, 0), (1, 0), (0, third)]),
+        CompositeRegion(law, points=[(1, 0), (1, 1), (0.1, 0.9 * third)]),
+        CompositeRegion(law, points=[(0.1, 0.9 * third), (1, 1), (0, third)]),
     ]
     for regions, whole in ((level, SQUARE), (slanted, [(0, 0), (1, 0), (1, 1), (0, third)])):
         C = Composite(regions).matrices()[0]
-        assert C == pytest.approx(Outline(whole).matrices(law)[0], rel=1e-3, abs=1e-4)
-        assert C[2, 2] == pytest.approx(Outline(whole).moments()[0], rel=1e-7)
+        assert C == pytest.approx(PolygonSection(whole).matrices(law)[0], rel=1e-3, abs=1e-4)
+        assert C[2, 2] == pytest.approx(PolygonSection(whole).moments()[0], rel=1e-7)
 
 
 def test_rods_take_no_material_beside_a_composite_section():
@@ -306,51 +313,79 @@ BOX = Rectangle(1.0, 1.0)
 @pytest.mark.parametrize(
     ("make", "where", "text"),
     [
-        (lambda: Outline([(0, 0), (1, 0)]), "Outline.points", "at least 3 different corners, 2 were given"),
-        (lambda: Outline([(0, 0), (1, 0), (0, 0)]), "Outline.points", "2 were given"),
-        (lambda: Outline([(0, 0), (1, 0), (2, 0)]), "Outline.points", "encloses no area"),
-        (lambda: Outline(BOW), "Outline.points", r"crosses or touches itself near \(0\.5, 0\.5\)"),
-        (lambda: Outline([(0, 0), (1, 0), (1, 0), (1, 1)]), "Outline.points[2]", "twice in a row"),
-        (lambda: Outline([(0, 0), (1, 0, 0), (1, 1)]), "Outline.points[1]", "2 numbers are needed"),
-        (lambda: Outline([(0, 0), (math.inf, 0), (1, 1)]), "Outline.points[1][0]", "finite"),
-        (lambda: Outline([(0, 0), (1, 0), (1, 1e-7), (0, 1e-7)]), "Outline.points", "too thin"),
-        (lambda: Outline(SQUARE, [SQUARE]), "Outline.holes[0]", "does not lie inside"),
         (
-            lambda: Outline(SQUARE, [HOLE, [(0.5, 0.1), (0.55, 0.5), (0.5, 0.9)]]),
-            "Outline.holes[1]",
+            lambda: PolygonSection([(0, 0), (1, 0)]),
+            "PolygonSection.points",
+            "at least 3 different corners, 2 were given",
+        ),
+        (lambda: PolygonSection([(0, 0), (1, 0), (0, 0)]), "PolygonSection.points", "2 were given"),
+        (lambda: PolygonSection([(0, 0), (1, 0), (2, 0)]), "PolygonSection.points", "encloses no area"),
+        (
+            lambda: PolygonSection(BOW),
+            "PolygonSection.points",
+            r"crosses or touches itself near \(0\.5, 0\.5\)",
+        ),
+        (
+            lambda: PolygonSection([(0, 0), (1, 0), (1, 0), (1, 1)]),
+            "PolygonSection.points[2]",
+            "twice in a row",
+        ),
+        (
+            lambda: PolygonSection([(0, 0), (1, 0, 0), (1, 1)]),
+            "PolygonSection.points[1]",
+            "2 numbers are needed",
+        ),
+        (lambda: PolygonSection([(0, 0), (math.inf, 0), (1, 1)]), "PolygonSection.points[1][0]", "finite"),
+        (lambda: PolygonSection([(0, 0), (1, 0), (1, 1e-7), (0, 1e-7)]), "PolygonSection.points", "too thin"),
+        (lambda: PolygonSection(SQUARE, [SQUARE]), "PolygonSection.holes[0]", "does not lie inside"),
+        (
+            lambda: PolygonSection(SQUARE, [HOLE, [(0.5, 0.1), (0.55, 0.5), (0.5, 0.9)]]),
+            "PolygonSection.holes[1]",
             "hole 1",
         ),
-        (lambda: Outline(SQUARE, [BOW]), "Outline.holes[0]", "hole 1 crosses or touches itself"),
-        (lambda: Outline(SQUARE, mesh_size=0.0), "Outline.mesh_size", "> 0"),
-        (lambda: Outline(SQUARE, mesh_size=1e-4), "Outline.mesh_size", "give a number above 0.0068"),
-        (lambda: Outline(SQUARE, axes="main"), "Outline.axes", "principal"),
-        (lambda: Outline.from_geometry(3), "", "one connected region"),
-        (lambda: Region(LAW), "Region", "one outline"),
-        (lambda: Region(LAW, BOX, SQUARE), "Region", "one outline"),
-        (lambda: Region(LAW, BOX, holes=[HOLE]), "Region.holes", "points"),
-        (lambda: Region(LAW, Section(1, 1, 1, 1)), "Region.section", "circle"),
-        (lambda: Region(LAW, Rectangle(1, 1, torsion_constant=1.0)), "Region.section", "mean nothing"),
-        (lambda: Region(LAW, points=BOW), "Region.points", "crosses"),
+        (
+            lambda: PolygonSection(SQUARE, [BOW]),
+            "PolygonSection.holes[0]",
+            "hole 1 crosses or touches itself",
+        ),
+        (lambda: PolygonSection(SQUARE, mesh_size=0.0), "PolygonSection.mesh_size", "> 0"),
+        (
+            lambda: PolygonSection(SQUARE, mesh_size=1e-4),
+            "PolygonSection.mesh_size",
+            "give a number above 0.0068",
+        ),
+        (lambda: PolygonSection(SQUARE, axes="main"), "PolygonSection.axes", "principal"),
+        (lambda: PolygonSection.from_geometry(3), "", "one connected region"),
+        (lambda: CompositeRegion(LAW), "CompositeRegion", "one outline"),
+        (lambda: CompositeRegion(LAW, BOX, SQUARE), "CompositeRegion", "one outline"),
+        (lambda: CompositeRegion(LAW, BOX, holes=[HOLE]), "CompositeRegion.holes", "points"),
+        (lambda: CompositeRegion(LAW, SectionProperties(1, 1, 1, 1)), "CompositeRegion.section", "circle"),
+        (
+            lambda: CompositeRegion(LAW, Rectangle(1, 1, torsion_constant=1.0)),
+            "CompositeRegion.section",
+            "mean nothing",
+        ),
+        (lambda: CompositeRegion(LAW, points=BOW), "CompositeRegion.points", "crosses"),
         (lambda: Composite([]), "Composite.regions", "at least one"),
         (lambda: Composite([3]), "Composite.regions[0]", "table"),
         (lambda: Composite([{"section": BOX}]), "Composite.regions[0].material", "required"),
         (
-            lambda: Composite([Region(LAW, BOX), Region(LAW, BOX, at=(0.9, 0))]),
+            lambda: Composite([CompositeRegion(LAW, BOX), CompositeRegion(LAW, BOX, at=(0.9, 0))]),
             "Composite.regions[1]",
             r"overlaps region 1 with 10 % of its area",
         ),
         (
-            lambda: Composite([Region(LAW, BOX), Region(LAW, BOX, at=(1.1, 0))]),
+            lambda: Composite([CompositeRegion(LAW, BOX), CompositeRegion(LAW, BOX, at=(1.1, 0))]),
             "Composite.regions",
             "2 separate parts",
         ),
         (
-            lambda: Composite([Region(LAW, BOX), Region(LAW, BOX, at=(1.0, 1.0))]),
+            lambda: Composite([CompositeRegion(LAW, BOX), CompositeRegion(LAW, BOX, at=(1.0, 1.0))]),
             "Composite.regions",
             "do not all join along edges",
         ),
         (
-            lambda: Composite([Region(LAW, SquareTube(1.0, 0.1)), Region(LAW, BOX)]),
+            lambda: Composite([CompositeRegion(LAW, SquareTube(1.0, 0.1)), CompositeRegion(LAW, BOX)]),
             "Composite.regions[1]",
             "overlaps",
         ),
@@ -367,11 +402,13 @@ def test_what_is_refused(make, where, text):
 def test_without_the_library_the_command_that_installs_it_is_told(monkeypatch):
     monkeypatch.setitem(sys.modules, "sectionproperties.pre", None)
     with pytest.raises(InputError, match=r"pip install 'viscorod\[sections\]'"):
-        Outline(SQUARE)
+        PolygonSection(SQUARE)
 
 
 def test_damping_of_a_mode_is_refused_in_a_region():
     """Other regions take part in a mode: its ratio says nothing of one of them."""
-    material = Material(1e9, 0.3, 1000.0, damping=ModalDamping(ratio=0.02))
-    with pytest.raises(InputError, match=r"Region.material.damping: .*cannot follow from a mode.*give times"):
-        Region(material, Rectangle(0.02, 0.002))
+    material = Material(1e9, 0.3, 1000.0, damping=MeasuredDamping(ratio=0.02))
+    with pytest.raises(
+        InputError, match=r"CompositeRegion.material.damping: .*cannot follow from a mode.*give times"
+    ):
+        CompositeRegion(material, Rectangle(0.02, 0.002))

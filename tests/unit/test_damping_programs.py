@@ -382,7 +382,7 @@ def test_newton_joints_give_stretch_its_time():
 def test_sorosim_matrix(kind):
     """Eta diag(Ix, 3 Iy, 3 Iz, 3 A, A, A) with Ix = Iy + Iz (MEG.m), on a section with the same stiffness."""
     area, first = 2e-4, 3e-9
-    section = vr.Section(area, first, first, 2.0 * first)
+    section = vr.SectionProperties(area, first, first, 2.0 * first)
     data = data_of(section)
     inputs = kind.from_section(data)
     eta = inputs.eta

@@ -6,7 +6,7 @@ from typer.testing import CliRunner
 import viscorod as vr
 from viscorod.analyses.check import check
 from viscorod.cli.app import app
-from viscorod.model.settings import SimulateSettings
+from viscorod.solve.settings import SimulateSettings
 
 SECTION = vr.StiffnessSection([1e3, 1e3, 1e3, 1, 1, 1], [1, 1, 1, 1e-3, 1e-3, 2e-3])
 
@@ -109,13 +109,13 @@ integrator = "generalized_alpha"
         ({"fixed": ["ux"]}, "v1"),
         ({}, "holds nothing"),
         ({"fixed": ["v1"], "velocity": {"v1": 1.0}}, "both fixed and prescribed"),
-        ({"velocity": {"w3": vr.Table([0, 1, 1], [0, 0, 1])}}, "must not jump"),
+        ({"velocity": {"w3": vr.TimeTable([0, 1, 1], [0, 0, 1])}}, "must not jump"),
         ({"velocity": 3.0}, "velocities"),
     ],
 )
 def test_wrong_body_velocities(given, word):
     with pytest.raises(vr.InputError, match=word):
-        vr.BodyVelocity("rod.start", **given)
+        vr.VelocitySupport("rod.start", **given)
 
 
 @pytest.mark.parametrize("value", [[1, 2, 3], "x", [float("nan")] * 6, 1.0])

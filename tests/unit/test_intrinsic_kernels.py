@@ -9,7 +9,7 @@ from scipy.linalg import expm
 from derivatives import slope_of
 from frames import Moved, adjoint, closed, dense, frame
 from parts import from_python
-from viscorod.mechanics.elements.internal_force import ElementWork, Points, internal_forces
+from viscorod.mechanics.elements.internal_force import ElementWork, GaussStates, internal_forces
 from viscorod.mechanics.elements.intrinsic_element import StrainMotion, advance_strains, forces_at
 from viscorod.mechanics.elements.intrinsic_linearised import linearise_intrinsic
 from viscorod.mechanics.elements.linearised import Operators
@@ -68,7 +68,7 @@ def test_straight_unstrained_rods_are_those_of_the_geometric_element():
     """Independent formulation: both elements have the same strain rates and forces there."""
     at = FRAMES["no offset"]()
     e, twist = at.elements, at.state.twist
-    points, expected = Points.of(e, 1), np.zeros((1, at.n, 6))
+    points, expected = GaussStates.of(e, 1), np.zeros((1, at.n, 6))
     pose = at.problem.positions[None], at.problem.quaternions[None]
     internal_forces(e, *pose, twist[None], points, ElementWork.of(e.nodes.shape[1] - 1), expected)
     force, S, rate, _ = evaluate(at, np.zeros_like(e.reference), twist, False)

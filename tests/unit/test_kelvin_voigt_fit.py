@@ -8,7 +8,7 @@ import viscorod as vr
 from viscorod.errors import InputError
 from viscorod.pictures.plots.plot_kelvin_voigt_fit import draw_fit
 
-ZENER = vr.Relaxation(1e6, (5e5,), (0.1,))
+ZENER = vr.RelaxationModulus(1e6, (5e5,), (0.1,))
 PRONY = vr.Prony(
     shear_moduli=[2e5, 1e5], shear_times=[0.1, 0.001], constant="bulk_modulus", law="kelvin_voigt"
 )
@@ -152,7 +152,7 @@ def test_picture_and_words(tmp_path):
             {"material": vr.Material(1e6, 0.3, 1.0, damping=vr.KelvinVoigt(1.0, 1.0))},
             "KelvinVoigt: this material",
         ),
-        ({"material": vr.Relaxation(1.0)}, "nothing relaxes"),
+        ({"material": vr.RelaxationModulus(1.0)}, "nothing relaxes"),
         ({"material": ZENER, "band": (2.0, 1.0)}, r"band: .*give \(low, high\) in Hz"),
         ({"material": ZENER, "band": (1.0,)}, "band: .*2 numbers"),
         ({"material": ZENER, "strain": "bending"}, "strain: 'bending': no such word"),

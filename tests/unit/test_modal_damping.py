@@ -9,11 +9,11 @@ import pytest
 import viscorod as vr
 from viscorod.analyses.check import check, doubts
 from viscorod.errors import InputError
-from viscorod.model.materials.measured_damping import ModalDamping
+from viscorod.model.materials.measured_damping import MeasuredDamping
 
 
 def material(**damping) -> vr.Material:
-    return vr.Material(1e7, poissons_ratio=0.3, density=1000.0, damping=vr.ModalDamping(**damping))
+    return vr.Material(1e7, poissons_ratio=0.3, density=1000.0, damping=vr.MeasuredDamping(**damping))
 
 
 def cantilever(made_of: vr.Material, width: float = 0.01, **rod) -> vr.Model:
@@ -71,7 +71,7 @@ def test_logarithmic_decrement():
     # LLT section 3: delta = 2 pi zeta/sqrt(1 - zeta^2)
     zeta = 0.05
     decrement = 2.0 * math.pi * zeta / math.sqrt(1.0 - zeta**2)
-    assert ModalDamping(logarithmic_decrement=decrement).target == pytest.approx(zeta, rel=1e-14)
+    assert MeasuredDamping(logarithmic_decrement=decrement).target == pytest.approx(zeta, rel=1e-14)
     ratios = cantilever(material(logarithmic_decrement=decrement)).modes(2, about="reference").damping_ratios
     assert ratios[0] == pytest.approx(zeta, rel=1e-8)
 
@@ -231,4 +231,4 @@ def test_a_material_alone_has_no_times():
 )
 def test_refused(arguments, message):
     with pytest.raises(InputError, match=message):
-        ModalDamping(**arguments)
+        MeasuredDamping(**arguments)

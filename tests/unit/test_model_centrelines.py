@@ -7,7 +7,7 @@ import pytest
 
 from viscorod.errors import InputError
 from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
-from viscorod.model.centrelines.parametric_lines import Curve, Points
+from viscorod.model.centrelines.parametric_lines import ParametricCurve, ThroughPoints
 
 HELIX = Helix(0.1, 0.05, 3.3, centre=(1.0, 2.0, 3.0), axis=(1.0, 2.0, 2.0), phase=0.4)
 LEFT = Helix(0.1, 0.05, 3.3, handedness="left")
@@ -26,9 +26,9 @@ CENTRELINES = {
     "helix": HELIX,
     "left": LEFT,
     "ring": Helix(0.2, 0.0, 0.9, axis=(1, 0, 0)),
-    "points": Points([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1), (0, 0, 2)]),
-    "two_points": Points([(0, 0, 0), (1, 2, 2)]),
-    "curve": Curve(knot),
+    "points": ThroughPoints([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 1), (0, 0, 2)]),
+    "two_points": ThroughPoints([(0, 0, 0), (1, 2, 2)]),
+    "curve": ParametricCurve(knot),
 }
 STENCIL = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
 """Sixth-order central difference."""
@@ -151,7 +151,7 @@ def test_helix_turns_about_its_axis_with_the_frenet_curvature():
 
 def test_a_function_gives_the_same_as_the_closed_form_whatever_its_parametrisation():
     closed = Helix(0.1, 0.05, 3.3, phase=0.4)
-    line = Curve(lambda u: closed.bishop(np.array([(u + u * u) / 2 * closed.length]))[0][0])
+    line = ParametricCurve(lambda u: closed.bishop(np.array([(u + u * u) / 2 * closed.length]))[0][0])
     assert line.length == pytest.approx(closed.length, rel=1e-13)
     s = stations(closed)
     for mine, exact in zip(line.frames(s, d1=(0, 0, 1)), closed.frames(s, d1=(0, 0, 1)), strict=True):
@@ -166,7 +166,7 @@ def test_points_are_met_in_order_and_a_parabola_is_exact():
     assert gaps.min(axis=1).max() < 2e-4
     assert (np.diff(gaps.argmin(axis=1)) > 0).all()
     # Three points with equal chords: the spline is the parabola y = x^2, of known length.
-    line = Points([(-1, 1, 0), (0, 0, 0), (1, 1, 0)])
+    line = ThroughPoints([(-1, 1, 0), (0, 0, 0), (1, 1, 0)])
     assert line.length == pytest.approx(math.sqrt(5.0) + math.asinh(2.0) / 2.0, rel=1e-13)
 
 
@@ -202,21 +202,25 @@ def test_closed_curve_turns_by_its_writhe():
         (lambda: Arc((0, 0, 0), (0, 1, 0), (1, 0, 0), 1.0, 0.0), "Arc.angle", "> 0"),
         (lambda: Helix(0.1, -0.1, 1.0), "Helix.pitch", ">= 0"),
         (lambda: Helix(0.1, 0.1, 1.0, handedness="lefty"), "Helix.handedness", "did you mean 'left'"),
-        (lambda: Points([(0, 0, 0)]), "Points.points", "at least two"),
-        (lambda: Points([(0, 0, 0), (0, 0, 0)]), "Points.points[1]", "same point twice"),
-        (lambda: Points([(0, 0, 0), (1, 0)]), "Points.points[1]", "3 numbers"),
-        (lambda: Points([(0, 0, 0), (1, 0, float("nan"))]), "Points.points[1][2]", "finite"),
-        (lambda: Points([(0, 0, 0), (1, 0, 0), (0, 0, 0)]), "Points", "turns back"),
-        (lambda: Curve(lambda u: (abs(u - 0.3), u, 0.0)), "Curve", "corner"),
-        (lambda: Curve(lambda u: (1.0, 2.0, 3.0)), "Curve", "stops"),
-        (lambda: Curve(lambda u: (abs(u - 0.25), u, 0.0)), "Curve", "corner"),
-        (lambda: Curve(lambda u: (u, 0.0 if u < 0.5 else 1.0, 0.0)), "Curve", "jumps"),
-        (lambda: Curve(lambda u: ((u - 0.5) ** 3, (u - 0.5) ** 2, 0.0)), "Curve", "stops"),
-        (lambda: Curve(lambda u: ((u - 0.5) ** 2, 0.0, 0.0)), "Curve", "stops"),
-        (lambda: Curve(lambda u: ((u - 0.3) ** 2, 0.0, 0.0)), "Curve", "stops"),
-        (lambda: Curve(lambda u: (u, float("nan"), 0.0)), "Curve.function", "finite"),
-        (lambda: Curve(lambda u: (u, 0.0)), "Curve.function", "3 numbers"),
-        (lambda: Curve("r(s)"), "Curve.function", "Python function"),
+        (lambda: ThroughPoints([(0, 0, 0)]), "ThroughPoints.points", "at least two"),
+        (lambda: ThroughPoints([(0, 0, 0), (0, 0, 0)]), "ThroughPoints.points[1]", "same point twice"),
+        (lambda: ThroughPoints([(0, 0, 0), (1, 0)]), "ThroughPoints.points[1]", "3 numbers"),
+        (lambda: ThroughPoints([(0, 0, 0), (1, 0, float("nan"))]), "ThroughPoints.points[1][2]", "finite"),
+        (lambda: ThroughPoints([(0, 0, 0), (1, 0, 0), (0, 0, 0)]), "ThroughPoints", "turns back"),
+        (lambda: ParametricCurve(lambda u: (abs(u - 0.3), u, 0.0)), "ParametricCurve", "corner"),
+        (lambda: ParametricCurve(lambda u: (1.0, 2.0, 3.0)), "ParametricCurve", "stops"),
+        (lambda: ParametricCurve(lambda u: (abs(u - 0.25), u, 0.0)), "ParametricCurve", "corner"),
+        (lambda: ParametricCurve(lambda u: (u, 0.0 if u < 0.5 else 1.0, 0.0)), "ParametricCurve", "jumps"),
+        (
+            lambda: ParametricCurve(lambda u: ((u - 0.5) ** 3, (u - 0.5) ** 2, 0.0)),
+            "ParametricCurve",
+            "stops",
+        ),
+        (lambda: ParametricCurve(lambda u: ((u - 0.5) ** 2, 0.0, 0.0)), "ParametricCurve", "stops"),
+        (lambda: ParametricCurve(lambda u: ((u - 0.3) ** 2, 0.0, 0.0)), "ParametricCurve", "stops"),
+        (lambda: ParametricCurve(lambda u: (u, float("nan"), 0.0)), "ParametricCurve.function", "finite"),
+        (lambda: ParametricCurve(lambda u: (u, 0.0)), "ParametricCurve.function", "3 numbers"),
+        (lambda: ParametricCurve("r(s)"), "ParametricCurve.function", "Python function"),
     ],
 )
 def test_refused(build, path, text):

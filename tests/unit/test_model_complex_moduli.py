@@ -14,7 +14,7 @@ from viscorod.model.materials.complex_moduli import ComplexModuli, ModulusTable
 from viscorod.model.materials.kelvin_voigt import KelvinVoigt
 from viscorod.model.materials.loss_factor import LossFactor
 from viscorod.model.materials.material import Material
-from viscorod.model.materials.relaxation_modulus import Relaxation
+from viscorod.model.materials.relaxation_modulus import RelaxationModulus
 
 HERTZ = np.geomspace(0.01, 100.0, 41)
 OMEGA = 2.0 * np.pi * HERTZ
@@ -28,7 +28,7 @@ def kelvin_voigt(E: float, tau: float) -> np.ndarray:
     return E * (1.0 + 1j * OMEGA * tau)
 
 
-RELAXATION = Relaxation(1e6, (5e5, 3e5), (0.2, 0.01))
+RELAXATION = RelaxationModulus(1e6, (5e5, 3e5), (0.2, 0.01))
 
 
 @given(st.floats(-0.9, 0.49), st.floats(1e-6, 1.0), st.floats(0.0, 1.0))
@@ -152,13 +152,13 @@ def test_two_tables():
 TIMES = np.geomspace(1.0 / (10.0**0.5 * OMEGA[-1]), 10.0**0.5 / OMEGA[0], 16)
 
 
-def branches(m: Material, strain: str) -> Relaxation:
+def branches(m: Material, strain: str) -> RelaxationModulus:
     moduli = tuple(getattr(branch, strain) for branch in m.branches)
-    return Relaxation(getattr(m, strain), moduli, tuple(branch.time for branch in m.branches))
+    return RelaxationModulus(getattr(m, strain), moduli, tuple(branch.time for branch in m.branches))
 
 
 def test_maxwell_branches_are_found_again():
-    known = Relaxation(1e6, (5e5, 3e5), (TIMES[5], TIMES[11]))
+    known = RelaxationModulus(1e6, (5e5, 3e5), (TIMES[5], TIMES[11]))
     damping = ComplexModuli(**table(known.complex_modulus(OMEGA)), law="maxwell", per_decade=3)
     m = Material(poissons_ratio=0.3, density=1.0, damping=damping)
     found = branches(m, "youngs_modulus")
@@ -181,7 +181,7 @@ def test_maxwell_branches_follow_other_times(per_decade):
 
 def test_maxwell_branches_beside_a_given_modulus():
     # a table that ends far above equilibrium: the given modulus is kept, and the same branches are found
-    known = Relaxation(1e6, (5e5, 3e5), (TIMES[5], TIMES[9]))
+    known = RelaxationModulus(1e6, (5e5, 3e5), (TIMES[5], TIMES[9]))
     keep = HERTZ > 0.3
     hertz = np.concatenate([HERTZ[:1], HERTZ[keep]])
     modulus = known.complex_modulus(2.0 * np.pi * hertz)
@@ -199,8 +199,8 @@ def test_maxwell_of_a_fluid_needs_a_modulus():
 
 
 def test_maxwell_of_two_tables():
-    shear = Relaxation(4e5, (2e5,), (TIMES[6],))
-    extension = Relaxation(1e6, (1e5, 4e5), (TIMES[4], TIMES[7]))
+    shear = RelaxationModulus(4e5, (2e5,), (TIMES[6],))
+    extension = RelaxationModulus(1e6, (1e5, 4e5), (TIMES[4], TIMES[7]))
     damping = ComplexModuli(
         **table(extension.complex_modulus(OMEGA)),
         other=table(shear.complex_modulus(OMEGA)),

@@ -3,18 +3,18 @@
 import pytest
 from pydantic import Field
 
-from viscorod.errors import InputError, Problem
-from viscorod.model.fields.definition import Described, nearest, path_text, show, some_of
+from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import Definition, nearest, path_text, show, some_of
 from viscorod.model.fields.values import Number, Positive
-from viscorod.model.settings import EquilibriumSettings, SimulateSettings
+from viscorod.solve.settings import EquilibriumSettings, SimulateSettings
 
 
-class Inner(Described):
+class Inner(Definition):
     width: Positive = Field(description="m")
     height: Positive = Field(description="m")
 
 
-class Outer(Described):
+class Outer(Definition):
     inner: Inner
     factor: Number = 1.0
 
@@ -87,7 +87,7 @@ def test_values_are_shown_briefly():
 
 def test_errors_from_texts_and_problems():
     assert str(InputError("no good")) == "no good"
-    problem = Problem("a", "1", "too small", "give 2")
+    problem = Fault("a", "1", "too small", "give 2")
     assert str(InputError(problem, heading="x.toml")) == "x.toml: a: 1: too small; give 2"
     assert problem.within("b").where == "b.a"
     assert problem.within("b[0]").where == "b[0].a"

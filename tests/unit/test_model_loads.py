@@ -8,7 +8,7 @@ from viscorod.errors import InputError
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import DistributedForce, Force, Gravity, Moment, MovingForce, load
 from viscorod.model.actions.time_function import Ramp, Until
-from viscorod.model.actions.time_table import Table
+from viscorod.model.actions.time_table import TimeTable
 
 
 def test_factor_is_one_without_a_function_of_time():
@@ -32,7 +32,7 @@ def test_factor_is_the_function_until_it_ends():
 
 
 def test_no_jump_where_the_function_has_ended_by_itself():
-    force = Force("beam.end", (0, 1, 0), time=Table([0, 1, 2], [0, 1, 0]), until=3.0)
+    force = Force("beam.end", (0, 1, 0), time=TimeTable([0, 1, 2], [0, 1, 0]), until=3.0)
     assert force.jumps == ()
     assert force.breakpoints == (0.0, 1.0, 2.0, 3.0)
 

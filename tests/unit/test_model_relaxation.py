@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from viscorod.errors import InputError
-from viscorod.model.materials.relaxation_modulus import Relaxation, extension_of
+from viscorod.model.materials.relaxation_modulus import RelaxationModulus, extension_of
 
 OMEGA = np.logspace(-6, 6, 121)
 MODULI = st.floats(1e-3, 1e3)
@@ -19,23 +19,26 @@ TIMES = st.floats(-5.0, 5.0).map(lambda exponent: 10.0**exponent)
 def series(most: int):
     terms = st.lists(st.tuples(MODULI, TIMES), max_size=most)
     return st.builds(
-        lambda rest, pairs: Relaxation(rest, tuple(m for m, _ in pairs), tuple(t for _, t in pairs)),
+        lambda rest, pairs: RelaxationModulus(rest, tuple(m for m, _ in pairs), tuple(t for _, t in pairs)),
         MODULI,
         terms,
     )
 
 
-def through_frequencies(shear: Relaxation, bulk: Relaxation) -> np.ndarray:
+def through_frequencies(shear: RelaxationModulus, bulk: RelaxationModulus) -> np.ndarray:
     """E* of a material from its complex shear and bulk moduli, frequency by frequency."""
     G, K = shear.complex_modulus(OMEGA), bulk.complex_modulus(OMEGA)
     return 9.0 * K * G / (3.0 * K + G)
 
 
 @given(series(6), series(6))
-@example(Relaxation(1.0, (2.0, 3.0), (0.1, 10.0)), Relaxation(5.0, (2.0, 3.0), (0.1, 10.0)))
-@example(Relaxation(1.0, (2.0,), (0.1,)), Relaxation(5.0, (2.0,), (0.1 * (1 + 1e-15),)))
-@example(Relaxation(1.0, (2.0, 1.0), (0.1, 0.1 * (1 + 1e-9))), Relaxation(5.0, (2.0,), (0.1 * (1 + 1e-12),)))
-@example(Relaxation(1.0, (1e-9,), (1.0,)), Relaxation(1e-9, (1e9,), (1e-6,)))
+@example(RelaxationModulus(1.0, (2.0, 3.0), (0.1, 10.0)), RelaxationModulus(5.0, (2.0, 3.0), (0.1, 10.0)))
+@example(RelaxationModulus(1.0, (2.0,), (0.1,)), RelaxationModulus(5.0, (2.0,), (0.1 * (1 + 1e-15),)))
+@example(
+    RelaxationModulus(1.0, (2.0, 1.0), (0.1, 0.1 * (1 + 1e-9))),
+    RelaxationModulus(5.0, (2.0,), (0.1 * (1 + 1e-12),)),
+)
+@example(RelaxationModulus(1.0, (1e-9,), (1.0,)), RelaxationModulus(1e-9, (1e9,), (1e-6,)))
 def test_extension_at_every_frequency(shear, bulk):
     extension = extension_of(shear, bulk)
     expected = through_frequencies(shear, bulk)
@@ -68,7 +71,7 @@ def test_extension_in_time_by_stepping_the_three_dimensional_material():
     # branches of shear and one of bulk, as ordinary differential equations, independent of any transform
     from scipy.integrate import solve_ivp
 
-    shear, bulk = Relaxation(1.0, (2.0, 0.5), (0.3, 4.0)), Relaxation(2.0, (3.0,), (1.0,))
+    shear, bulk = RelaxationModulus(1.0, (2.0, 0.5), (0.3, 4.0)), RelaxationModulus(2.0, (3.0,), (1.0,))
 
     def lateral(memory):  # 0 = K0 vol - sum K_j m_j - 2/3 (G0 dev - sum G_j m_j) with dev = axial - lateral
         K0, G0 = bulk.instantaneous, shear.instantaneous
@@ -97,7 +100,7 @@ def test_extension_in_time_by_stepping_the_three_dimensional_material():
 
 def test_bound_of_the_kelvin_voigt_solid():
     # a Gaussian pulse of the width b: eps^ = b sqrt(2 pi) exp(-(b w)^2/2); LLT 2.6 by adaptive quadrature
-    relaxation, b = Relaxation(1.0, (2.0, 3.0), (0.1, 1.0)), 2.0
+    relaxation, b = RelaxationModulus(1.0, (2.0, 3.0), (0.1, 1.0)), 2.0
     omega = np.linspace(0.0, 8.0, 4001)
     spectrum = b * np.sqrt(2.0 * np.pi) * np.exp(-((b * omega) ** 2) / 2.0)
 
@@ -108,9 +111,9 @@ def test_bound_of_the_kelvin_voigt_solid():
     expected = quad(integrand, -8.0, 8.0)[0]
     assert relaxation.kelvin_voigt_bound(omega, spectrum) == pytest.approx(expected, rel=1e-6)
     # slow pulses: sum M_j tau_j^2 over b^2, of second order
-    slow = Relaxation(1.0, (2.0, 3.0), (1e-3, 1e-2)).kelvin_voigt_bound(omega, spectrum)
+    slow = RelaxationModulus(1.0, (2.0, 3.0), (1e-3, 1e-2)).kelvin_voigt_bound(omega, spectrum)
     assert slow == pytest.approx((2.0 * 1e-6 + 3.0 * 1e-4) / b**2, rel=1e-3)
-    assert Relaxation(1.0).kelvin_voigt_bound(omega, spectrum) == 0.0
+    assert RelaxationModulus(1.0).kelvin_voigt_bound(omega, spectrum) == 0.0
 
 
 @pytest.mark.parametrize(
@@ -124,16 +127,16 @@ def test_bound_of_the_kelvin_voigt_solid():
 )
 def test_spectrum_refused(omega, spectrum, message):
     with pytest.raises(InputError, match=message):
-        Relaxation(1.0, (2.0,), (1.0,)).kelvin_voigt_bound(omega, spectrum)
+        RelaxationModulus(1.0, (2.0,), (1.0,)).kelvin_voigt_bound(omega, spectrum)
 
 
 def test_incompressible_extension_is_three_times_shear():
-    shear = Relaxation(1.0, (2.0, 3.0), (0.1, 1.0))
-    assert extension_of(shear, Relaxation(math.inf)) == shear.scaled(3.0)
+    shear = RelaxationModulus(1.0, (2.0, 3.0), (0.1, 1.0))
+    assert extension_of(shear, RelaxationModulus(math.inf)) == shear.scaled(3.0)
 
 
 def test_complex_modulus_is_the_transform_of_the_relaxation_modulus():
-    relaxation = Relaxation(1.5, (2.0, 3.0), (0.1, 1.0))
+    relaxation = RelaxationModulus(1.5, (2.0, 3.0), (0.1, 1.0))
 
     def decaying(t):
         return float(relaxation.relaxation_modulus(t)) - 1.5
@@ -145,14 +148,14 @@ def test_complex_modulus_is_the_transform_of_the_relaxation_modulus():
 
 
 def test_moduli_without_branches_are_constant():
-    relaxation = Relaxation(2.0)
+    relaxation = RelaxationModulus(2.0)
     assert relaxation.complex_modulus(OMEGA).tolist() == [2.0] * len(OMEGA)
     assert relaxation.relaxation_modulus([0.0, 1.0]).tolist() == [2.0, 2.0]
     assert (relaxation.viscosity, relaxation.retardation_time, relaxation.instantaneous) == (0.0, 0.0, 2.0)
 
 
 def test_terms_are_sorted_merged_and_dropped():
-    relaxation = Relaxation(1.0, (1.0, 2.0, 0.0, 4.0), (3.0, 1.0, 2.0, 3.0))
+    relaxation = RelaxationModulus(1.0, (1.0, 2.0, 0.0, 4.0), (3.0, 1.0, 2.0, 3.0))
     assert (relaxation.moduli, relaxation.times) == ((2.0, 5.0), (1.0, 3.0))
     assert relaxation.viscosity == 17.0
     assert relaxation.retardation_time == 17.0
@@ -173,4 +176,4 @@ def test_terms_are_sorted_merged_and_dropped():
 )
 def test_refused(arguments, message):
     with pytest.raises(InputError, match=message):
-        Relaxation(*arguments)
+        RelaxationModulus(*arguments)

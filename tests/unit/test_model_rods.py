@@ -8,7 +8,7 @@ import pytest
 from viscorod.errors import InputError
 from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.rod import Rod
-from viscorod.model.sections.isotropic_section import Section
+from viscorod.model.sections.isotropic_section import SectionProperties
 from viscorod.model.sections.section_profile import Piecewise, Taper
 from viscorod.model.sections.section_shapes import Circle, Ellipse, Rectangle
 from viscorod.model.sections.stiffness_section import StiffnessSection
@@ -61,7 +61,7 @@ def test_taper_is_linear_in_every_dimension():
 
 
 def test_taper_of_given_numbers_overrides_and_matrices():
-    given = Taper(Section(1, 2, 3, 4), Section(3, 4, 5, 6)).at(0.5)
+    given = Taper(SectionProperties(1, 2, 3, 4), SectionProperties(3, 4, 5, 6)).at(0.5)
     assert (given.area, given.torsion_constant) == (2.0, 5.0)
     fixed = Taper(Circle(1.0, torsion_constant=1.0), Circle(2.0, torsion_constant=3.0)).at(0.25)
     assert (fixed.radius, fixed.torsion_constant) == (1.25, 1.5)

@@ -7,7 +7,7 @@ import pytest
 
 from viscorod.errors import InputError
 from viscorod.model.materials.material import KelvinVoigt, Material
-from viscorod.model.sections.isotropic_section import Section
+from viscorod.model.sections.isotropic_section import SectionProperties
 from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
 
 SHAPES = [
@@ -211,7 +211,9 @@ def test_overrides_replace_formulas():
     assert (k1, k2) == (pytest.approx(12.0 / 14.2, rel=1e-14), 0.9)
 
 
-@pytest.mark.parametrize("section", [*SHAPES, Section(1.0, 0.2, 0.3, 0.4, 0.8, 0.9)], ids=lambda s: s.shape)
+@pytest.mark.parametrize(
+    "section", [*SHAPES, SectionProperties(1.0, 0.2, 0.3, 0.4, 0.8, 0.9)], ids=lambda s: s.shape
+)
 def test_matrices(section):
     material = Material(3.0e6, 0.25, 1200.0, damping=KelvinVoigt(0.03, 0.01))
     stiffness, damping, inertia = section.matrices(material)
@@ -241,7 +243,7 @@ def test_matrices(section):
         (lambda: Rectangle(1.0, 1.0, shear_factor_1=0.0), "Rectangle.shear_factor_1"),
         (lambda: Ellipse(1.0, math.inf), "Ellipse.semi_axis_2"),
         (lambda: SquareTube(1.0, 0.5), "SquareTube.thickness"),
-        (lambda: Section(1.0, 1.0, 1.0, -1.0), "Section.torsion_constant"),
+        (lambda: SectionProperties(1.0, 1.0, 1.0, -1.0), "SectionProperties.torsion_constant"),
         (lambda: Rectangle(1.0, 2.0, 3.0), "Rectangle"),
         (lambda: Rectangle(1.0, 2.0, width=3.0), "Rectangle.width"),
         (lambda: Circle(1.0).matrices(None), "material"),

@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 
 from viscorod.errors import InputError
 from viscorod.model.actions.time_function import Constant, Ramp, Sine, SpinUp, Until
-from viscorod.model.actions.time_table import Function, Table, time_function
+from viscorod.model.actions.time_table import FunctionOfTime, TimeTable, time_function
 
 WAVY = ([0.0, 0.5, 1.2, 2.0, 3.0], [1.0, -1.0, 2.0, 0.5, 0.0])
 FUNCTIONS = [
@@ -17,11 +17,11 @@ FUNCTIONS = [
     Ramp(0.5, 2.0, 4.0),
     Sine(0.7, 2.0, 0.3, 1.0),
     SpinUp(6.0, 2.5),
-    Table(*WAVY),
-    Table(*WAVY, "cubic"),
-    Table([0.0, 1.0, 1.0, 2.0], [1.0, 2.0, -1.0, 0.0]),
-    Table([0.0, 0.5, 1.0, 1.0, 2.0, 2.5, 3.0], [1.0, 2.0, -1.0, 0.0, 3.0, 1.0, 2.0], "cubic"),
-    Function(lambda t: t**3, lambda t: 3 * t**2, lambda t: 6 * t),
+    TimeTable(*WAVY),
+    TimeTable(*WAVY, "cubic"),
+    TimeTable([0.0, 1.0, 1.0, 2.0], [1.0, 2.0, -1.0, 0.0]),
+    TimeTable([0.0, 0.5, 1.0, 1.0, 2.0, 2.5, 3.0], [1.0, 2.0, -1.0, 0.0, 3.0, 1.0, 2.0], "cubic"),
+    FunctionOfTime(lambda t: t**3, lambda t: 3 * t**2, lambda t: 6 * t),
 ]
 
 
@@ -73,7 +73,7 @@ def test_spin_up_is_the_manoeuvre_of_the_literature():
 
 
 def test_linear_table():
-    f = Table([0.0, 1.0, 1.0, 3.0], [0.0, 2.0, 5.0, 7.0])
+    f = TimeTable([0.0, 1.0, 1.0, 3.0], [0.0, 2.0, 5.0, 7.0])
     assert [f.value(t) for t in (-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0)] == [0.0, 0.0, 1.0, 5.0, 6.0, 7.0, 7.0]
     assert f.value(1.0, before=True) == 2.0
     assert (f.rate(1.0, before=True), f.rate(1.0), f.rate(3.0, before=True), f.rate(3.0)) == (
@@ -87,7 +87,7 @@ def test_linear_table():
 
 
 def test_cubic_table_is_the_spline():
-    f, spline = Table(*WAVY, "cubic"), CubicSpline(*WAVY)
+    f, spline = TimeTable(*WAVY, "cubic"), CubicSpline(*WAVY)
     for t in np.linspace(0.0, 2.99, 30):
         assert f.value(t) == pytest.approx(spline(t), abs=1e-13)
         assert f.acceleration(t) == pytest.approx(spline(t, 2), abs=1e-12)
@@ -98,28 +98,28 @@ def test_cubic_table_is_the_spline():
 def test_tables_are_equal_if_they_were_given_the_same(interpolation):
     """What a table has worked out, an array, does not count."""
     times = [0.0, 1.0, 3.0]
-    table = Table(times, [1.0, 2.0, 0.0], interpolation)
-    assert table == Table(np.array(times), (1, 2, 0), interpolation)
-    assert hash(table) == hash(Table(times, [1.0, 2.0, 0.0], interpolation))
-    assert table != Table(times, [1.0, 2.0, 0.1], interpolation)
+    table = TimeTable(times, [1.0, 2.0, 0.0], interpolation)
+    assert table == TimeTable(np.array(times), (1, 2, 0), interpolation)
+    assert hash(table) == hash(TimeTable(times, [1.0, 2.0, 0.0], interpolation))
+    assert table != TimeTable(times, [1.0, 2.0, 0.1], interpolation)
     assert table != Constant(1.0)
 
 
 def test_repeated_time_with_one_value_is_a_corner_not_a_jump():
-    f = Table([0.0, 1.0, 1.0, 2.0], [0.0, 1.0, 1.0, 0.0], "cubic")
+    f = TimeTable([0.0, 1.0, 1.0, 2.0], [0.0, 1.0, 1.0, 0.0], "cubic")
     assert f.jumps == ()
     assert f.breakpoints == (0.0, 1.0, 2.0)
 
 
 def test_python_functions():
     f = time_function(lambda t: 2.0 * t)
-    assert isinstance(f, Function)
+    assert isinstance(f, FunctionOfTime)
     assert f.value(3.0) == 6.0
     with pytest.raises(InputError, match="needs its velocity and acceleration"):
         f.rate(1.0)
     with pytest.raises(InputError, match=r"at t = 1 s: the number must be finite"):
-        Function(lambda t: math.nan).value(1.0)
-    step = Function(lambda t: float(t >= 1.0), breakpoints=[1.0, 0.5])
+        FunctionOfTime(lambda t: math.nan).value(1.0)
+    step = FunctionOfTime(lambda t: float(t >= 1.0), breakpoints=[1.0, 0.5])
     assert step.breakpoints == (0.5, 1.0)
     assert step.jumps == (1.0,)
 
@@ -127,7 +127,7 @@ def test_python_functions():
 def test_a_function_may_return_an_array_of_no_dimension():
     spline = CubicSpline([0.0, 1.0, 2.0], [0.0, 1.0, 0.0])
     assert isinstance(spline(1.0), np.ndarray)
-    assert Function(spline).value(1.0) == pytest.approx(1.0)
+    assert FunctionOfTime(spline).value(1.0) == pytest.approx(1.0)
 
 
 def test_numbers_and_tables_are_functions_of_time():
@@ -143,14 +143,14 @@ def test_numbers_and_tables_are_functions_of_time():
         (lambda: Sine(-1.0), "Sine.frequency", "> 0"),
         (lambda: SpinUp(6.0, 0.0), "SpinUp.duration", "> 0"),
         (lambda: Until(math.nan), "Until.time", "finite"),
-        (lambda: Table([0.0, 1.0], [1.0]), "Table.values", "2"),
-        (lambda: Table([0.0, 1.0], [1.0, 2.0, 3.0]), "Table.values", "as many"),
-        (lambda: Table([0.0], [1.0]), "Table.times", "at least 2"),
-        (lambda: Table([0.0, -1.0], [1.0, 1.0]), "Table.times[1]", "not decrease"),
-        (lambda: Table([0, 1, 1, 1], [1, 2, 3, 4]), "Table.times[3]", "three times"),
-        (lambda: Table([0, "x"], [1, 2]), "Table.times[1]", "number"),
-        (lambda: Table([0, 1], [1, 2], "quadratic"), "Table.interpolation", "'linear', 'cubic'"),
-        (lambda: Table([0, 1e-280], [1e59, -1e59]), "Table", "change the units"),
+        (lambda: TimeTable([0.0, 1.0], [1.0]), "TimeTable.values", "2"),
+        (lambda: TimeTable([0.0, 1.0], [1.0, 2.0, 3.0]), "TimeTable.values", "as many"),
+        (lambda: TimeTable([0.0], [1.0]), "TimeTable.times", "at least 2"),
+        (lambda: TimeTable([0.0, -1.0], [1.0, 1.0]), "TimeTable.times[1]", "not decrease"),
+        (lambda: TimeTable([0, 1, 1, 1], [1, 2, 3, 4]), "TimeTable.times[3]", "three times"),
+        (lambda: TimeTable([0, "x"], [1, 2]), "TimeTable.times[1]", "number"),
+        (lambda: TimeTable([0, 1], [1, 2], "quadratic"), "TimeTable.interpolation", "'linear', 'cubic'"),
+        (lambda: TimeTable([0, 1e-280], [1e59, -1e59]), "TimeTable", "change the units"),
         (lambda: time_function("ramp"), "", "function of time"),
         (lambda: time_function(True), "", "function of time"),
         (lambda: time_function({"kind": "rmap"}), "kind", "did you mean 'ramp'"),

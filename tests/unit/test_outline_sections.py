@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from viscorod.model.materials.material import KelvinVoigt, Material
-from viscorod.model.sections.composite import Composite, Region
+from viscorod.model.sections.composite import Composite, CompositeRegion
 from viscorod.model.sections.meshed_section import moved
-from viscorod.model.sections.outline import Outline
+from viscorod.model.sections.outline import PolygonSection
 from viscorod.model.sections.polygons import polygon_of
 from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
 
@@ -18,7 +18,7 @@ SHAPES = [Circle(0.7), Annulus(1.0, 0.6), Rectangle(0.4, 1.3), Ellipse(0.5, 1.2)
 
 
 def outline_of(shape, **given):
-    return Outline(*polygon_of(shape), **given)
+    return PolygonSection(*polygon_of(shape), **given)
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: f"{s.shape} {s.half_width:.2g}")
@@ -60,7 +60,9 @@ def test_shear_stiffness_of_the_circle_by_the_known_stresses(nu):
 def test_shares_of_the_core_of_a_circle_by_the_known_stresses(nu):
     """As above: the squared shear strains in r < 1/2 and outside of it, of a force along d1."""
     law = Material(2.0 * (1.0 + nu), nu, 1.0)
-    found = Composite([Region(law, Circle(0.5)), Region(law, Annulus(1.0, 0.5))])._analysis.strains[:, 0, 0]
+    found = Composite(
+        [CompositeRegion(law, Circle(0.5)), CompositeRegion(law, Annulus(1.0, 0.5))]
+    )._analysis.strains[:, 0, 0]
     g, w = np.polynomial.legendre.leggauss(12)
     angle = np.arange(32) * 2 * math.pi / 32
     expected = []
@@ -101,7 +103,7 @@ def test_an_angle_against_the_library(reference, nu):
     """Area, moments, principal axes, torsion, Trefftz's shear centre, and for nu = 0 the shear areas."""
     side = 0.03
     library, E = reference(L_SHAPE, nu, side), 2.0 * (1.0 + nu)
-    section = Outline(L_SHAPE, mesh_size=side)
+    section = PolygonSection(L_SHAPE, mesh_size=side)
     extensional, _, _ = section.geometry(nu)
     assert extensional[2, 2] == pytest.approx(library.get_area(), rel=1e-10)
     ixx, iyy, ixy = (value / E for value in library.get_eic())
@@ -109,13 +111,13 @@ def test_an_angle_against_the_library(reference, nu):
     assert section.centres.tension_centre == pytest.approx(library.get_c(), rel=1e-9)
     assert section.torsion() == pytest.approx(library.get_ej() / E, rel=1e-4)
     assert section.centres.shear_centre == pytest.approx(library.get_sc_t(), rel=1e-4)
-    turned = Outline(L_SHAPE, mesh_size=side, axes="principal")
+    turned = PolygonSection(L_SHAPE, mesh_size=side, axes="principal")
     i1, i2 = np.diag(turned.geometry(nu)[0])[3:5]
     assert sorted([i1, i2]) == pytest.approx(sorted(value / E for value in library.get_eip()), rel=1e-9)
     assert turned.geometry(nu)[0][3, 4] == pytest.approx(0.0, abs=1e-9 * i1)
     assert math.degrees(turned.centres.angle) % 90 == pytest.approx(library.get_phi() % 90, abs=1e-6)
     if nu == 0.0:
-        about = Outline(L_SHAPE, mesh_size=side, origin="shear_centre").geometry(0.0)[1]
+        about = PolygonSection(L_SHAPE, mesh_size=side, origin="shear_centre").geometry(0.0)[1]
         compliance = np.linalg.inv(about[np.ix_((0, 1, 5), (0, 1, 5))])
         areas = [value / E for value in library.get_eas()]
         assert np.diag(compliance)[:2] == pytest.approx(1.0 / np.array(areas), rel=1e-4)
@@ -126,7 +128,7 @@ def test_shear_areas_of_a_rectangle_against_the_library(reference, nu):
     """Where the elasticity and Trefftz's shear centre coincide the shear areas agree for every Poisson's ratio."""
     points = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)]
     library = reference(points, nu, 0.1)
-    factors = Outline(points, mesh_size=0.1).shear_factors(nu)
+    factors = PolygonSection(points, mesh_size=0.1).shear_factors(nu)
     areas = [value / (2.0 * (1.0 + nu)) for value in library.get_eas()]
     assert np.array(factors) * 2.0 == pytest.approx(areas, rel=1e-4)
 
@@ -134,7 +136,7 @@ def test_shear_areas_of_a_rectangle_against_the_library(reference, nu):
 def channel(b, h, t, **given):
     """A channel of the mid-line dimensions b (flanges), h (web), thickness t; the web's mid-line at x = 0."""
     x, y = t / 2, h / 2
-    return Outline([(-x, -y - x), (b, -y - x), (b, -y + x), (x, -y + x),
+    return PolygonSection([(-x, -y - x), (b, -y - x), (b, -y + x), (x, -y + x),
                     (x, y - x), (b, y - x), (b, y + x), (-x, y + x)], **given)  # fmt: skip
 
 
@@ -178,7 +180,7 @@ def test_a_force_through_the_shear_centre_does_not_twist():
 
 
 def test_an_axial_force_through_the_tension_centre_does_not_bend():
-    section = Outline(L_SHAPE, origin="given")
+    section = PolygonSection(L_SHAPE, origin="given")
     x, y = section.centres.tension_centre
     C = sum(section.geometry(0.3)[:2])
     strain = np.linalg.solve(C, [0, 0, 1.0, y, -x, 0])
@@ -194,7 +196,10 @@ def test_every_reference_line_tells_the_same_energy(origin, axes):
     """The same deformation, described about two lines by the displacement field u(xi) = Gamma + kappa x xi."""
     law = Material(youngs_modulus=3.0, poissons_ratio=0.3, density=2.0,
                    damping=KelvinVoigt(shear_time=0.1, bulk_time=0.7))  # fmt: skip
-    plain, section = Outline(L_SHAPE, origin="given"), Outline(L_SHAPE, origin=origin, axes=axes)
+    plain, section = (
+        PolygonSection(L_SHAPE, origin="given"),
+        PolygonSection(L_SHAPE, origin=origin, axes=axes),
+    )
     centres = section.centres
     turn = np.eye(3)
     turn[:2, :2] = [
@@ -226,16 +231,16 @@ def test_size_and_place_do_not_matter():
         points = s * (np.array(polygon_of(Rectangle(0.4, 1.3))[0]) + np.array([300.0, -500.0]))
         powers = np.array([1, 1, 1, 2, 2, 2])
         size = s ** np.add.outer(powers, powers)
-        for one, two in zip(base, Outline(points).geometry(0.3), strict=True):
+        for one, two in zip(base, PolygonSection(points).geometry(0.3), strict=True):
             assert two / size == pytest.approx(one, rel=1e-3, abs=1e-5)
 
 
 def test_refinement_ends_within_what_it_tells():
     """The automatic mesh against one four times finer."""
-    section = Outline(L_SHAPE)
+    section = PolygonSection(L_SHAPE)
     (remark,) = section.remarks()
     assert "triangles" in remark
-    fine = Outline(L_SHAPE, mesh_size=0.01)
+    fine = PolygonSection(L_SHAPE, mesh_size=0.01)
     assert section.torsion() == pytest.approx(fine.torsion(), rel=2e-3)
     assert section.shear_factors(0.3) == pytest.approx(fine.shear_factors(0.3), rel=4e-3)
 
@@ -244,7 +249,7 @@ def test_a_geometry_of_the_library():
     from sectionproperties.pre.library import rectangular_hollow_section
 
     geometry = rectangular_hollow_section(d=0.1, b=0.05, t=0.004, r_out=0.008, n_r=8)
-    section = Outline.from_geometry(geometry)
+    section = PolygonSection.from_geometry(geometry)
     assert len(section.holes) == 1
     assert section.moments()[0] == pytest.approx(geometry.calculate_area(), rel=1e-9)
 
@@ -252,7 +257,7 @@ def test_a_geometry_of_the_library():
 def test_outlines_take_the_damping_of_their_material_per_branch_and_region():
     law = Material(youngs_modulus=3.0, poissons_ratio=0.3, density=2.0,
                    damping=KelvinVoigt(shear_time=0.1, bulk_time=0.7))  # fmt: skip
-    section = Outline(L_SHAPE, origin="given")
+    section = PolygonSection(L_SHAPE, origin="given")
     extensional, shearing, inertia = section.geometry(0.3)
     C, D, M = section.matrices(law)
     assert C == pytest.approx(3.0 * extensional + law.shear_modulus * shearing, rel=1e-14)
@@ -260,6 +265,6 @@ def test_outlines_take_the_damping_of_their_material_per_branch_and_region():
         law.extensional_viscosity * extensional + law.shear_viscosity * shearing, rel=1e-14
     )
     assert M == pytest.approx(2.0 * inertia, rel=1e-14)
-    alone = Composite([Region(law, points=L_SHAPE)], origin="given")
+    alone = Composite([CompositeRegion(law, points=L_SHAPE)], origin="given")
     for one, two in zip(alone.matrices(), (C, D, M), strict=True):
         assert one == pytest.approx(two, rel=1e-9, abs=1e-12)

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from sections import material, scaled
 from viscorod.model.materials.material import KelvinVoigt, Material
-from viscorod.model.sections.composite import Composite, Region
-from viscorod.model.sections.isotropic_section import Section
-from viscorod.model.sections.outline import Outline
+from viscorod.model.sections.composite import Composite, CompositeRegion
+from viscorod.model.sections.isotropic_section import SectionProperties
+from viscorod.model.sections.outline import PolygonSection
 from viscorod.model.sections.saint_venant import shear_shares
 from viscorod.model.sections.section_mesh import triangulate
 from viscorod.model.sections.section_shapes import Rectangle
@@ -58,7 +58,7 @@ def power(boxes, eps, eta, zeta, nu, warping_slopes=lambda x, y: (0.0, 0.0)):
 def test_a_rectangle_without_warping(nu, eta, zeta, seed):
     """LLT's kinematics is without warping: shear factors 1, J = I1 + I2."""
     plain = Rectangle(0.04, 0.02)
-    stiff = Section(plain.area, plain.second_moment_1, plain.second_moment_2,
+    stiff = SectionProperties(plain.area, plain.second_moment_1, plain.second_moment_2,
                     plain.second_moment_1 + plain.second_moment_2)  # fmt: skip
     damping = KelvinVoigt(shear_viscosity=eta, bulk_viscosity=zeta)
     _, D, _ = stiff.matrices(Material(youngs_modulus=1e6, poissons_ratio=nu, density=1.0, damping=damping))
@@ -71,7 +71,7 @@ def test_a_rectangle_without_warping(nu, eta, zeta, seed):
 )
 @settings(max_examples=20, deadline=None)
 def test_extension_and_bending_of_an_outline_about_a_line_beside_it(nu, shear, bulk, seed):
-    section = Outline(L_SHAPE, origin="given", mesh_size=0.01)
+    section = PolygonSection(L_SHAPE, origin="given", mesh_size=0.01)
     law = material(2e6, nu, shear, bulk, density=1200.0)
     C, D, M = section.matrices(law)
     eps = np.random.default_rng(seed).normal(size=6) * [0, 0, 1, 1, 1, 0]
@@ -127,13 +127,13 @@ def test_torsion_of_a_rectangle_by_the_series_of_its_warping(nu):
     found = power(RECTANGLE, twist, law.shear_viscosity, 0.0, nu, slopes)
     assert Rectangle(0.04, 0.02).matrices(law)[1][5, 5] == pytest.approx(found, rel=1e-5)
     corners = [(-0.02, -0.01), (0.02, -0.01), (0.02, 0.01), (-0.02, 0.01)]
-    assert Outline(corners).matrices(law)[1][5, 5] == pytest.approx(found, rel=1e-4)
+    assert PolygonSection(corners).matrices(law)[1][5, 5] == pytest.approx(found, rel=1e-4)
 
 
 SECTIONS = {
     "rectangle": lambda law: Rectangle(0.04, 0.02).matrices(law),
-    "outline": lambda law: Outline(L_SHAPE, origin="given").matrices(law),
-    "composite": lambda law: Composite([Region(law, points=L_SHAPE)], origin="given").matrices(),
+    "outline": lambda law: PolygonSection(L_SHAPE, origin="given").matrices(law),
+    "composite": lambda law: Composite([CompositeRegion(law, points=L_SHAPE)], origin="given").matrices(),
 }
 
 
@@ -158,8 +158,10 @@ def test_one_material_in_several_regions_is_one_material():
     law = material(2e6, 0.37, shear=0.01, bulk=0.03)
     below = [(0.0, 0.0), (0.05, 0.0), (0.05, 0.01), (0.0, 0.01)]
     above = [(0.0, 0.01), (0.02, 0.01), (0.02, 0.04), (0.0, 0.04)]
-    parted = Composite([Region(law, points=below), Region(law, points=above)], mesh_size=0.0015)
-    whole = Outline(L_SHAPE, mesh_size=0.0015)
+    parted = Composite(
+        [CompositeRegion(law, points=below), CompositeRegion(law, points=above)], mesh_size=0.0015
+    )
+    whole = PolygonSection(L_SHAPE, mesh_size=0.0015)
     for one, two in zip(parted.matrices(), whole.matrices(law), strict=True):
         assert scaled(one, by=two) == pytest.approx(scaled(two), abs=2e-4)
 
@@ -167,7 +169,10 @@ def test_one_material_in_several_regions_is_one_material():
 def test_equal_times_in_all_materials_scale_the_stiffness():
     stiff, soft = material(2e9, 0.3, shear=0.01, bulk=0.01), material(1e7, 0.45, shear=0.01, bulk=0.01)
     section = Composite(
-        [Region(stiff, Rectangle(0.04, 0.01)), Region(soft, Rectangle(0.02, 0.02), at=(-0.01, 0.015))],
+        [
+            CompositeRegion(stiff, Rectangle(0.04, 0.01)),
+            CompositeRegion(soft, Rectangle(0.02, 0.02), at=(-0.01, 0.015)),
+        ],
         origin="given",
     )
     C, D, _ = section.matrices()

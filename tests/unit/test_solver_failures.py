@@ -130,7 +130,7 @@ def test_undefined_load_is_reported_at_its_time():
 def test_shortened_steps_are_reported(integrator):
     """A hard shock: equal steps are halved until they converge and the run says so."""
     model = model_of(("ux", "uy", "uz", "rx", "ry", "rz"))
-    model.moment("beam.end", (0, 0, 60.0), time=vr.Table([0, 0.2, 0.2], [0, 0, 1]), following=True)
+    model.moment("beam.end", (0, 0, 60.0), time=vr.TimeTable([0, 0.2, 0.2], [0, 0, 1]), following=True)
     run = model.simulate(0.6, time_step=0.2, initial="reference", integrator=integrator)
     assert run.outcome == "completed"
     assert run.data.attrs["rejected"] > 0

@@ -10,10 +10,10 @@ from frames import Moved, frame
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import case_from_dict, parse_case
 from viscorod.mechanics.elements.intrinsic_element import StrainMotion, forces_at
-from viscorod.model.settings import SteadySettings
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.external_loads import ExternalLoads
+from viscorod.solve.settings import SteadySettings
 from viscorod.solve.steady.geometric_steady import GeometricSteady
 from viscorod.solve.steady.intrinsic_steady import IntrinsicSteady
 from viscorod.solve.steady.rigid_rotation import Turning, inertia_about, mass_centre, mean_spin, rigid_twists

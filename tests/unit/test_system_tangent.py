@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from assembled import Workplace
+from assembled import DiscreteModel
 from derivatives import slope_of
 from viscorod.mechanics.nodes import support_rows as kernels
 from viscorod.solve.linear.matrix import Matrix
@@ -47,7 +47,7 @@ def loaded_frame():
 
 def test_residual_and_tangent_with_inertia_and_all_loads():
     """The derivative along increments of the pose; the map from increments to body changes is T^-1."""
-    work = Workplace(loaded_frame())
+    work = DiscreteModel(loaded_frame())
     work.residual(work.increment)
     work.system.reset_stress()
     work.residual(work.increment, tangent=True)
@@ -58,7 +58,7 @@ def test_residual_and_tangent_with_inertia_and_all_loads():
 
 def test_damping_matrix_comes_with_the_tangent():
     """It is what the rate map multiplies: the difference of the tangents for T + I and T."""
-    work = Workplace(loaded_frame())
+    work = DiscreteModel(loaded_frame())
     new, _ = work.residual(work.increment)
     system, rate_map = work.system, work.integrator._map
     apart = Matrix(work.problem.pattern)
@@ -74,7 +74,7 @@ def test_damping_matrix_comes_with_the_tangent():
 
 def test_supports_replace_rows_consistently():
     """Free rows are the derivative of Z^T (residual - G^T reaction), Z and reaction frozen; fixed rows are G."""
-    work = Workplace(loaded_frame())
+    work = DiscreteModel(loaded_frame())
     work.residual(work.increment)
     work.system.reset_stress()
     new, residual = work.residual(work.increment, tangent=True)
@@ -121,7 +121,7 @@ def test_supports_replace_rows_consistently():
 
 def test_work_of_all_forces_matches_the_change_of_energy():
     """d(elastic)/dt + dissipation = internal power, and the power of gravity is that of the moving centres of mass."""
-    work = Workplace(loaded_frame())
+    work = DiscreteModel(loaded_frame())
     new, _ = work.residual(work.increment)
     power = np.sum(work.system.internal * new.twist)
     points = work.system.gauss_points()

@@ -7,7 +7,7 @@ import pytest
 import scipy.linalg
 
 import viscorod as vr
-from viscorod.analyses.discrete import Workplace
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.solve.constraints.null_space import null_space
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
@@ -51,7 +51,7 @@ def four_bar(load):
 
 
 def solved(model):
-    work = Workplace.of(model)
+    work = DiscreteModel.of(model)
     state = State.reference(work.problem)
     assert work.static.solve(state).outcome.name == "COMPLETED"
     return work, state
@@ -135,7 +135,7 @@ def test_free_modes_of_a_fine_mesh(constraints):
 def test_both_ways_to_the_modes_agree():
     """Independent formulation: full matrices in the null space, and saddle systems, of one model."""
     model = cantilever(40)
-    work = Workplace.of(model)
+    work = DiscreteModel.of(model)
     state = State.reference(work.problem)
     beside = linearise(work.static, state)
     assert beside.gradients is not None

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from viscorod.analyses.model import Model, Progress
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.model.settings import AnySettings, EquilibriumSettings, PathSettings, SteadySettings
+from viscorod.solve.settings import AnySettings, EquilibriumSettings, PathSettings, SteadySettings
 
 if TYPE_CHECKING:
     from viscorod.results.run import Equilibrium, Run

@@ -16,8 +16,6 @@ from viscorod.model.connections.spring_laws import Laws
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import some_of
 from viscorod.model.rod import Rod
-from viscorod.model.settings import AnySettings, SimulateSettings, SteadySettings
-from viscorod.model.settings_checks import require_fit
 from viscorod.solve.constraints.rigid_motions import free_motions
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
@@ -25,6 +23,8 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.settings import AnySettings, SimulateSettings, SteadySettings
+from viscorod.solve.settings_checks import require_fit
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.steady.conditions import require as require_steady
 from viscorod.typing import Floats

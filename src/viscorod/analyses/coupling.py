@@ -8,30 +8,30 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.analyses.discrete import Workplace
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.transient import TOLERANCE, described, initial_state, stepping
 from viscorod.errors import InputError, SolveError
 from viscorod.mechanics.rotations.quaternion import matrices
-from viscorod.model.actions.time_table import Function
+from viscorod.model.actions.time_table import FunctionOfTime
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.model.settings import SimulateSettings
-from viscorod.model.settings_checks import require_fit
-from viscorod.results.result_places import Site
+from viscorod.results.result_places import ResultPlace
 from viscorod.results.run import Run
 from viscorod.solve.history import StationReader
+from viscorod.solve.settings import SimulateSettings
+from viscorod.solve.settings_checks import require_fit
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient.saved_state import Tree
+from viscorod.solve.transient.saved_state import SavedTree
 from viscorod.solve.transient.step_control import ErrorControl
 from viscorod.solve.transient.transient_solver import Transient
 from viscorod.typing import Floats
 
-__all__ = ["System"]
+__all__ = ["CoSimulation"]
 
 LONGEST = 1e6
 """Simulated time [s] for which settings are checked; a coupled run has no end of its own."""
 
 
-class System:
+class CoSimulation:
     """A model between two steps of a coupled simulation.
 
     At each step, forces and moments at the ports are constant; the model's own loads and prescribed motions go on as
@@ -63,19 +63,19 @@ class System:
         for port in ports:
             for component in range(3):
                 axis = tuple(float(k == component) for k in range(3))
-                coupled.force(port, axis, time=Function(self._component(port, component)))
-                coupled.moment(port, axis, time=Function(self._component(port, 3 + component)))
+                coupled.force(port, axis, time=FunctionOfTime(self._component(port, component)))
+                coupled.moment(port, axis, time=FunctionOfTime(self._component(port, 3 + component)))
         if settings.get("integrator", "radau") == "radau":
             settings = {"tolerance": TOLERANCE, **settings}
         self.settings = SimulateSettings(duration=LONGEST, **settings)
         require_fit(coupled, self.settings)
-        self._work = work = Workplace.of(coupled, self.settings.formulation, self.settings.damping)
+        self._work = work = DiscreteModel.of(coupled, self.settings.formulation, self.settings.damping)
         self._attrs = attrs or {}
         state = initial_state(work, self.settings)
         integrator, control, self._chosen = stepping(work, self.settings, state)
         self._transient = Transient(work.problem, integrator, control, work.system.worst_place)
         self._reader = StationReader(work.problem)
-        self._sites: dict[str, Site] = {}
+        self._sites: dict[str, ResultPlace] = {}
         self._changed = False
         self._transient.begin(state)
         self._state: tuple[Floats, ...] | None = None
@@ -173,7 +173,7 @@ class System:
     def _at(self, place: str, field: int) -> Floats:
         return self._site(place).of(self._fields()[field])
 
-    def _site(self, place: str) -> Site:
+    def _site(self, place: str) -> ResultPlace:
         if place not in self._sites:
             self._sites[place] = self._work.site(place)
         return self._sites[place]
@@ -186,13 +186,13 @@ class System:
 
     # --- back
 
-    def saved(self) -> Tree:
+    def saved(self) -> SavedTree:
         """Return the present state, to come back to it: a step of an implicit coupling is taken again and again."""
         values = {port: wrench.copy() for port, wrench in self._values.items()}
         history = self._transient.result.history
         return self._transient.saved(), values, self._changed, history.count
 
-    def restore(self, state: Tree) -> None:
+    def restore(self, state: SavedTree) -> None:
         """Come back to a state that :meth:`saved` returned; what was recorded since then is forgotten."""
         tree, values, self._changed, count = state
         self._transient.resume(tree)

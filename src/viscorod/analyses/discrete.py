@@ -21,10 +21,9 @@ from viscorod.mechanics.elements.held_strains import add_held_strains
 from viscorod.mechanics.elements.maxwell_branches import remember
 from viscorod.mechanics.joints.joint_forces import joint_forces
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.model.settings import PathSettings
 from viscorod.results.data_schema import AXES
 from viscorod.results.dataset import dataset
-from viscorod.results.result_places import Site, Sites
+from viscorod.results.result_places import ResultPlace, ResultPlaces
 from viscorod.results.run import Equilibrium
 from viscorod.solve.constraints.redundancy import require_independent
 from viscorod.solve.constraints.rigid_motions import free_motions, undetermined
@@ -37,6 +36,7 @@ from viscorod.solve.modes.vibrations import Modes
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.settings import PathSettings
 from viscorod.solve.statics.arc_length import Path, PathFollower, PathPoint
 from viscorod.solve.statics.newton import NewtonReport, Outcome
 from viscorod.solve.statics.static_solver import StaticPath, StaticSolver
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-__all__ = ["Workplace"]
+__all__ = ["DiscreteModel"]
 
 Progress = Callable[[float, float], None]
 
@@ -56,7 +56,7 @@ PATIENCE = 10.0
 
 
 @dataclass
-class Workplace:
+class DiscreteModel:
     """One discretised model with the objects that solve it."""
 
     problem: Problem
@@ -74,7 +74,7 @@ class Workplace:
         formulation: str = "geometric",
         damping: str = "full",
         stop: Callable[[], str] | None = None,
-    ) -> Workplace:
+    ) -> DiscreteModel:
         """Discretise a model; ``stop`` is asked in every iteration of its statics, see ``Model.equilibrium``.
 
         Raises:
@@ -181,12 +181,12 @@ class Workplace:
         unstable = self.history.unstable[-1]
         return Equilibrium.later(self._later("equilibrium", attrs | {"negative_eigenvalues": unstable}))
 
-    def site(self, place: str) -> Site:
+    def site(self, place: str) -> ResultPlace:
         """A place by its name, before there is a data set."""
         problem = self.problem
         stations = problem.stations
         names, still = list(problem.bodies.names), np.zeros(len(problem.bodies.names))
-        return Sites.of(
+        return ResultPlaces.of(
             np.array([*np.array(problem.rods)[stations.rod], *names]),
             np.append(stations.s, still),
             np.append(problem.rod_orders[stations.rod], still.astype(np.int64)),

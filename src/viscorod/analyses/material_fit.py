@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.values import numbers
 from viscorod.model.materials.complex_moduli import ComplexModuli
 from viscorod.model.materials.material import Material
 from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, nearest_kelvin_voigt
-from viscorod.model.materials.relaxation_modulus import Complexes, Relaxation
+from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
 from viscorod.results.kelvin_voigt_fit import KelvinVoigtFit
 from viscorod.typing import Floats
 
@@ -25,7 +25,7 @@ OUTSIDE = 100.0
 
 
 def kelvin_voigt_fit(
-    material: Material | Relaxation,
+    material: Material | RelaxationModulus,
     band: Sequence[float] | None = None,
     *,
     strain: str = "extension",
@@ -56,10 +56,10 @@ def kelvin_voigt_fit(
     ):
         if word not in words:
             raise InputError(
-                Problem(key, show(word), "no such word", f"give one of {', '.join(map(repr, words))}")
+                Fault(key, show(word), "no such word", f"give one of {', '.join(map(repr, words))}")
             )
     source = _source(material, strain)
-    if isinstance(source, Relaxation):
+    if isinstance(source, RelaxationModulus):
         omega = band_of(_checked(band) or _around(source))
         modulus = source.complex_modulus(omega)
         slow = Viscous(source.equilibrium, source.viscosity)
@@ -73,7 +73,7 @@ def kelvin_voigt_fit(
             )
             if np.count_nonzero(inside) < 2:
                 found = f"{np.count_nonzero(inside)} rows of the table are there"
-                raise InputError(Problem("band", show(list(given)), found, "give a wider band"))
+                raise InputError(Fault("band", show(list(given)), found, "give a wider band"))
             omega, modulus = omega[inside], modulus[inside]
     found_fit = slow if fit == "low_frequency" else nearest_kelvin_voigt(omega, modulus)
     if keep_modulus:
@@ -83,20 +83,20 @@ def kelvin_voigt_fit(
     )
 
 
-def _source(material: Any, strain: str) -> Relaxation | tuple[Floats, Complexes]:
+def _source(material: Any, strain: str) -> RelaxationModulus | tuple[Floats, Complexes]:
     """What is known of the modulus in a strain."""
-    if isinstance(material, Relaxation):
+    if isinstance(material, RelaxationModulus):
         return material
     if not isinstance(material, Material):
         raise InputError(
-            Problem("material", show(material), "this is no material", "give a Material or a Relaxation")
+            Fault("material", show(material), "this is no material", "give a Material or a RelaxationModulus")
         )
     damping = material.damping
     if isinstance(damping, ComplexModuli):
         if strain not in damping.tables:
             (known,) = damping.tables
             raise InputError(
-                Problem(
+                Fault(
                     "strain", show(strain), f"the table of this material is one of {known}", f"give {known!r}"
                 )
             )
@@ -105,7 +105,7 @@ def _source(material: Any, strain: str) -> Relaxation | tuple[Floats, Complexes]
     found = material.relaxation(strain)
     if found is None or not found.times:
         raise InputError(
-            Problem(
+            Fault(
                 "material",
                 type(damping).__name__ if damping is not None else "no damping",
                 "this material is Kelvin-Voigt or elastic already; there is nothing to compare it with",
@@ -115,15 +115,15 @@ def _source(material: Any, strain: str) -> Relaxation | tuple[Floats, Complexes]
     return found
 
 
-def _equilibrium(material: Material | Relaxation, strain: str, slow: Viscous) -> float:
-    if isinstance(material, Relaxation):
+def _equilibrium(material: Material | RelaxationModulus, strain: str, slow: Viscous) -> float:
+    if isinstance(material, RelaxationModulus):
         return slow.modulus
     return material.youngs_modulus if strain == "extension" else material.shear_modulus
 
 
-def _around(relaxation: Relaxation) -> tuple[float, float]:
+def _around(relaxation: RelaxationModulus) -> tuple[float, float]:
     if not relaxation.times:
-        raise InputError(Problem("material", "", "nothing relaxes", "give a Relaxation with terms"))
+        raise InputError(Fault("material", "", "nothing relaxes", "give a RelaxationModulus with terms"))
     slowest, fastest = relaxation.times[-1], relaxation.times[0]
     return 1.0 / (2.0 * math.pi * OUTSIDE * slowest), OUTSIDE / (2.0 * math.pi * fastest)
 
@@ -134,10 +134,10 @@ def _checked(band: Sequence[float] | None) -> tuple[float, float] | None:
     try:
         low, high = numbers(band, count=2)
     except RefusedError as error:
-        raise InputError(Problem("band", show(band), error.why, error.instead)) from None
+        raise InputError(Fault("band", show(band), error.why, error.instead)) from None
     if not 0.0 < low < high:
         raise InputError(
-            Problem(
+            Fault(
                 "band",
                 show(band),
                 "a band goes from a lower to a higher frequency",

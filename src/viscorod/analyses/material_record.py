@@ -9,7 +9,7 @@ import numpy as np
 
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.materials.material import Material
-from viscorod.model.materials.relaxation_modulus import Relaxation
+from viscorod.model.materials.relaxation_modulus import RelaxationModulus
 from viscorod.model.rod import Rod
 
 __all__ = ["material_record"]
@@ -50,7 +50,7 @@ def _series(material: Material) -> dict[str, Any]:
         ("shear", material.shear_modulus, material.shear_viscosity),
     ):
         relaxation = material.relaxation(strain)
-        if isinstance(relaxation, Relaxation):
+        if isinstance(relaxation, RelaxationModulus):
             found[strain] = {
                 "modulus": modulus,
                 "viscosity": viscosity,

@@ -10,7 +10,7 @@ import numpy as np
 import scipy.linalg
 from scipy import sparse
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.description.pending_times import (
     all_pending,
@@ -21,7 +21,7 @@ from viscorod.model.description.pending_times import (
 from viscorod.model.fields.definition import did_you_mean, some_of
 from viscorod.model.materials.kelvin_voigt import KelvinVoigt
 from viscorod.model.materials.material import Material
-from viscorod.model.materials.measured_damping import MOST_MODES, ModalDamping
+from viscorod.model.materials.measured_damping import MOST_MODES, MeasuredDamping
 from viscorod.model.sections.stiffness_section import STRAINS
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
@@ -89,8 +89,8 @@ def _known(material: Material, time: float, mode: _Mode) -> Material:
     )
 
 
-def _wish(material: Material) -> ModalDamping:
-    assert isinstance(material.damping, ModalDamping)
+def _wish(material: Material) -> MeasuredDamping:
+    assert isinstance(material.damping, MeasuredDamping)
     return material.damping
 
 
@@ -105,7 +105,7 @@ def _require_no_branches(model: ModelDescription, where: str) -> None:
         relaxing = rod.material is not None and rod.material.branches
         if relaxing or (rod.material is None and any(len(rod.branches_at(s)[0]) for s in stations)):
             raise InputError(
-                Problem(
+                Fault(
                     where,
                     f"rod {name}",
                     "its Maxwell branches make the mode depend on more than these times",
@@ -119,7 +119,7 @@ def _times(slopes: Floats, wanted: Floats, where: list[str]) -> Floats:
     scale = np.abs(slopes).max(axis=0, initial=0.0)
     if not (scale > 0.0).all() or np.linalg.cond(slopes / scale) > 1e8:
         raise InputError(
-            Problem(
+            Fault(
                 where[0],
                 "",
                 "the chosen modes do not tell the damping of these materials apart",
@@ -130,7 +130,7 @@ def _times(slopes: Floats, wanted: Floats, where: list[str]) -> Floats:
     for path, time in zip(where, times, strict=True):
         if not time > 0.0:
             raise InputError(
-                Problem(
+                Fault(
                     path,
                     "",
                     "the other parts of the model damp this mode more than that already",
@@ -169,7 +169,7 @@ class _Modes:
         self.linear = _linearised(problem)
         self.omega, self.shapes = _vibrations(self.linear, 2 * MOST_MODES)
 
-    def find(self, wish: ModalDamping, where: str) -> _Mode:
+    def find(self, wish: MeasuredDamping, where: str) -> _Mode:
         """The mode that is meant.
 
         Raises:
@@ -179,7 +179,7 @@ class _Modes:
         if wish.rod is not None and wish.rod not in rods:
             hint = did_you_mean(wish.rod, rods)
             raise InputError(
-                Problem(
+                Fault(
                     f"{where}.rod",
                     repr(wish.rod),
                     "no rod has this name",
@@ -194,7 +194,7 @@ class _Modes:
                 return self._named(found[int(count) - 1])
         text = f"modes{f' mostly of {word}' if word else ''}{f' in rod {wish.rod}' if wish.rod else ''}"
         raise InputError(
-            Problem(
+            Fault(
                 f"{where}.mode",
                 repr(wish.mode),
                 f"among the first {len(self.omega)} modes there are {len(found)} {text}",

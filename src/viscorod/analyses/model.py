@@ -18,17 +18,17 @@ from viscorod.errors import InputError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.arguments import given
 from viscorod.model.fields.values import number
-from viscorod.model.settings import (
+from viscorod.solve.settings import (
     EquilibriumSettings,
     PathSettings,
     SimulateSettings,
     SteadySettings,
 )
-from viscorod.model.settings_checks import require_fit
+from viscorod.solve.settings_checks import require_fit
 
 if TYPE_CHECKING:
-    from viscorod.analyses.coupling import System
-    from viscorod.analyses.discrete import Workplace
+    from viscorod.analyses.coupling import CoSimulation
+    from viscorod.analyses.discrete import DiscreteModel
     from viscorod.model.actions.event import AnyEvent
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
@@ -225,7 +225,7 @@ class Model(ModelDescription):
         formulation: str = "geometric",
         damping: str = "full",
         title: str = "",
-    ) -> System:
+    ) -> CoSimulation:
         """Let another program move this model step by step: forces in at the ``ports``, motion out.
 
         Args:
@@ -235,7 +235,7 @@ class Model(ModelDescription):
         Raises:
             InputError: the model or a setting is wrong, or a port is no place.
         """
-        from viscorod.analyses.coupling import System
+        from viscorod.analyses.coupling import CoSimulation
 
         settings = given(
             tolerance=tolerance,
@@ -247,7 +247,7 @@ class Model(ModelDescription):
             formulation=formulation,
             damping=damping,
         )
-        return System(self, ports, attrs=self._attrs(title), **settings)
+        return CoSimulation(self, ports, attrs=self._attrs(title), **settings)
 
     def draw(self, path: str | Path, title: str = "") -> Path:
         """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.
@@ -345,7 +345,7 @@ class Model(ModelDescription):
         return steady_rotation(self._discretised(stop=stop), self, settings, start, self._attrs(title))
 
     def with_known_times(self) -> Model:
-        """The model with the times of all materials known: those that follow from a mode (`ModalDamping`) are found.
+        """The model with the times of all materials known: those that follow from a mode (`MeasuredDamping`) are found.
 
         Raises:
             InputError: the model is inconsistent, or there is no such mode.
@@ -359,10 +359,10 @@ class Model(ModelDescription):
         formulation: str = "geometric",
         damping: str = "full",
         stop: Callable[[], str] | None = None,
-    ) -> Workplace:
-        from viscorod.analyses.discrete import Workplace
+    ) -> DiscreteModel:
+        from viscorod.analyses.discrete import DiscreteModel
 
-        return Workplace.of(self, formulation, damping, stop)
+        return DiscreteModel.of(self, formulation, damping, stop)
 
     def _attrs(self, title: str) -> dict[str, Any]:
         from viscorod import __version__

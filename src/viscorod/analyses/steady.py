@@ -9,13 +9,13 @@ import numpy as np
 
 from viscorod.errors import InputError, SolveError
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.model.settings import SteadySettings
 from viscorod.results.dataset import dataset
 from viscorod.results.result import Result
 from viscorod.results.steady_result import Steady
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import EnergyAccount, History, Snapshot
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.settings import SteadySettings
 from viscorod.solve.statics.newton import interruption
 from viscorod.solve.steady.conditions import require
 from viscorod.solve.steady.search import Search
@@ -25,13 +25,13 @@ from viscorod.solve.steady.steady_rotation import SteadyRotation
 if TYPE_CHECKING:
     import xarray as xr
 
-    from viscorod.analyses.discrete import Workplace
+    from viscorod.analyses.discrete import DiscreteModel
 
 __all__ = ["steady_rotation"]
 
 
 def steady_rotation(
-    work: Workplace,
+    work: DiscreteModel,
     model: ModelDescription,
     settings: SteadySettings,
     start: Result | None,
@@ -76,7 +76,7 @@ def last_state(problem: Problem, start: Result) -> State:
 
 
 def _dataset(
-    work: Workplace, settings: SteadySettings, found: SteadyRotation, attrs: dict[str, Any]
+    work: DiscreteModel, settings: SteadySettings, found: SteadyRotation, attrs: dict[str, Any]
 ) -> xr.Dataset:
     """One state along the dimension ``spin``, with what is special to a rotation."""
     history = History()

@@ -18,10 +18,10 @@ from typing import Any, TypeAlias
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import Case, case_from_dict, load_case
 from viscorod.casefile.case_reader import TABLES
-from viscorod.errors import InputError, Problem, SolveError
+from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.fields.definition import did_you_mean, show, some_of
-from viscorod.model.settings import SimulateSettings
-from viscorod.results.sweep_result import Member, Sweep
+from viscorod.results.sweep_result import Sweep, SweepRun
+from viscorod.solve.settings import SimulateSettings
 
 __all__ = ["sweep"]
 
@@ -67,16 +67,14 @@ def sweep(
         case = load_case(case)
     rows = _rows(values)
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
-        raise InputError(
-            Problem("workers", show(workers), "a whole number of at least 1 is needed", "give 2")
-        )
+        raise InputError(Fault("workers", show(workers), "a whole number of at least 1 is needed", "give 2"))
     contents, notes = _contents(case, rows)
     jobs = [(content, case.title, case.source) for content in contents]
     count = min(workers or os.cpu_count() or 1, len(jobs))
     with _stopping() as stop:
         found = _alone(jobs, stop, progress) if count == 1 else _parallel(jobs, count, stop, progress)
         stopped = stop.is_set()
-    members = [Member(k, row, *parts) for k, (row, parts) in enumerate(zip(rows, found, strict=True))]
+    members = [SweepRun(k, row, *parts) for k, (row, parts) in enumerate(zip(rows, found, strict=True))]
     result = Sweep(members, case.title, notes)
     if stopped:
         raise SolveError(
@@ -92,22 +90,22 @@ def _rows(values: Values) -> list[dict[str, Any]]:
         columns = {str(key): _plain(column) for key, column in values.items()}
         for key, column in columns.items():
             if not isinstance(column, list | tuple) or not column:
-                raise InputError(Problem(key, show(column), "a list of values is needed here", advice))
+                raise InputError(Fault(key, show(column), "a list of values is needed here", advice))
         lengths = {key: len(column) for key, column in columns.items()}
         first, count = next(iter(lengths.items()), ("", 0))
         for key, length in lengths.items():
             if length != count:
                 found, why = f"{length} values", f"{first} has {count}; they vary together"
-                raise InputError(Problem(key, found, why, "give every key one value per member"))
+                raise InputError(Fault(key, found, why, "give every key one value per member"))
         rows = [{key: column[k] for key, column in columns.items()} for k in range(count)]
     else:
         rows = [{str(key): _plain(value) for key, value in row.items()} for row in values]
         for k, row in enumerate(rows):
             if list(row) != list(rows[0]):
                 found, why = f"the keys {', '.join(row)}", f"the first member has {', '.join(rows[0])}"
-                raise InputError(Problem(f"values[{k}]", found, why, "give all members the same keys"))
+                raise InputError(Fault(f"values[{k}]", found, why, "give all members the same keys"))
     if not rows or not rows[0]:
-        raise InputError(Problem("values", show(values), "there is nothing to vary", advice))
+        raise InputError(Fault("values", show(values), "there is nothing to vary", advice))
     return rows
 
 
@@ -118,7 +116,7 @@ def _plain(value: Any) -> Any:
 def _contents(case: Case, rows: Sequence[Mapping[str, Any]]) -> tuple[list[dict[str, Any]], list[str]]:
     """The content of a case file for every member, checked, and what was chosen for all of them."""
     contents, notes = [], []
-    problems: dict[tuple[str, str], Problem] = {}
+    problems: dict[tuple[str, str], Fault] = {}
     for row in rows:
         content = copy.deepcopy(dict(case.content))
         try:
@@ -151,7 +149,7 @@ def _put(content: dict[str, Any], key: str, value: Any) -> None:
     parts = [int(m["index"]) if m["index"] else m["word"] for m in _KEY.finditer(key)]
     if "".join(m[0] for m in _KEY.finditer(key)) != key or not parts:
         why, instead = "this is no key of a case file", 'write "rods.beam.elements" or "loads[0].value"'
-        raise InputError(Problem("values", show(key), why, instead))
+        raise InputError(Fault("values", show(key), why, instead))
     place: Any = content
     for k, part in enumerate(parts):
         where = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in parts[: k + 1])[1:]
@@ -161,15 +159,15 @@ def _put(content: dict[str, Any], key: str, value: Any) -> None:
                 size = len(place) if isinstance(place, list) else 0
                 found = f"a list of {size}" if isinstance(place, list) else show(place)
                 instead = f"give a number from 0 to {size - 1}" if size else "leave [..] out"
-                raise InputError(Problem(where, found, "there is no such entry", instead))
+                raise InputError(Fault(where, found, "there is no such entry", instead))
         elif not isinstance(place, dict):
             listed = (
                 "name an entry, the first is [0]" if isinstance(place, list) else "give the key before it"
             )
-            raise InputError(Problem(where, show(place), "this has no keys of its own", listed))
+            raise InputError(Fault(where, show(place), "this has no keys of its own", listed))
         elif part not in place and (not last or (k == 1 and parts[0] in TABLES)):
             hint = did_you_mean(part, place, str)
-            raise InputError(Problem(where, "", "no such key", f"{hint}The keys here are {some_of(place)}"))
+            raise InputError(Fault(where, "", "no such key", f"{hint}The keys here are {some_of(place)}"))
         if last:
             place[part] = value
         else:

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.analyses.discrete import Progress, Workplace
+from viscorod.analyses.discrete import DiscreteModel, Progress
 from viscorod.analyses.watching import monitors
 from viscorod.errors import InputError, SolveError
 from viscorod.mechanics.compilation.compiled import announce_formulation
 from viscorod.mechanics.elements import intrinsic_element as intrinsic
-from viscorod.model.settings import LEAST_TOLERANCE, SimulateSettings
 from viscorod.results.data_schema import annotated
 from viscorod.results.dataset import dataset
 from viscorod.results.files.storage import read
@@ -23,8 +22,9 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History
 from viscorod.solve.modes import vibrations as small_motion
 from viscorod.solve.problem.initial_shape import strain_rods
+from viscorod.solve.settings import LEAST_TOLERANCE, SimulateSettings
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient.events import Watch
+from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.integrators import INTEGRATORS, LINEAR_INTEGRATORS, Integrator
 from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
@@ -51,7 +51,7 @@ STEPS_PER_PERIOD = 6
 
 
 def simulate(
-    work: Workplace,
+    work: DiscreteModel,
     settings: SimulateSettings,
     progress: Progress | None,
     attrs: dict[str, Any],
@@ -87,7 +87,7 @@ def simulate(
         history=stream,
         checkpoint=None if stream is None else stream.checkpoint,
         after_step=after_step,
-        watch=Watch(monitors(work, settings, state)),
+        watch=EventWatch(monitors(work, settings, state)),
     )
     work.history = result.history
     if stream is not None and result.outcome is Outcome.INTERRUPTED:
@@ -103,7 +103,7 @@ def simulate(
     return run
 
 
-def initial_state(work: Workplace, settings: SimulateSettings) -> State:
+def initial_state(work: DiscreteModel, settings: SimulateSettings) -> State:
     """The state that a motion starts from."""
     state = State.reference(work.problem)
     if work.problem.initial_strain:
@@ -119,7 +119,11 @@ def initial_state(work: Workplace, settings: SimulateSettings) -> State:
 
 
 def described(
-    work: Workplace, transient: Transient, settings: SimulateSettings, outcome: Outcome, attrs: dict[str, Any]
+    work: DiscreteModel,
+    transient: Transient,
+    settings: SimulateSettings,
+    outcome: Outcome,
+    attrs: dict[str, Any],
 ) -> dict[str, Any]:
     """What a result tells of how its motion was computed."""
     effort = transient.effort
@@ -153,7 +157,7 @@ def described(
     return found
 
 
-def failure(work: Workplace, transient: Transient) -> str:
+def failure(work: DiscreteModel, transient: Transient) -> str:
     """Why a motion ended before its time, and what to try; empty if it did not."""
     result = transient.result
     if result.outcome is Outcome.INTERRUPTED:
@@ -169,7 +173,7 @@ def failure(work: Workplace, transient: Transient) -> str:
 
 
 def _run(
-    work: Workplace,
+    work: DiscreteModel,
     attrs: dict[str, Any],
     stream: Stream | None,
     build: Callable[[History], xr.Dataset],
@@ -183,7 +187,7 @@ def _run(
 
 
 def stepping(
-    work: Workplace, settings: SimulateSettings, state: State
+    work: DiscreteModel, settings: SimulateSettings, state: State
 ) -> tuple[Integrator, StepControl, dict[str, Any]]:
     """Return integrator, step control and what was chosen, by name."""
     tolerance, duration = settings.tolerance, settings.duration
@@ -211,7 +215,7 @@ def stepping(
     return make(work.system, work.supports, **given), FixedSteps(step), given | {"time_step": step}
 
 
-def _chosen_tolerance(work: Workplace, state: State, duration: float) -> float:
+def _chosen_tolerance(work: DiscreteModel, state: State, duration: float) -> float:
     """The usual tolerance, or less where a free vibration starts so near to rest that this would swallow it."""
     problem = work.problem
     loads = work.static.loads.at(0.0)

@@ -14,7 +14,7 @@ from typing import Any
 import numba
 from numba.core import event
 
-from viscorod.analyses.discrete import Workplace
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.model import Model
 from viscorod.analyses.transient import simulate
 from viscorod.mechanics.compilation.compiled import KERNELS, await_compilation, cache_folder, compile_aside
@@ -23,9 +23,9 @@ from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.rod import Rod
 from viscorod.model.sections.section_shapes import Rectangle
 from viscorod.model.sections.stiffness_section import MaxwellBranch, StiffnessSection
-from viscorod.model.settings import SimulateSettings
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.registry import FORMULATIONS
+from viscorod.solve.settings import SimulateSettings
 from viscorod.solve.transient.integrators import INTEGRATORS, Radau
 from viscorod.solve.transient.integrators.solved_step import try_step
 
@@ -104,7 +104,7 @@ def _simulate(model: Model, integrator: str, formulations: Iterable[tuple[str, s
         "output_interval": 0.2 * SPAN,
     }
     for formulation in formulations:
-        simulate(Workplace.of(model, *formulation), SimulateSettings.model_validate(given), None, {})
+        simulate(DiscreteModel.of(model, *formulation), SimulateSettings.model_validate(given), None, {})
 
 
 def small_model() -> Model:
@@ -173,7 +173,7 @@ def soft_model() -> Model:
 
 def compile_step() -> None:
     """Compile the step of radau, the largest kernel of transients, without all that a run needs before it."""
-    work = Workplace.of(soft_model())
+    work = DiscreteModel.of(soft_model())
     radau = Radau(work.system, work.supports, tolerance=1e-4)
     step: Any = try_step
     typeof: Any = numba.typeof
@@ -216,13 +216,13 @@ def _watched(progress: Callable[[float], None] | None) -> Iterator[None]:
         return
     call = progress
 
-    class Watch(event.Listener):
+    class CompilationWatch(event.Listener):
         def on_start(self, _event: Any) -> None: ...
 
         def on_end(self, _event: Any) -> None:
             call(_ready())
 
-    with event.install_listener("numba:compile", Watch()):
+    with event.install_listener("numba:compile", CompilationWatch()):
         yield
 
 

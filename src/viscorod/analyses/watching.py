@@ -6,14 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from viscorod.analyses.discrete import Workplace
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import InputError
 from viscorod.model.actions.event import Crossing, Decayed
-from viscorod.model.settings import SimulateSettings
 from viscorod.results.data_schema import AXES
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot, StationReader
 from viscorod.solve.modes import vibrations as small_motion
+from viscorod.solve.settings import SimulateSettings
 from viscorod.solve.transient.events import (
     CrossingMonitor,
     FadedMotion,
@@ -25,7 +25,7 @@ from viscorod.solve.transient.events import (
 __all__ = ["monitors"]
 
 
-def monitors(work: Workplace, settings: SimulateSettings, state: State) -> list[Monitor]:
+def monitors(work: DiscreteModel, settings: SimulateSettings, state: State) -> list[Monitor]:
     """What the run is watched for."""
     found: list[Monitor] = []
     for event in settings.events:
@@ -50,7 +50,7 @@ def monitors(work: Workplace, settings: SimulateSettings, state: State) -> list[
     return found
 
 
-def _quantity(work: Workplace, event: Crossing) -> Callable[[Snapshot], float]:
+def _quantity(work: DiscreteModel, event: Crossing) -> Callable[[Snapshot], float]:
     """The quantity of a crossing, less the value that is crossed."""
     reader, site = StationReader(work.problem), work.site(event.at)
     start = reader.read(work.problem.positions, work.problem.quaternions, np.zeros((work.problem.size, 6)))[0]
@@ -66,7 +66,7 @@ def _quantity(work: Workplace, event: Crossing) -> Callable[[Snapshot], float]:
     return quantity
 
 
-def _slowest_period(work: Workplace, settings: SimulateSettings, state: State) -> float:
+def _slowest_period(work: DiscreteModel, settings: SimulateSettings, state: State) -> float:
     """Period of the slowest undamped vibration about the state that a motion starts from [s]."""
     linear = small_motion.linearise(
         work.static, state, scale=1.0 if settings.initial == "equilibrium" else 0.0

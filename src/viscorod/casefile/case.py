@@ -13,11 +13,11 @@ from viscorod.casefile.case_reader import ANALYSES, CaseReader
 from viscorod.casefile.sizes import size_problems, too_deep
 from viscorod.casefile.unit_conversion import converted
 from viscorod.casefile.units import Conversion
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.limits import DEEPEST_NESTING, LARGEST_CASE
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import nearest
-from viscorod.model.settings import AnySettings
+from viscorod.solve.settings import AnySettings
 
 __all__ = ["Case", "case_from_dict", "load_case", "parse_case"]
 
@@ -85,7 +85,7 @@ def parse_case(text: str, source: Path | None = None) -> Case:
     except (ValueError, RecursionError) as error:
         found = "tables or lists nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise InputError(
-            Problem("file", found, "this cannot be read as TOML", "simplify it"), heading=heading
+            Fault("file", found, "this cannot be read as TOML", "simplify it"), heading=heading
         ) from None
     return case_from_dict(data, source, text)
 
@@ -95,7 +95,7 @@ def case_from_dict(data: Mapping[str, Any], source: Path | None = None, text: st
     heading = str(source) if source is not None else "case"
     if deep := too_deep(data):
         why = f"tables or lists are nested more than {DEEPEST_NESTING} deep"
-        raise InputError(Problem(deep, "", why, "give what the key needs"), heading=heading)
+        raise InputError(Fault(deep, "", why, "give what the key needs"), heading=heading)
     plain, conversions, refused = converted(data)
     reader = CaseReader(plain if source is None else _found_from(source.parent, plain))
     reader.read()
@@ -127,26 +127,26 @@ def _content(path: Path) -> str:
         if size <= LARGEST_CASE:
             return path.read_text(encoding="utf-8-sig")
         why = f"larger than any case file ({size / 1e6:.3g} MB)"
-        problem = Problem("file", str(path), why, f"give one of less than {LARGEST_CASE // 1_000_000} MB")
+        problem = Fault("file", str(path), why, f"give one of less than {LARGEST_CASE // 1_000_000} MB")
     except FileNotFoundError:
         instead = "give the path of a case file"
         if path.parent.is_dir():
             close = nearest(path.name, sorted(other.name for other in path.parent.glob("*.toml")))
             instead = f"did you mean {path.parent / close}?" if close else instead
-        problem = Problem("file", str(path), "there is no such file", instead)
+        problem = Fault("file", str(path), "there is no such file", instead)
     except IsADirectoryError:
-        problem = Problem("file", str(path), "this is a folder", "give the path of a case file in it")
+        problem = Fault("file", str(path), "this is a folder", "give the path of a case file in it")
     except UnicodeDecodeError as error:
         why = f"it is not text in UTF-8 (byte {error.start})"
-        problem = Problem("file", str(path), why, "give a TOML file")
+        problem = Fault("file", str(path), why, "give a TOML file")
     except (OSError, ValueError) as error:
-        problem = Problem(
+        problem = Fault(
             "file", str(path), f"it cannot be read ({error})", "check the path and its permissions"
         )
     raise InputError(problem)
 
 
-def _syntax(error: tomllib.TOMLDecodeError, text: str) -> Problem:
+def _syntax(error: tomllib.TOMLDecodeError, text: str) -> Fault:
     """A TOML syntax error with its line."""
     position = re.search(r"line (\d+)", str(error))
     lines = text.splitlines()
@@ -155,4 +155,4 @@ def _syntax(error: tomllib.TOMLDecodeError, text: str) -> Problem:
         where, line = f"line {position[1]}", lines[int(position[1]) - 1].strip()[:80]
     why = re.sub(r"\s*\(at .*\)$", "", str(error))
     advice = 'write KEY = VALUE, with text in "quotes", lists in [brackets] and tables as [name]'
-    return Problem(where, repr(line) if line else "", f"not TOML: {why[:1].lower()}{why[1:]}", advice)
+    return Fault(where, repr(line) if line else "", f"not TOML: {why[:1].lower()}{why[1:]}", advice)

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from viscorod.errors import InputError, Problem, join_path
+from viscorod.errors import Fault, InputError, join_path
 from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import load
@@ -22,7 +22,7 @@ from viscorod.model.connections.spring import spring
 from viscorod.model.connections.support import support
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import (
-    Marked,
+    FaultyValue,
     did_you_mean,
     nearest,
     path_text,
@@ -34,7 +34,7 @@ from viscorod.model.fields.values import choose, name_of_part
 from viscorod.model.materials.material import Material
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.section_profile import Piecewise, Taper, one_section
-from viscorod.model.settings import (
+from viscorod.solve.settings import (
     AnySettings,
     EquilibriumSettings,
     PathSettings,
@@ -71,7 +71,7 @@ class CaseReader:
 
     def __init__(self, data: Mapping[str, Any]) -> None:
         self.data = data
-        self.problems: list[Problem] = []
+        self.problems: list[Fault] = []
         self.title: str | None = None
         self.model = ModelDescription()
         self.settings: AnySettings | None = None
@@ -114,7 +114,7 @@ class CaseReader:
                 self.problems += error.problems
 
     def _wrong(self, where: str, found: str, why: str, instead: str) -> None:
-        self.problems.append(Problem(where, found, why, instead))
+        self.problems.append(Fault(where, found, why, instead))
 
     def _parsed(self, path: str, parse: Callable[[Any], T], value: Any) -> T | None:
         """What `parse` makes of `value`; None, with the problems noted, if it refuses."""
@@ -127,7 +127,7 @@ class CaseReader:
     def _named(self, path: str, parse: Callable[[Any], Any], value: Any) -> Any:
         """As `_parsed`, with a mark for what was refused, so that its uses are not reported again."""
         parsed = self._parsed(path, parse, value)
-        return Marked(value, silent=True) if parsed is None else parsed
+        return FaultyValue(value, silent=True) if parsed is None else parsed
 
     def _unknown(self, table: Mapping[str, Any], allowed: tuple[str, ...], path: str) -> list[str]:
         """Report the keys that are not allowed; the ones that they were probably meant to be."""
@@ -184,14 +184,14 @@ class CaseReader:
         if value in named:
             return named[value]
         if f"{noun}s" in self._meant:
-            return Marked(value, silent=True)
+            return FaultyValue(value, silent=True)
         hint = did_you_mean(value, named)
         known = (
             f"the {noun}s of this file are {some_of(named)}"
             if named
             else f"add a table [{noun}s.{value[:30]}]"
         )
-        return Marked(value, f"there is no {noun} of this name", hint + known)
+        return FaultyValue(value, f"there is no {noun} of this name", hint + known)
 
     def _rod(self, name: str, table: Any) -> None:
         path = f"rods.{name}"
@@ -204,7 +204,7 @@ class CaseReader:
         kind = CENTRELINES.get(shape) if isinstance(shape, str) else None
         own = tuple(kind.model_fields) if kind else tuple(table)
         meant = self._unknown(table, (*own, *ROD_KEYS), path) if kind else []
-        curve: dict[str, Any] = {key: Marked(None, silent=True) for key in meant if key in own}
+        curve: dict[str, Any] = {key: FaultyValue(None, silent=True) for key in meant if key in own}
         curve |= {key: value for key, value in table.items() if key in own and key not in ROD_KEYS}
         given: dict[str, Any] = {key: table[key] for key in PLAIN_KEYS if key in table}
         given["centreline"] = self._named(path, choose("shape", CENTRELINES), curve)
@@ -240,7 +240,7 @@ class CaseReader:
                     else "this key is required and missing",
                     "give one of section, sections (pieces with until) and taper (start and end)",
                 )
-            return Marked(None, silent=True)
+            return FaultyValue(None, silent=True)
         value = table[given[0]]
         if given[0] == "section":
             return self._named(f"{path}.section", one_section, self._section_named(value))
@@ -255,13 +255,13 @@ class CaseReader:
                 "a list of pieces is needed here",
                 "give [{until = .., section = ..}]",
             )
-            return Marked(None, silent=True)
+            return FaultyValue(None, silent=True)
         pieces = [self._sections_inside(item, ("section",)) for item in value]
         parsed = self._named(
             f"{path}.sections", lambda items: Piecewise.model_validate({"pieces": items}), pieces
         )
         self.problems = [
-            Problem(p.where.replace(f"{path}.sections.pieces", f"{path}.sections"), p.found, p.why, p.instead)
+            Fault(p.where.replace(f"{path}.sections.pieces", f"{path}.sections"), p.found, p.why, p.instead)
             for p in self.problems
         ]
         return parsed
@@ -296,9 +296,9 @@ def _as_material(value: Any) -> Material:
     return value if isinstance(value, Material) else Material.model_validate(value)
 
 
-def _in_file_words(problem: Problem, path: str) -> Problem:
+def _in_file_words(problem: Fault, path: str) -> Fault:
     """Problems of the finished rod, in which pieces and centre line have other paths than in the file."""
     where = problem.where
     for inside, outside in ((".section.pieces", ".sections"), (".centreline", "")):
         where = where.replace(path + inside, path + outside)
-    return Problem(where, problem.found, problem.why, problem.instead)
+    return Fault(where, problem.found, problem.why, problem.instead)

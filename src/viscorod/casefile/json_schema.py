@@ -20,13 +20,13 @@ from viscorod.model.connections.joint import JOINTS, Rigid
 from viscorod.model.connections.rigid_attachment import Attachment
 from viscorod.model.connections.spring import SPRINGS, Spring
 from viscorod.model.connections.support import SUPPORTS, Support
-from viscorod.model.connections.velocity_support import BodyVelocity
-from viscorod.model.fields.definition import Described
+from viscorod.model.connections.velocity_support import VelocitySupport
+from viscorod.model.fields.definition import Definition
 from viscorod.model.fields.values import NOT_GIVEN
 from viscorod.model.materials.complex_moduli import ModulusTable
 from viscorod.model.materials.material import DAMPINGS, KelvinVoigt, Material
 from viscorod.model.rod import CENTRELINES, Rod
-from viscorod.model.sections.composite import Region
+from viscorod.model.sections.composite import CompositeRegion
 from viscorod.model.sections.section_profile import SECTIONS, Piece, Taper
 from viscorod.model.sections.stiffness_section import MaxwellBranch
 
@@ -35,7 +35,7 @@ __all__ = ["GROUPS", "PARTS", "PYTHON_ONLY_KEYS", "REQUIRED", "case_schema", "fo
 DRAFT = "http://json-schema.org/draft-07/schema#"
 """The draft that editors of TOML understand."""
 
-GROUPS: dict[str, tuple[str, Mapping[str, type[Described]], type[Described] | None]] = {
+GROUPS: dict[str, tuple[str, Mapping[str, type[Definition]], type[Definition] | None]] = {
     "damping": ("damping", DAMPINGS, KelvinVoigt),
     "section": ("sections", SECTIONS, None),
     "body": ("bodies", BODIES, Body),
@@ -49,12 +49,12 @@ GROUPS: dict[str, tuple[str, Mapping[str, type[Described]], type[Described] | No
 }
 """What comes in kinds: name of its parts, the kinds by their word, and the kind without a word."""
 
-SINGLE: dict[str, type[Described]] = {
+SINGLE: dict[str, type[Definition]] = {
     "material": Material,
     "damping.other": ModulusTable,
     "sections.piece": Piece,
     "sections.taper": Taper,
-    "sections.region": Region,
+    "sections.region": CompositeRegion,
     "sections.branch": MaxwellBranch,
     "attachments": Attachment,
     "velocities": InitialVelocity,
@@ -63,7 +63,7 @@ SINGLE: dict[str, type[Described]] = {
 }
 PYTHON_ONLY = {"function", "curve"}
 """Words of kinds that hold a Python function."""
-PARTS: dict[str, type[Described]] = SINGLE | {
+PARTS: dict[str, type[Definition]] = SINGLE | {
     f"{part}.{word}": kind
     for part, kinds, _ in GROUPS.values()
     for word, kind in kinds.items()
@@ -72,7 +72,7 @@ PARTS: dict[str, type[Described]] = SINGLE | {
 """Every part of a case file that has keys: its class by its name. A rod has the keys ROD_KEYS beside these."""
 PYTHON_ONLY_KEYS = {
     (InitialVelocity, "field"),
-    (BodyVelocity, "motion"),
+    (VelocitySupport, "motion"),
     *((Rigid, name) for name in ("stiffness", "damping", "rest", "motion")),
 }
 """Keys that a case file cannot have: functions, and what a class inherits and refuses."""
@@ -143,7 +143,7 @@ def case_schema() -> Form:
     return copy.deepcopy(forms())
 
 
-def _table(kind: type[Described], standard: bool = False) -> Form:
+def _table(kind: type[Definition], standard: bool = False) -> Form:
     """The form of the table that describes an object of the class; `standard` if its word may be left out."""
     tag = getattr(kind, "tag", None)
     known = meanings(kind)  # what the class inherits and does not document is not for its users
@@ -166,7 +166,7 @@ def _table(kind: type[Described], standard: bool = False) -> Form:
     return found | ({"required": required} if required else {})
 
 
-def _key(kind: type[Described], name: str) -> Form:
+def _key(kind: type[Definition], name: str) -> Form:
     """The form of one key of a class, with meaning and default."""
     field = kind.model_fields[name]
     if name == getattr(kind, "tag", None):
@@ -184,7 +184,7 @@ def _key(kind: type[Described], name: str) -> Form:
     return form | ({"x-unit": unit} if unit else {})
 
 
-def _units(kind: type[Described], meaning: str) -> Units:
+def _units(kind: type[Definition], meaning: str) -> Units:
     """The documented units of a key; functions of time have that of what they describe."""
     units = units_in(meaning)
     if issubclass(kind, TimeFunction):
@@ -194,7 +194,7 @@ def _units(kind: type[Described], meaning: str) -> Units:
     return units
 
 
-def _by_quantity(kind: type[Described], name: str) -> Form | None:
+def _by_quantity(kind: type[Definition], name: str) -> Form | None:
     """A crossed value has the unit of its quantity: the word's first letter tells positions from velocities."""
     if kind is not Crossing or name != "value":
         return None
@@ -204,7 +204,7 @@ def _by_quantity(kind: type[Described], name: str) -> Form | None:
     return quantity((length,)) | {"x-unit-by": ["quantity", units]}
 
 
-def _rod(kind: type[Described]) -> Form:
+def _rod(kind: type[Definition]) -> Form:
     """The form of a rod's table: keys of its centre line, section, material and mesh."""
     section = {"anyOf": [NAME, of_kind("section")]}
     special: Form = {

@@ -10,7 +10,7 @@ import inspect
 import re
 from functools import cache
 
-from viscorod.model.fields.definition import Described
+from viscorod.model.fields.definition import Definition
 
 __all__ = ["meanings", "units_in"]
 
@@ -37,7 +37,7 @@ _UNIT = re.compile(rf"1|(?:1/)?{_SYMBOL}(?:[ /]{_SYMBOL})*")
 
 
 @cache
-def meanings(kind: type[Described]) -> dict[str, str]:
+def meanings(kind: type[Definition]) -> dict[str, str]:
     """The arguments in the docstring of a class, in the words of the case file: name -> text."""
     _, _, text = (inspect.getdoc(kind) or "").partition("Args:\n")
     lines = re.sub(r"\n {8,}", " ", text.split("\n\n")[0])

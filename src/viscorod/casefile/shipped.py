@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import did_you_mean
 
 __all__ = ["shipped_case", "shipped_cases"]
@@ -32,5 +32,5 @@ def shipped_case(name: str) -> Path:
         return cases[name]
     hint = did_you_mean(name, cases)
     raise InputError(
-        Problem("example", repr(name), "there is no such case", f"{hint}the cases are {', '.join(cases)}")
+        Fault("example", repr(name), "there is no such case", f"{hint}the cases are {', '.join(cases)}")
     )

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from viscorod.errors import Problem
+from viscorod.errors import Fault
 from viscorod.limits import (
     DEEPEST_NESTING,
     LONGEST,
@@ -22,7 +22,7 @@ from viscorod.limits import (
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import path_text, show
 from viscorod.model.rod import DEFAULT_ORDER, Rod
-from viscorod.model.settings import AnySettings, PathSettings, SimulateSettings
+from viscorod.solve.settings import AnySettings, PathSettings, SimulateSettings
 
 __all__ = ["size_problems", "too_deep"]
 
@@ -37,15 +37,15 @@ def too_deep(value: Any, path: tuple[str | int, ...] = ()) -> str | None:
     return next((found for key, item in items if (found := too_deep(item, (*path, key)))), None)
 
 
-def size_problems(model: ModelDescription, settings: AnySettings) -> list[Problem]:
+def size_problems(model: ModelDescription, settings: AnySettings) -> list[Fault]:
     """What is too large in a case: nodes, stored states, steps, with estimates of memory and time."""
     return list(_problems(model, settings))
 
 
-def _problems(model: ModelDescription, settings: AnySettings) -> Iterator[Problem]:
+def _problems(model: ModelDescription, settings: AnySettings) -> Iterator[Fault]:
     for name, rod in model.rods.items():
         if rod.elements is None and rod.chosen_elements(0.0, rod.length) > MOST_CHOSEN:
-            yield Problem(
+            yield Fault(
                 f"rods.{name}",
                 "",
                 f"it turns so often that {rod.chosen_elements(0.0, rod.length):.3g} elements would be needed",
@@ -62,7 +62,7 @@ def _problems(model: ModelDescription, settings: AnySettings) -> Iterator[Proble
         where = f"rods.{name}.elements" if alone and rod.elements else f"rods.{name}" if alone else "rods"
         found = f"{rod.elements}" if alone and rod.elements else f"{len(nodes)} rods" if not alone else ""
         memory = total * (MOTION_BYTES if moves else NODE_BYTES)
-        yield Problem(
+        yield Fault(
             where,
             found,
             f"{total} nodes would need about {_bytes(memory)} and {_time(total * NODE_SECONDS)} for every step",
@@ -105,10 +105,10 @@ class _Allowed:
     verb: str
     text: Callable[[float], str]
 
-    def exceeded(self, key: str, value: float, count: float, nodes: int, noun: str) -> Iterator[Problem]:
+    def exceeded(self, key: str, value: float, count: float, nodes: int, noun: str) -> Iterator[Fault]:
         cost = count * nodes * self.each
         if cost > self.most:
-            yield Problem(
+            yield Fault(
                 key,
                 show(value),
                 f"{count:.3g} {noun} of {nodes} nodes would {self.verb} {self.text(cost)}",

@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from typing import Any
 
 from viscorod.casefile.units import Conversion, looks_like_quantity, si_value
-from viscorod.errors import Problem
-from viscorod.model.fields.definition import Marked, RefusedError, path_text, show
+from viscorod.errors import Fault
+from viscorod.model.fields.definition import FaultyValue, RefusedError, path_text, show
 
 __all__ = ["converted"]
 
 PLAIN = "1"
 
 
-def converted(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Conversion], list[Problem]]:
+def converted(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Conversion], list[Fault]]:
     """The content in SI, what was converted, and what is wrong with quantities.
 
     A quantity that is refused becomes a mark, so that it is reported once. Texts stay where texts are meant, and
@@ -43,7 +43,7 @@ class _Walk:
     def __init__(self, definitions: Mapping[str, Any]) -> None:
         self.definitions = definitions
         self.found: list[Conversion] = []
-        self.problems: list[Problem] = []
+        self.problems: list[Fault] = []
 
     def value(self, form: Mapping[str, Any], value: Any, path: tuple[str | int, ...], around: str) -> Any:
         """`value` in SI. `around` is the unit of what a function of time stands for."""
@@ -129,8 +129,8 @@ class _Walk:
         try:
             value = si_value(text, unit, key)
         except RefusedError as error:
-            self.problems.append(Problem(where, show(text), error.why, error.instead))
-            return Marked(text, silent=True)
+            self.problems.append(Fault(where, show(text), error.why, error.instead))
+            return FaultyValue(text, silent=True)
         self.found.append(Conversion(where, text, value, unit))
         return value
 

@@ -106,8 +106,8 @@ def _require_same(text: str, path: Path) -> None:
 def _compute(case: Case, folder: Path, doubts: Sequence[str], *, resume: bool) -> None:
     from viscorod.analyses.case_run import run_case
     from viscorod.cli.progress import reporting
-    from viscorod.model.settings import SimulateSettings
     from viscorod.results.run import Run
+    from viscorod.solve.settings import SimulateSettings
 
     settings = case.settings
     static = not isinstance(settings, SimulateSettings)
@@ -171,7 +171,7 @@ def writable(folder: Path) -> None:
 def _doubts(case: Case) -> list[str]:
     """What the user should know before the case is computed."""
     from viscorod.analyses.check import doubts
-    from viscorod.model.settings import SimulateSettings, SteadySettings
+    from viscorod.solve.settings import SimulateSettings, SteadySettings
 
     settings = case.settings
     flies = isinstance(settings, SimulateSettings) and settings.initial == "reference"

@@ -13,8 +13,8 @@ from pydantic import Field, PlainValidator, model_validator
 from viscorod.errors import InputError
 from viscorod.model.centrelines.centreline import Centreline, Twist
 from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
-from viscorod.model.centrelines.parametric_lines import Curve, Points
-from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.centrelines.parametric_lines import ParametricCurve, ThroughPoints
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.values import LARGEST, OptionalDirection, choose, number, whole_number
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
@@ -24,12 +24,12 @@ from viscorod.typing import Floats
 
 __all__ = ["CENTRELINES", "Rod"]
 
-CENTRELINES: dict[str, type[Described]] = {
+CENTRELINES: dict[str, type[Definition]] = {
     "straight": Straight,
     "arc": Arc,
     "helix": Helix,
-    "points": Points,
-    "curve": Curve,
+    "points": ThroughPoints,
+    "curve": ParametricCurve,
 }
 """The centre lines by their word in a case file; a new one is one class and one line here."""
 
@@ -69,7 +69,7 @@ def _whole_or_auto(high: int) -> Callable[[Any], int | None]:
     return parse
 
 
-class Rod(Described):
+class Rod(Definition):
     """A rod in its reference shape, where it is free of stress.
 
     Args:
@@ -169,8 +169,8 @@ class Rod(Described):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
     ) -> Self:
-        """A rod along a smooth curve through points; see `Points`."""
-        return cls._along(Points, {"points": points}, locals())
+        """A rod along a smooth curve through points; see `ThroughPoints`."""
+        return cls._along(ThroughPoints, {"points": points}, locals())
 
     @classmethod
     def curve(
@@ -185,8 +185,8 @@ class Rod(Described):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
     ) -> Self:
-        """A rod along a curve given by a function; see `Curve`."""
-        return cls._along(Curve, {"function": function}, locals())
+        """A rod along a curve given by a function; see `ParametricCurve`."""
+        return cls._along(ParametricCurve, {"function": function}, locals())
 
     @classmethod
     def _along(cls, kind: type[Centreline], curve: dict[str, Any], given: dict[str, Any]) -> Self:

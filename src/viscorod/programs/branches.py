@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.rod import Rod
 from viscorod.typing import Floats
 
@@ -20,7 +20,7 @@ def refuse_branches(rod: Rod, stations: Floats | Sequence[float]) -> None:
     for s in stations:
         if rod.branches_at(float(s))[0].size:
             raise InputError(
-                Problem(
+                Fault(
                     "rod",
                     "",
                     f"its section at {s:.4g} m has Maxwell branches, and the other programs know Kelvin-Voigt "

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.centrelines.line_shapes import Straight
-from viscorod.model.centrelines.parametric_lines import Points
+from viscorod.model.centrelines.parametric_lines import ThroughPoints
 from viscorod.model.rod import Rod
 from viscorod.programs.blades.gxbeam_assembly import section_turn
 from viscorod.programs.matrices import symmetric_part
@@ -32,7 +32,7 @@ def case_text(rod: Rod, pieces: int = 40, *, title: str = "Blade") -> str:
     """
     if rod.relaxing:
         raise InputError(
-            Problem(
+            Fault(
                 "rod", "", "its sections have Maxwell branches", "write the case by hand, with its material"
             )
         )
@@ -45,7 +45,7 @@ def case_text(rod: Rod, pieces: int = 40, *, title: str = "Blade") -> str:
     curve = (
         Straight(tuple(points[0].tolist()), tuple(points[-1].tolist()))
         if straight
-        else Points(tuple(map(tuple, points.tolist())))
+        else ThroughPoints(tuple(map(tuple, points.tolist())))
     )
     stretch = curve.length / rod.length
     _, natural = curve.frames(middles * stretch, tuple(d1.tolist()))

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 
 __all__ = [
     "bulk_time",
@@ -38,7 +38,7 @@ def _checked(name: str, value: float, *, positive: bool = False, below: float = 
     if not (math.isfinite(value) and low and value < below):
         bound = f" and < {below:g}" if math.isfinite(below) else ""
         raise InputError(
-            Problem(
+            Fault(
                 name,
                 f"{value:g}",
                 "outside what is allowed",
@@ -143,7 +143,7 @@ def bulk_time(extensional_time: float, shear_time: float, poissons_ratio: float)
     _checked("shear_time", shear_time)
     if not -1.0 < poissons_ratio < 0.5:
         raise InputError(
-            Problem(
+            Fault(
                 "poissons_ratio",
                 f"{poissons_ratio:g}",
                 "the time in volume change follows from extension only for -1 < nu < 0.5",
@@ -154,7 +154,7 @@ def bulk_time(extensional_time: float, shear_time: float, poissons_ratio: float)
     found = (3.0 * extensional_time - sheared) / (1.0 - 2.0 * poissons_ratio)
     if found < -1e-12 * sheared:
         raise InputError(
-            Problem(
+            Fault(
                 "extensional_time",
                 f"{extensional_time:g} s",
                 f"with a shear time of {shear_time:g} s and nu = {poissons_ratio:g} the bulk viscosity would be "

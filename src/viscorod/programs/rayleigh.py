@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.typing import Floats
 
 __all__ = ["Rayleigh", "rayleigh_for_constant_ratio", "rayleigh_from_time", "time_from_rayleigh"]
@@ -44,7 +44,7 @@ class Rayleigh:
 def _band(low: float, high: float) -> tuple[float, float]:
     if not (0.0 < low < high < math.inf):
         raise InputError(
-            Problem(
+            Fault(
                 "band",
                 f"{low:g} to {high:g} Hz",
                 "a band has two different frequencies",
@@ -69,7 +69,7 @@ def rayleigh_for_constant_ratio(ratio: float, low: float, high: float) -> Raylei
     w1, w2 = _band(low, high)
     if not 0.0 <= ratio < math.inf:
         raise InputError(
-            Problem("damping_ratio", f"{ratio:g}", "outside what is allowed", "give a number >= 0")
+            Fault("damping_ratio", f"{ratio:g}", "outside what is allowed", "give a number >= 0")
         )
     a, b, c = 1.0 / w1 - 1.0 / w2, w2 - w1, (w2**3 - w1**3) / 3.0
     first, second = 2.0 * ratio * math.log(w2 / w1), ratio * (w2 * w2 - w1 * w1)
@@ -94,7 +94,7 @@ def time_from_rayleigh(alpha: float, beta: float, low: float, high: float) -> tu
     w1, w2 = _band(low, high)
     for name, value in (("alpha", alpha), ("beta", beta)):
         if not 0.0 <= value < math.inf:
-            raise InputError(Problem(name, f"{value:g}", "outside what is allowed", "give a number >= 0"))
+            raise InputError(Fault(name, f"{value:g}", "outside what is allowed", "give a number >= 0"))
     time = beta + 3.0 * alpha / (w1 * w1 + w1 * w2 + w2 * w2)
     # alpha/(2 w) - (tau - beta) w/2 falls with w
     return time, max(abs(alpha / (2.0 * w) + (beta - time) * w / 2.0) for w in (w1, w2))

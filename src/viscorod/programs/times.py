@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.sections.stiffness_section import STRAINS
 from viscorod.typing import Floats
 
@@ -30,14 +30,12 @@ def six_times(values: Sequence[float] | Floats, name: str = "times") -> Floats:
     array = np.asarray(values, dtype=np.float64)
     if array.shape != (6,):
         raise InputError(
-            Problem(
-                name, f"{array.size} numbers", "six are needed", f"give one each for {', '.join(STRAINS)}"
-            )
+            Fault(name, f"{array.size} numbers", "six are needed", f"give one each for {', '.join(STRAINS)}")
         )
     wrong = np.flatnonzero(~(np.isfinite(array) & (array >= 0.0)))
     if wrong.size:
         raise InputError(
-            Problem(
+            Fault(
                 f"{name}[{wrong[0]}]",
                 f"{array[wrong[0]]:g}",
                 "a retardation time must not be negative",
@@ -102,7 +100,7 @@ def fit_material(
     nu = poissons_ratio
     if not -1.0 < nu <= 0.5:
         raise InputError(
-            Problem("poissons_ratio", f"{nu:g}", "outside what is allowed", "give a number > -1 and <= 0.5")
+            Fault("poissons_ratio", f"{nu:g}", "outside what is allowed", "give a number > -1 and <= 0.5")
         )
     largest = float(given.max())
     if largest == 0.0:

@@ -25,7 +25,7 @@ from viscorod.typing import Floats, Integers
 if TYPE_CHECKING:
     import xarray as xr
 
-    from viscorod.results.result_places import Site, Sites
+    from viscorod.results.result_places import ResultPlace, ResultPlaces
 
 
 @dataclass(frozen=True)
@@ -98,13 +98,13 @@ class Stencil:
         groups: the places on rods, by order of the elements.
     """
 
-    sites: tuple[Site, ...]
+    sites: tuple[ResultPlace, ...]
     stations: Integers
     points: Integers
     groups: tuple[ElementPoints, ...]
 
     @classmethod
-    def of(cls, data: xr.Dataset, sites: Sites, chosen: Sequence[Site]) -> Stencil:
+    def of(cls, data: xr.Dataset, sites: ResultPlaces, chosen: Sequence[ResultPlace]) -> Stencil:
         """Find the elements of places on rods; where two elements meet it is the one that begins there."""
         rods = {rod: _Elements.of(data, sites, rod) for rod in dict.fromkeys(site.rod for site in chosen)}
         placed = [rods[site.rod].at(site.s) for site in chosen]
@@ -150,7 +150,7 @@ class _Elements:
     point_s: Floats
 
     @classmethod
-    def of(cls, data: xr.Dataset, sites: Sites, rod: str) -> _Elements:
+    def of(cls, data: xr.Dataset, sites: ResultPlaces, rod: str) -> _Elements:
         stations = sites.stations(rod)
         order = int(data["station_order"].values[stations[0]])
         s = np.asarray(data["station_s"].values, dtype=float)[stations]

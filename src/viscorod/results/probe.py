@@ -13,7 +13,7 @@ from viscorod.results.array_pieces import in_states
 from viscorod.results.between_records import Instants
 from viscorod.results.data_schema import AXES, VARIABLES
 from viscorod.results.element_points import Poses, Stencil
-from viscorod.results.result_places import Site
+from viscorod.results.result_places import ResultPlace
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -88,7 +88,9 @@ def instants_of(run: Run, times: Any) -> Instants:
     return Instants.of(run.time, times, run.step_ends)
 
 
-def fields_at(result: Result, sites: Sequence[Site], instants: Instants | None = None) -> dict[str, Floats]:
+def fields_at(
+    result: Result, sites: Sequence[ResultPlace], instants: Instants | None = None
+) -> dict[str, Floats]:
     """Return all fields of sites, either all on rods or all on bodies, ``(states or times, sites, ...)`` each."""
     on_body = sites[0].rod in result.sites.bodies
     return (_OfBodies if on_body else _OfRods)(result, sites, instants).fields()
@@ -111,7 +113,7 @@ def _about(name: str) -> dict[str, str]:
     return {"units": unit, "long_name": text}
 
 
-def _sites(result: Result, places: Places, s: Sequence[float] | Floats | None) -> list[Site]:
+def _sites(result: Result, places: Places, s: Sequence[float] | Floats | None) -> list[ResultPlace]:
     if s is not None:
         if not isinstance(places, str) or places not in result.sites.rods:
             raise InputError(
@@ -161,7 +163,7 @@ class _Read:
 class _OfBodies:
     """Fields at the mass centres and named points of bodies."""
 
-    def __init__(self, result: Result, chosen: Sequence[Site], instants: Instants | None) -> None:
+    def __init__(self, result: Result, chosen: Sequence[ResultPlace], instants: Instants | None) -> None:
         self._read = _Read(result, instants)
         self._stations = np.array([site.stations[0] for site in chosen])
 
@@ -177,7 +179,7 @@ class _OfBodies:
 class _OfRods:
     """Fields at places of rods."""
 
-    def __init__(self, result: Result, chosen: Sequence[Site], instants: Instants | None) -> None:
+    def __init__(self, result: Result, chosen: Sequence[ResultPlace], instants: Instants | None) -> None:
         self._read = _Read(result, instants)
         self._count = len(chosen)
         self._stencil = Stencil.of(result.data, result.sites, chosen)

@@ -15,7 +15,7 @@ from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from viscorod.results.result import Result
-    from viscorod.results.result_places import Site
+    from viscorod.results.result_places import ResultPlace
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
 
@@ -169,7 +169,7 @@ def _ends(result: Result, title: str, state: int) -> str:
     return table(title + ": position, and displacement from the reference shape", header, rows)
 
 
-def _named_sites(result: Result, *, points: bool = True) -> list[Site]:
+def _named_sites(result: Result, *, points: bool = True) -> list[ResultPlace]:
     """Return the ends of the rods and the places on bodies, without named points if these say nothing new."""
     sites = result.sites
     bodies = [sites.at(place) for place in sites.bodies if points or "." not in place]

@@ -15,7 +15,7 @@ from viscorod.errors import InputError
 from viscorod.results.array_pieces import extremes
 from viscorod.results.data_schema import AXES, DIMENSION, annotated
 from viscorod.results.mesh_error import mesh_errors
-from viscorod.results.result_places import Site, Sites
+from viscorod.results.result_places import ResultPlace, ResultPlaces
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -50,9 +50,9 @@ class Result(ABC):
         return data
 
     @cached_property
-    def sites(self) -> Sites:
+    def sites(self) -> ResultPlaces:
         """The stations, by rod and arc length."""
-        return Sites(self.data)
+        return ResultPlaces(self.data)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.data,)
@@ -147,7 +147,7 @@ class Result(ABC):
             },
         )
 
-    def vector(self, site: Site, quantity: Quantity) -> Floats:
+    def vector(self, site: ResultPlace, quantity: Quantity) -> Floats:
         """Return a vector at a site, ``(time or load_factor, axis)``, global axes, SI; other stations are not read."""
         return site.mixed(self.field(quantity, stations=site.stations))
 
@@ -221,7 +221,7 @@ class Result(ABC):
         return mesh_errors(self)
 
     @cached_property
-    def main_motion(self) -> tuple[Site, str]:
+    def main_motion(self) -> tuple[ResultPlace, str]:
         """The station and the global axis whose displacement has the largest range."""
         low, high = self.displacement_range
         # one state alone has no range

@@ -20,7 +20,7 @@ _PLACE = re.compile(r"(?P<rod>.+?)(?:\.(?P<end>start|end)|@(?P<s>[^@]+))")
 
 
 @dataclass(frozen=True)
-class Site:
+class ResultPlace:
     """A point of a rod or body as a combination of stored stations.
 
     Attributes:
@@ -51,14 +51,14 @@ class Site:
         return mean(quaternions[self.stations], self.weights)
 
 
-class Sites:
+class ResultPlaces:
     """All stations of a data set: those of rods by arc length, and places on rigid bodies."""
 
     def __init__(self, data: xr.Dataset) -> None:
         self._take(*(data[f"station_{name}"].values for name in ("rod", "s", "order")))
 
     @classmethod
-    def of(cls, rods: np.ndarray, s: Floats, order: Integers) -> Sites:
+    def of(cls, rods: np.ndarray, s: Floats, order: Integers) -> ResultPlaces:
         """Stations by their rods, arc lengths [m] and orders of elements ``(k,)``, without a data set."""
         sites = cls.__new__(cls)
         sites._take(rods, s, order)
@@ -91,11 +91,11 @@ class Sites:
             return np.array([self._bodies[part]], dtype=np.int64)
         return self._stations[part]
 
-    def ends(self, rod: str) -> tuple[Site, Site]:
+    def ends(self, rod: str) -> tuple[ResultPlace, ResultPlace]:
         """Return the two ends of a rod."""
         return self.at(f"{rod}.start"), self.at(f"{rod}.end")
 
-    def at(self, place: str | int) -> Site:
+    def at(self, place: str | int) -> ResultPlace:
         """Resolve a place.
 
         Args:
@@ -135,7 +135,7 @@ class Sites:
             ) from None
         return self.along(rod, s)
 
-    def along(self, rod: str, s: float) -> Site:
+    def along(self, rod: str, s: float) -> ResultPlace:
         """Return the site at arc length ``s`` [m] of a rod.
 
         Raises:
@@ -156,13 +156,15 @@ class Sites:
         ends = known[::order]
         element = int(np.clip(np.searchsorted(ends, s, side="right") - 1, 0, ends.size - 2))
         chosen = slice(order * element, order * (element + 1) + 1)
-        return Site(f"{rod}@{s:g}", rod, float(s), stations[chosen], lagrange_weights(known[chosen], s))
+        return ResultPlace(
+            f"{rod}@{s:g}", rod, float(s), stations[chosen], lagrange_weights(known[chosen], s)
+        )
 
     def _known(self) -> list[str]:
         """All places that have names."""
         return [*self.bodies, *(f"{rod}.{end}" for rod in self.rods for end in ("start", "end"))]
 
-    def _numbered(self, station: int) -> Site:
+    def _numbered(self, station: int) -> ResultPlace:
         count = self._s.size
         if not -count <= station < count:
             raise InputError(f"there is no station {station}; stations are numbered 0 to {count - 1}")
@@ -170,7 +172,7 @@ class Sites:
         rod = str(self._rod_of_station[station])
         at, one = np.array([station], dtype=np.int64), np.ones(1)
         if rod in self._bodies:
-            return Site(rod, rod, 0.0, at, one)
+            return ResultPlace(rod, rod, 0.0, at, one)
         mine = self._stations[rod]
         if station == mine[0]:
             label = f"{rod}.start"
@@ -178,7 +180,7 @@ class Sites:
             label = f"{rod}.end"
         else:
             label = f"{rod}@{self._s[station]:g}"
-        return Site(label, rod, float(self._s[station]), at, one)
+        return ResultPlace(label, rod, float(self._s[station]), at, one)
 
 
 def lagrange_weights(nodes: Floats, s: float) -> Floats:

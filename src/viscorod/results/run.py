@@ -18,7 +18,7 @@ from viscorod.results.decrement import Decrement, decrement
 from viscorod.results.energy import Energy
 from viscorod.results.extremes import resting_value
 from viscorod.results.result import Result
-from viscorod.results.result_places import Site
+from viscorod.results.result_places import ResultPlace
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ class Run(Result):
             return None
         return found if found.regular else None
 
-    def _component(self, site: Site, axis: str) -> tuple[Floats, Floats]:
+    def _component(self, site: ResultPlace, axis: str) -> tuple[Floats, Floats]:
         """Displacement [m] of a site along a global axis and its rate [m/s]."""
         if axis not in AXES:
             raise InputError(f"axis = {axis!r} is no global axis; it can be x, y or z")

@@ -38,7 +38,7 @@ KINDS: dict[str, type[Run | Equilibrium | Steady]] = {kind.kind: kind for kind i
 
 
 @dataclass(frozen=True)
-class Member:
+class SweepRun:
     """One run of a sweep.
 
     Attributes:
@@ -79,7 +79,7 @@ class Sweep:
         notes: what was chosen for the user.
     """
 
-    def __init__(self, members: Sequence[Member], title: str = "", notes: Sequence[str] = ()) -> None:
+    def __init__(self, members: Sequence[SweepRun], title: str = "", notes: Sequence[str] = ()) -> None:
         self.members = tuple(members)
         self.title = title
         self.notes = tuple(notes)
@@ -90,12 +90,12 @@ class Sweep:
         return tuple(self.members[0].values) if self.members else ()
 
     @property
-    def completed(self) -> tuple[Member, ...]:
+    def completed(self) -> tuple[SweepRun, ...]:
         """The members with a whole result."""
         return tuple(member for member in self.members if member.completed)
 
     @property
-    def failed(self) -> tuple[Member, ...]:
+    def failed(self) -> tuple[SweepRun, ...]:
         """The other members."""
         return tuple(member for member in self.members if not member.completed)
 
@@ -198,7 +198,7 @@ class Sweep:
                 whole = _unstacked(data, number) if stacked else read(path, group=f"member_{number}")
                 whole.attrs = row["attrs"]
                 result = KINDS[row["attrs"]["kind"]](whole)
-            members.append(Member(row["number"], row["values"], result, row["message"], row["outcome"]))
+            members.append(SweepRun(row["number"], row["values"], result, row["message"], row["outcome"]))
         return cls(members, str(data.attrs["title"]), record["notes"])
 
 

@@ -9,7 +9,7 @@ import typer
 
 from viscorod.cli.damping_commands.damping_options import OptionalNumber, RodName, notes, rod_of
 from viscorod.cli.terminal import readable_errors, rows_text
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
     from viscorod.model.rod import Rod
@@ -131,7 +131,7 @@ def _any_rod(
         return rod_from_gxbeam(source, law=law)
     if (centreline is None) == (length is None):
         raise InputError(
-            Problem(
+            Fault(
                 "--centreline",
                 "",
                 "a blade file has no positions: exactly one of --centreline and --length is needed",
@@ -147,5 +147,5 @@ def _write(path: Path, text: str) -> None:
         path.write_text(text, encoding="utf-8")
     except OSError as error:
         raise InputError(
-            Problem(str(path), "", f"the file cannot be written ({error.strerror})", "name another folder")
+            Fault(str(path), "", f"the file cannot be written ({error.strerror})", "name another folder")
         ) from None

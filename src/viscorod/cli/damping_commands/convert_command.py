@@ -8,7 +8,7 @@ import typer
 
 from viscorod.cli.damping_commands.damping_options import Frequency, OptionalNumber, needed, pair_of
 from viscorod.cli.terminal import readable_errors, rows_text
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
     from viscorod.model.materials.material import Material
@@ -71,7 +71,7 @@ def convert(
         of_material = {key: value for key, value in material.items() if value is not None}
         if (len(law) != 1 or of_material) and (law or not of_material):
             raise InputError(
-                Problem(
+                Fault(
                     "damping convert",
                     f"given: {', '.join([*law, *of_material]) or 'nothing'}",
                     "one law or one material is needed",
@@ -122,14 +122,14 @@ def _material(given: dict[str, float]) -> Material:
     for key in ("youngs_modulus", "poissons_ratio"):
         if key not in values:
             raise InputError(
-                Problem(f"--{key.replace('_', '-')}", "", "a material needs it", "give it as well")
+                Fault(f"--{key.replace('_', '-')}", "", "a material needs it", "give it as well")
             )
     young, nu = values.pop("youngs_modulus"), values.pop("poissons_ratio")
     if "extensional_time" in values and "shear_time" in values and "bulk_time" not in values:
         values["bulk_time"] = bulk_time(values.pop("extensional_time"), values["shear_time"], nu)
     if "extensional_time" in values:
         raise InputError(
-            Problem(
+            Fault(
                 "--extensional-time",
                 "",
                 "it stands for the bulk time, beside the shear time",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 import typer
 
 from viscorod.cli.terminal import existing
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
     from viscorod.model.rod import Rod
@@ -59,9 +59,9 @@ def rod_of(case: Path, name: str | None) -> tuple[str, Rod]:
         return name, rods[name]
     names = some_of(rods)
     if name is None:
-        raise InputError(Problem("--rod", "", f"the case has {len(rods)} rods", f"give one of {names}"))
+        raise InputError(Fault("--rod", "", f"the case has {len(rods)} rods", f"give one of {names}"))
     advice = did_you_mean(name, rods, str)
-    raise InputError(Problem("--rod", name, "the case has no such rod", f"{advice}It has {names}"))
+    raise InputError(Fault("--rod", name, "the case has no such rod", f"{advice}It has {names}"))
 
 
 def section_of(rod: Rod, at: float) -> SectionData:
@@ -70,7 +70,7 @@ def section_of(rod: Rod, at: float) -> SectionData:
 
     if not 0.0 <= at <= rod.length:
         raise InputError(
-            Problem("--at", f"{at:g}", "outside the rod", f"give an arc length from 0 to {rod.length:g} m")
+            Fault("--at", f"{at:g}", "outside the rod", f"give an arc length from 0 to {rod.length:g} m")
         )
     return SectionData.of(rod, at)
 
@@ -93,7 +93,7 @@ def numbers_of(flag: str, text: str) -> list[float]:
         return [float(part) for part in text.split(",")]
     except ValueError:
         raise InputError(
-            Problem(flag, text, "numbers are needed here", "separate them by commas: 0.01,0.02")
+            Fault(flag, text, "numbers are needed here", "separate them by commas: 0.01,0.02")
         ) from None
 
 
@@ -101,12 +101,12 @@ def pair_of(flag: str, text: str) -> tuple[float, float]:
     """Two numbers separated by a comma."""
     values = numbers_of(flag, text)
     if len(values) != 2:
-        raise InputError(Problem(flag, text, "two numbers are needed here", f"give {flag} 0.1,10"))
+        raise InputError(Fault(flag, text, "two numbers are needed here", f"give {flag} 0.1,10"))
     return values[0], values[1]
 
 
 def needed(flag: str, value: T | None, what: str) -> T:
     """A value that must be given here."""
     if value is None:
-        raise InputError(Problem(flag, "", "it is needed here", f"give {flag} ({what})"))
+        raise InputError(Fault(flag, "", "it is needed here", f"give {flag} ({what})"))
     return value

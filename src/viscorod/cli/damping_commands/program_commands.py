@@ -20,7 +20,7 @@ from viscorod.cli.damping_commands.damping_options import (
     section_of,
 )
 from viscorod.cli.terminal import readable_errors, rows_text
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
     from viscorod.programs.inputs.program_inputs import ProgramInputs, SectionData
@@ -118,7 +118,7 @@ def _refuse_unread(options: dict[str, float], kinds: list[type[ProgramInputs]]) 
         if not any(word in kind.options for kind in kinds):
             titles = ", ".join(kind.title for kind in kinds)
             flag = f"--{word.replace('_', '-')}"
-            raise InputError(Problem(flag, f"{value:g}", f"no use for {titles}", "leave it out"))
+            raise InputError(Fault(flag, f"{value:g}", f"no use for {titles}", "leave it out"))
 
 
 def _program_text(inputs: ProgramInputs, data: SectionData) -> str:

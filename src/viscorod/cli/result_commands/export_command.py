@@ -9,7 +9,7 @@ import typer
 
 from viscorod.cli.result_commands.result_options import ResultFile, numbers, opened
 from viscorod.cli.terminal import readable_errors
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 
 __all__ = ["export"]
 
@@ -59,10 +59,10 @@ def export(
         from viscorod.results.run import Run
 
         if csv is None and vtk is None:
-            raise InputError(Problem("export", "", "nothing to write", "give --csv FILE.csv or --vtk DIR"))
+            raise InputError(Fault("export", "", "nothing to write", "give --csv FILE.csv or --vtk DIR"))
         if csv is None and (history or quantity or energy or joint):
             raise InputError(
-                Problem(
+                Fault(
                     "export",
                     "",
                     "--history, --quantity, --energy and --joint go with --csv",
@@ -70,12 +70,12 @@ def export(
                 )
             )
         if quantity and not history:
-            raise InputError(Problem("--quantity", "", "of which place?", "add --history PLACE"))
+            raise InputError(Fault("--quantity", "", "of which place?", "add --history PLACE"))
         found = opened(result)
         if csv is not None:
             if not (history or energy or joint):
                 raise InputError(
-                    Problem("--csv", str(csv), "of what?", "add --history PLACE, --energy or --joint NAME")
+                    Fault("--csv", str(csv), "of what?", "add --history PLACE, --energy or --joint NAME")
                 )
             columns = csv_text.history_columns(found, history or (), quantity or ("position",))
             if energy:
@@ -85,7 +85,7 @@ def export(
         if vtk is None:
             if times is not None:
                 raise InputError(
-                    Problem("--times", times, "goes with --vtk only", "use viscorod probe for a table")
+                    Fault("--times", times, "goes with --vtk only", "use viscorod probe for a table")
                 )
             return
         from viscorod.results.files.paraview import write_paraview
@@ -93,6 +93,6 @@ def export(
         chosen = None if times is None else numbers("--times", times, "s")
         if chosen is not None and not isinstance(found, Run):
             raise InputError(
-                Problem("--times", str(times), f"{result} holds no motion over time", "leave --times out")
+                Fault("--times", str(times), f"{result} holds no motion over time", "leave --times out")
             )
         typer.echo(f"Written: {write_paraview(found, vtk, chosen)}")

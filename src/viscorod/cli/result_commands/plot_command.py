@@ -10,7 +10,7 @@ import typer
 
 from viscorod.cli.result_commands.result_options import ResultFile, motion, opened
 from viscorod.cli.terminal import readable_errors
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -94,11 +94,11 @@ def plot(
             "about": about,
         }
         if what not in KINDS:
-            raise InputError(Problem("--what", what, "no such picture", f"give one of {', '.join(KINDS)}"))
+            raise InputError(Fault("--what", what, "no such picture", f"give one of {', '.join(KINDS)}"))
         for option, value in given.items():
             if value is not None and what not in _TAKES[option]:
                 raise InputError(
-                    Problem(
+                    Fault(
                         f"--{option}", str(value), f"goes with {' and '.join(_TAKES[option])}", "leave it out"
                     )
                 )

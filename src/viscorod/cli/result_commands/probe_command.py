@@ -9,7 +9,7 @@ import typer
 
 from viscorod.cli.result_commands.result_options import ResultFile, numbers, opened
 from viscorod.cli.terminal import readable_errors
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 
 __all__ = ["probe"]
 
@@ -47,9 +47,7 @@ def probe(
         found = opened(result)
         if s is not None and len(places) != 1:
             raise InputError(
-                Problem(
-                    "--s", ", ".join(places), "arc lengths go with one rod", "give the name of a rod alone"
-                )
+                Fault("--s", ", ".join(places), "arc lengths go with one rod", "give the name of a rod alone")
             )
         chosen = places[0] if s is not None else places
         arc = None if s is None else numbers("--s", s, "m")
@@ -57,7 +55,7 @@ def probe(
             values = found.probe(chosen, None if times is None else numbers("--times", times, "s"), s=arc)
         elif times is not None:
             raise InputError(
-                Problem("--times", times, f"{result} holds no motion over time", "leave --times out")
+                Fault("--times", times, f"{result} holds no motion over time", "leave --times out")
             )
         else:
             values = found.probe(chosen, s=arc)

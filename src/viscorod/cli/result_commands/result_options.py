@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
     from viscorod.results.run import Equilibrium, Run
@@ -35,7 +35,7 @@ def opened(path: Path) -> Run | Equilibrium | Steady:
     found = load(path)
     if isinstance(found, Sweep):
         raise InputError(
-            Problem(
+            Fault(
                 str(path), "", "this is a sweep of several runs", "save one of them: sweep[0].run.save(...)"
             )
         )
@@ -53,7 +53,7 @@ def motion(path: Path, what: str) -> Run:
     found = opened(path)
     if not isinstance(found, Run):
         raise InputError(
-            Problem(
+            Fault(
                 str(path),
                 f"kind = {found.kind!r}",
                 f"{what} needs a motion over time",
@@ -84,7 +84,7 @@ def numbers(option: str, text: str, unit: str) -> Floats:
     except (ValueError, ZeroDivisionError):
         pass
     raise InputError(
-        Problem(
+        Fault(
             option,
             text,
             f"no numbers in {unit}",

@@ -54,7 +54,7 @@ class Elements(NamedTuple):
     slots: Integers
 
 
-class Points(NamedTuple):
+class GaussStates(NamedTuple):
     """Strain, its rate, section force ``C eps + D eps_t`` and stress iterate at all Gauss points of some states.
 
     Arrays ``(s, e, points, 6)``.
@@ -66,7 +66,7 @@ class Points(NamedTuple):
     stress: Floats
 
     @classmethod
-    def of(cls, elements: Elements, states: int, *, carried: bool = False) -> Points:
+    def of(cls, elements: Elements, states: int, *, carried: bool = False) -> GaussStates:
         """Allocate, with the section force as the stress unless this is ``carried`` on its own."""
         shape = (states, *elements.reference.shape)
         force = np.zeros(shape)
@@ -178,7 +178,7 @@ def internal_forces(
     r: Floats,
     q: Floats,
     twist: Floats,
-    points: Points,
+    points: GaussStates,
     work: ElementWork,
     force: Floats,
 ) -> None:

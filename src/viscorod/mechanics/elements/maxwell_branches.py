@@ -29,7 +29,7 @@ from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.typing import Floats, Integers
 
 
-class Relaxing(NamedTuple):
+class MaxwellArrays(NamedTuple):
     """Maxwell branches of all elements in a step of a collocation method; stages come first.
 
     Attributes:
@@ -53,7 +53,7 @@ class Relaxing(NamedTuple):
     change: Floats
 
     @classmethod
-    def of(cls, elements: Elements, times: Floats, branches: Floats, stages: int) -> Relaxing:
+    def of(cls, elements: Elements, times: Floats, branches: Floats, stages: int) -> MaxwellArrays:
         """Allocate for a method with ``stages``."""
         points, n, s = elements.reference.shape, len(times), stages
         return cls(

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
-from viscorod.model.fields.definition import Described, RefusedError
+from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.values import (
     Flag,
     Number,
@@ -33,7 +33,7 @@ def _part(value: Any) -> float:
     return found
 
 
-class Crossing(Described):
+class Crossing(Definition):
     """A coordinate of a place reaches a value.
 
     Args:
@@ -61,7 +61,7 @@ class Crossing(Described):
         return f"{self.quantity} of {self.at} {how} {self.value:g}"
 
 
-class Decayed(Described):
+class Decayed(Definition):
     """The motion has died down: the kinetic energy stays below a part of the largest so far.
 
     Args:
@@ -83,7 +83,7 @@ class Decayed(Described):
         return f"the motion has decayed below {self.amplitude:g} of its largest amplitude"
 
 
-class SteadyState(Described):
+class SteadyState(Definition):
     """Strains stand still, whether the rods rest or go on turning.
 
     Args:
@@ -108,7 +108,7 @@ class SteadyState(Described):
 
 AnyEvent: TypeAlias = Crossing | Decayed | SteadyState
 
-EVENTS: dict[str, type[Described]] = {"crossing": Crossing, "decayed": Decayed, "steady": SteadyState}
+EVENTS: dict[str, type[Definition]] = {"crossing": Crossing, "decayed": Decayed, "steady": SteadyState}
 """The events by their word in a case file; a new one is one class and one line here."""
 
 

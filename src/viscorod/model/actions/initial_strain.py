@@ -8,7 +8,7 @@ from typing import Annotated, Any, TypeAlias
 import numpy as np
 from pydantic import Field, PlainValidator
 
-from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.values import Name, number, sequence
 from viscorod.typing import Floats
 
@@ -32,7 +32,7 @@ def _strain(value: Any) -> StrainField:
     return value if callable(value) else _six(value)
 
 
-class InitialStrain(Described):
+class InitialStrain(Definition):
     """The strain of a rod at t = 0, in place of the equilibrium; the rod leaves its start in the reference pose.
 
     Args:

@@ -8,7 +8,7 @@ from typing import Annotated, Self, TypeAlias
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
-from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.values import Name, Vector, function, optional, sequence, vector
 from viscorod.typing import Floats
 
@@ -17,7 +17,7 @@ __all__ = ["InitialVelocity"]
 Field6: TypeAlias = Callable[[float], tuple[Sequence[float], Sequence[float]]]
 
 
-class InitialVelocity(Described):
+class InitialVelocity(Definition):
     """The velocity of a rod or rigid body at t = 0: that of a rigid motion, or any (of a rod, in Python only).
 
     Args:

@@ -14,7 +14,7 @@ from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.model.actions.time_table import TimeField
 from viscorod.model.connections.place import PlaceField
-from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.values import (
     Flag,
     Name,
@@ -43,7 +43,7 @@ Density: TypeAlias = Sequence[float] | Callable[[float], Sequence[float]]
 """Load per length: three numbers, or a function of the arc length (in Python only)."""
 
 
-class AnyLoad(Described):
+class AnyLoad(Definition):
     """What all loads have in common: a factor that depends on the time.
 
     Args:
@@ -247,7 +247,7 @@ class MovingForce(AnyLoad):
         return own if self.position is None else tuple(sorted({*own, *self.position.breakpoints}))
 
 
-LOADS: dict[str, type[Described]] = {
+LOADS: dict[str, type[Definition]] = {
     "force": Force,
     "moment": Moment,
     "distributed_force": DistributedForce,

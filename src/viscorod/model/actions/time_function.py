@@ -13,13 +13,13 @@ from typing import ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
-from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.values import Number, Positive
 
 __all__ = ["Constant", "Ramp", "Sine", "SpinUp", "TimeFunction", "Until"]
 
 
-class TimeFunction(Described):
+class TimeFunction(Definition):
     """A scalar function of the time in seconds."""
 
     tag: ClassVar[str | None] = "kind"

@@ -13,18 +13,18 @@ import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.model.actions.time_function import Constant, Ramp, Sine, SpinUp, TimeFunction, Until
-from viscorod.model.fields.definition import Described, RefusedError, base_init, show
+from viscorod.model.fields.definition import Definition, RefusedError, base_init, show
 from viscorod.model.fields.values import choose, function, number, numbers, one_of, optional
 from viscorod.typing import Floats
 
-__all__ = ["TIME_FUNCTIONS", "Function", "Table", "TimeField", "time_function"]
+__all__ = ["TIME_FUNCTIONS", "FunctionOfTime", "TimeField", "TimeTable", "time_function"]
 
 
 def _several(value: Any) -> tuple[float, ...]:
     return numbers(value, at_least=2)
 
 
-class Table(TimeFunction):
+class TimeTable(TimeFunction):
     """Values at given times, with the first and last held constant outside.
 
     A time that stands twice is a jump: its first value is the one before, its second the one after.
@@ -137,7 +137,7 @@ def _times(value: Any) -> tuple[float, ...]:
 OptionalFunction = Annotated[Callable[[float], float] | None, PlainValidator(optional(function))]
 
 
-class Function(TimeFunction):
+class FunctionOfTime(TimeFunction):
     """A Python function of the time (not in case files).
 
     Args:
@@ -203,7 +203,7 @@ class Function(TimeFunction):
         if self.rate_function is None or self.acceleration_function is None:
             raise RefusedError(
                 "a prescribed motion needs its velocity and acceleration",
-                "give Function(function, rate, acceleration) with both derivatives",
+                "give FunctionOfTime(function, rate, acceleration) with both derivatives",
                 found="a function of time without rate and acceleration",
             )
 
@@ -220,12 +220,12 @@ class Function(TimeFunction):
             ) from None
 
 
-TIME_FUNCTIONS: dict[str, type[Described]] = {
+TIME_FUNCTIONS: dict[str, type[Definition]] = {
     "constant": Constant,
     "until": Until,
     "ramp": Ramp,
     "sine": Sine,
-    "table": Table,
+    "table": TimeTable,
     "spin_up": SpinUp,
 }
 """The functions of time by their word in a case file; a new one is one class and one line here."""
@@ -243,8 +243,8 @@ def time_function(value: Any) -> TimeFunction:
         parsed = _from_table(value)
         assert isinstance(parsed, TimeFunction)
         return parsed
-    if callable(value) and not isinstance(value, Described | type):
-        return Function(value)
+    if callable(value) and not isinstance(value, Definition | type):
+        return FunctionOfTime(value)
     raise RefusedError(
         "a function of time is needed here",
         f"give a number or a table with kind = one of {', '.join(TIME_FUNCTIONS)}",

@@ -10,7 +10,7 @@ from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.model.bodies.body_base import AnyBody
 from viscorod.model.bodies.body_shapes import Box, Cylinder, Sphere
-from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.directions import OptionalAxes, columns
 from viscorod.model.fields.values import Positive, Triple, choose, each, numbers, sequence, vector
 from viscorod.typing import Floats
@@ -148,7 +148,7 @@ class Body(AnyBody):
         return self
 
 
-BODIES: dict[str, type[Described]] = {"mass": Body, "box": Box, "sphere": Sphere, "cylinder": Cylinder}
+BODIES: dict[str, type[Definition]] = {"mass": Body, "box": Box, "sphere": Sphere, "cylinder": Cylinder}
 """The rigid bodies by their word in a case file; a new one is one class and one line here."""
 
 one_body = choose("shape", BODIES, default="mass")

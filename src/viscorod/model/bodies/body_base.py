@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Self, TypeAlias
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
-from viscorod.model.fields.definition import Described, RefusedError
+from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.values import OptionalPositive, Triple, Vector, entries, name_of_part, vector
 from viscorod.typing import Floats
 
@@ -27,7 +27,7 @@ def named_points(value: Any) -> dict[str, Triple]:
     return entries(value, name_of_part, vector)
 
 
-class AnyBody(Described):
+class AnyBody(Definition):
     """A rigid body: mass, inertia about the mass centre, and named points for joints and attachments."""
 
     tag: ClassVar[str | None] = "shape"

@@ -14,7 +14,7 @@ from typing import ClassVar, TypeAlias
 
 import numpy as np
 
-from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.values import number
 from viscorod.typing import Floats
 
@@ -27,7 +27,7 @@ VERTICAL = 0.999999
 """Beyond this cosine to global z a tangent counts as vertical for the default section axes."""
 
 
-class Centreline(Described):
+class Centreline(Definition):
     """A smooth curve of positive length, parametrised by its arc length s from 0 to `length`."""
 
     tag: ClassVar[str | None] = "shape"

@@ -18,7 +18,7 @@ from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.values import Triple, each, function, sequence, vector
 from viscorod.typing import Floats
 
-__all__ = ["Curve", "Points"]
+__all__ = ["ParametricCurve", "ThroughPoints"]
 
 
 class _Parametric(Centreline):
@@ -66,7 +66,7 @@ def _points(value: Any) -> tuple[Triple, ...]:
     return points
 
 
-class Points(_Parametric):
+class ThroughPoints(_Parametric):
     """A smooth curve through points: a cubic spline over the chord lengths (continuous curvature).
 
     Args:
@@ -98,7 +98,7 @@ class Points(_Parametric):
         return SmoothCurve(lambda u: (spline(u), first(u), second(u)), knots)
 
 
-class Curve(_Parametric):
+class ParametricCurve(_Parametric):
     """A curve given by a Python function (not in case files).
 
     Args:

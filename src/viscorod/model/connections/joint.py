@@ -10,7 +10,7 @@ from viscorod.model.connections.axis_joint import Cylindrical, Planar, Prismatic
 from viscorod.model.connections.joint_base import AnyJoint
 from viscorod.model.connections.motion_words import MOTIONS, fixed_motions
 from viscorod.model.connections.place import GROUND
-from viscorod.model.fields.definition import Described, RefusedError
+from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.directions import OptionalAxes, TwoDirections, columns
 from viscorod.model.fields.values import choose
 from viscorod.typing import Floats
@@ -158,7 +158,7 @@ class Joint(AnyJoint):
         return self
 
 
-JOINTS: dict[str, type[Described]] = {
+JOINTS: dict[str, type[Definition]] = {
     "general": Joint,
     "rigid": Rigid,
     "ball": Ball,

@@ -21,7 +21,7 @@ from viscorod.model.connections.spring_laws import (
     require_law_words,
 )
 from viscorod.model.connections.support_base import MotionField
-from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.values import name_of_part, optional
 from viscorod.typing import Floats
 
@@ -90,7 +90,7 @@ def require_two_ends(first: tuple[str, str], second: tuple[str, str], noun: str)
         )
 
 
-class AnyJoint(Described):
+class AnyJoint(Definition):
     """What all joints have in common: two sides, and what acts along the motions that they leave free."""
 
     tag: ClassVar[str | None] = "kind"

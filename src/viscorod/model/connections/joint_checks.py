@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.errors import Problem
+from viscorod.errors import Fault
 from viscorod.model.connections.place import GROUND, AnyPlace, BodyPlace, Place
 from viscorod.model.connections.resolved_places import (
     find,
@@ -33,7 +33,7 @@ GAP = 1e-6
 """Largest distance of attached places, as a part of the longer rod's length."""
 
 
-def wrong_attachments(model: ModelDescription) -> Iterator[Problem]:
+def wrong_attachments(model: ModelDescription) -> Iterator[Fault]:
     """Attachments of places that do not meet, of one place, of two bodies, or given twice."""
     seen: set[frozenset[AnyPlace]] = set()
     for index, attachment in enumerate(model.attachments):
@@ -44,23 +44,23 @@ def wrong_attachments(model: ModelDescription) -> Iterator[Problem]:
         gap = float(np.linalg.norm(positions[0] - positions[1]))
         reach = GAP * max((model.rods[p.rod].length for p in (a, b) if isinstance(p, Place)), default=0.0)
         if isinstance(a, BodyPlace) and isinstance(b, BodyPlace):
-            yield Problem(
+            yield Fault(
                 where,
                 f"{attachment.a} and {attachment.b}",
                 "two rigid bodies held together are one",
                 "make them one body, or join them by a joint",
             )
         elif same(model, a, b):
-            yield Problem(where, str(a), "a place cannot be attached to itself", "give two places")
+            yield Fault(where, str(a), "a place cannot be attached to itself", "give two places")
         elif is_located(a) and is_located(b) and gap > reach:
-            yield Problem(
+            yield Fault(
                 where,
                 f"{attachment.a} at {_point(positions[0])} and {attachment.b} at {_point(positions[1])}",
                 f"places can be attached only where they coincide; the gap is {gap:.6g} m",
                 _closed(a, b),
             )
         elif pair in seen:
-            yield Problem(
+            yield Fault(
                 where, f"{attachment.a} and {attachment.b}", "they are attached already", "leave one out"
             )
         seen.add(pair)
@@ -74,12 +74,12 @@ def _closed(a: AnyPlace, b: AnyPlace) -> str:
     return "move one of the rods so that the places meet"
 
 
-def _bodies_in_one(model: ModelDescription) -> Iterator[Problem]:
+def _bodies_in_one(model: ModelDescription) -> Iterator[Fault]:
     for group in joined_places(model):
         bodies = list(dict.fromkeys(place.body for place in group if isinstance(place, BodyPlace)))
         if len(bodies) > 1:
             last = max(k for k, a in enumerate(model.attachments) if bodies[-1] in _named(model, (a.a, a.b)))
-            yield Problem(
+            yield Fault(
                 f"attachments[{last}]",
                 " and ".join(bodies),
                 "these rigid bodies are attached to one and the same place, so they are one",
@@ -87,7 +87,7 @@ def _bodies_in_one(model: ModelDescription) -> Iterator[Problem]:
             )
 
 
-def wrong_joints(model: ModelDescription) -> Iterator[Problem]:
+def wrong_joints(model: ModelDescription) -> Iterator[Fault]:
     """Joints and springs that join what is one already, that do not tell where they are, or that are given twice."""
     if not model.joints and not model.springs:
         return
@@ -99,7 +99,7 @@ def wrong_joints(model: ModelDescription) -> Iterator[Problem]:
         yield from found
         gap = float(np.linalg.norm(joint.gap))
         if not found and gap > size:
-            yield Problem(
+            yield Fault(
                 joint.path,
                 f"{joint.a} at {_point(joint.at_a)} and {joint.b} at {_point(joint.at_b)}",
                 f"the places are {gap:.6g} m apart along motions that the joint holds, "
@@ -108,7 +108,7 @@ def wrong_joints(model: ModelDescription) -> Iterator[Problem]:
             )
         other = before.setdefault(frozenset((joint.a, joint.b)), joint)
         if other is not joint:
-            yield Problem(
+            yield Fault(
                 joint.path,
                 joint.label,
                 f"the two places have a joint already, {other.label} ({other.path})",
@@ -123,19 +123,19 @@ def _wrong_ends(
     joint: ResolvedJoint | ResolvedSpring,
     pieces: Pieces,
     size: float,
-) -> Iterator[Problem]:
+) -> Iterator[Fault]:
     noun = "spring" if isinstance(joint, ResolvedSpring) else "joint"
     gap = float(np.linalg.norm(joint.at_a - joint.at_b))
     if joint.b is not None:
         found = f"{joint.a} and {joint.b}"
         if same(model, joint.a, joint.b):
             what = "the same body" if isinstance(joint.a, BodyPlace) else "the same place"
-            yield Problem(
+            yield Fault(
                 joint.path, found, f"both sides of the {noun} are {what}", "give two different things"
             )
             return
         if pieces.of(joint.a) == pieces.of(joint.b):
-            yield Problem(
+            yield Fault(
                 joint.path,
                 found,
                 f"they are attached, so nothing is left for the {noun}",
@@ -144,14 +144,14 @@ def _wrong_ends(
             return
     if joint.kind == "line":
         if gap <= GAP * size:
-            yield Problem(
+            yield Fault(
                 joint.path,
                 f"{joint.label}: both ends at {_point(joint.at_a)}",
                 "the line between the ends has no direction",
                 "give ends that are apart, or a spring of kind 'bushing'",
             )
     elif joint.b is not None and not is_located(joint.a) and not is_located(joint.b) and gap > GAP * size:
-        yield Problem(
+        yield Fault(
             joint.path,
             f"{joint.a} and {joint.b}",
             f"nothing tells where the {noun} between the two bodies is",
@@ -159,7 +159,7 @@ def _wrong_ends(
         )
 
 
-def names_twice(model: ModelDescription) -> Iterator[Problem]:
+def names_twice(model: ModelDescription) -> Iterator[Fault]:
     """Names that two joints or springs share."""
     first: dict[str, str] = {}
     named = [(f"joints[{index}]", joint.name) for index, joint in enumerate(model.joints)]
@@ -168,13 +168,13 @@ def names_twice(model: ModelDescription) -> Iterator[Problem]:
         if name is None:
             continue
         if name in first:
-            yield Problem(
+            yield Fault(
                 f"{path}.name", show(name), f"{first[name]} has this name already", "give another name"
             )
         first.setdefault(name, path)
 
 
-def loose_bodies(model: ModelDescription) -> Iterator[Problem]:
+def loose_bodies(model: ModelDescription) -> Iterator[Fault]:
     """Bodies that nothing joins to anything."""
     texts = [text for attachment in model.attachments for text in (attachment.a, attachment.b)]
     texts += [text for joint in model.joints for text in joint.ends]
@@ -183,7 +183,7 @@ def loose_bodies(model: ModelDescription) -> Iterator[Problem]:
     named = _named(model, texts) if model.bodies else set()
     for name in model.bodies:
         if name not in named:
-            yield Problem(
+            yield Fault(
                 f"bodies.{name}",
                 show(name),
                 "the body is connected to nothing",

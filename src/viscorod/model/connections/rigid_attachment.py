@@ -7,12 +7,12 @@ from typing import Self
 from pydantic import Field, model_validator
 
 from viscorod.model.connections.place import PlaceField
-from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError, show
 
 __all__ = ["Attachment"]
 
 
-class Attachment(Described):
+class Attachment(Definition):
     """Two coinciding places joined rigidly, at whatever angle the rods meet; or a rod's place and a rigid body.
 
     Args:

@@ -24,7 +24,7 @@ from viscorod.model.connections.spring_laws import (
     StiffnessTable,
     require_law_words,
 )
-from viscorod.model.fields.definition import Described, RefusedError
+from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.directions import OptionalAxes, columns
 from viscorod.model.fields.values import OptionalPositive, Triple, choose, vector
 from viscorod.typing import Floats
@@ -65,7 +65,7 @@ class ResolvedSpring:
     length: float
 
 
-class AnySpring(Described):
+class AnySpring(Definition):
     """What all springs have in common."""
 
     tag: ClassVar[str | None] = "kind"
@@ -204,7 +204,7 @@ class LineSpring(AnySpring):
         return self
 
 
-SPRINGS: dict[str, type[Described]] = {"bushing": Spring, "line": LineSpring}
+SPRINGS: dict[str, type[Definition]] = {"bushing": Spring, "line": LineSpring}
 """The springs by their word in a case file; a new one is one class and one line here."""
 
 spring = choose("kind", SPRINGS, default="bushing")

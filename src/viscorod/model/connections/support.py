@@ -12,8 +12,8 @@ from viscorod.model.connections.motion_words import (
     fixed_motions,
 )
 from viscorod.model.connections.support_base import AnySupport, Frame
-from viscorod.model.connections.velocity_support import BodyVelocity
-from viscorod.model.fields.definition import Described, RefusedError
+from viscorod.model.connections.velocity_support import VelocitySupport
+from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.directions import axes_from, columns, two_directions
 from viscorod.model.fields.values import (
     Direction,
@@ -158,13 +158,13 @@ class Roller(AnySupport):
         return "axes", axes_from(self.normal)
 
 
-SUPPORTS: dict[str, type[Described]] = {
+SUPPORTS: dict[str, type[Definition]] = {
     "support": Support,
     "clamp": Clamp,
     "pin": Pin,
     "guide": Guide,
     "roller": Roller,
-    "body_velocity": BodyVelocity,
+    "body_velocity": VelocitySupport,
 }
 """The supports by their word in a case file; a new one is one class and one line here."""
 

@@ -16,7 +16,7 @@ from viscorod.model.connections.motion_words import (
     motion_functions,
 )
 from viscorod.model.connections.place import AnyPlace, PlaceField
-from viscorod.model.fields.definition import Described, RefusedError
+from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.typing import Floats
 
 __all__ = ["AnySupport", "Frame", "ResolvedSupport"]
@@ -57,7 +57,7 @@ class ResolvedSupport:
 MotionField = Annotated[Motion, PlainValidator(motion_functions)]
 
 
-class AnySupport(Described):
+class AnySupport(Definition):
     """What all supports have in common: a place, and motions that follow functions of time."""
 
     tag: ClassVar[str | None] = "kind"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.errors import Problem
+from viscorod.errors import Fault
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.connections.place import BodyPlace
 from viscorod.model.connections.resolved_places import position_of, resolved_supports
@@ -25,12 +25,12 @@ APART = 1e-9
 """Distance of supports of one node, as a part of the longest rod's length, from which on their points differ."""
 
 
-def off_centre(model: ModelDescription) -> Iterator[Problem]:
+def off_centre(model: ModelDescription) -> Iterator[Fault]:
     """Supports at named points of bodies that hold some motions only: what they hold depends on the rotation."""
     for support in resolved_supports(model):
         place = support.place
         if isinstance(place, BodyPlace) and place.point is not None and support.fixed != MOTIONS:
-            yield Problem(
+            yield Fault(
                 f"{support.path}.at",
                 support.label,
                 "a point of a rigid body beside its mass centre can be clamped only",
@@ -38,7 +38,7 @@ def off_centre(model: ModelDescription) -> Iterator[Problem]:
             )
 
 
-def clashes(model: ModelDescription) -> Iterator[Problem]:
+def clashes(model: ModelDescription) -> Iterator[Fault]:
     """Pairs of supports that hold the same motion of the same node.
 
     Two supports clash when the directions they hold are linearly dependent, whatever axes they are given in.
@@ -61,7 +61,7 @@ def clashes(model: ModelDescription) -> Iterator[Problem]:
             if len(both) and np.linalg.matrix_rank(both, tol=1e-8) < len(both):
                 common = [word for word in words if word in first.held and word in second.held]
                 what = ", ".join(common) if common and first.frame == second.frame else f"a {noun}"
-                yield Problem(
+                yield Fault(
                     f"{second.path}.at",
                     f"{second.label}, with {first.label} ({first.path}) before it",
                     f"both hold {what} of the same node",

@@ -21,7 +21,7 @@ from viscorod.model.connections.support_base import AnySupport, ResolvedSupport
 from viscorod.model.fields.definition import RefusedError
 from viscorod.typing import Floats
 
-__all__ = ["BodyVelocity"]
+__all__ = ["VelocitySupport"]
 
 
 class _Travelled(TimeFunction):
@@ -49,7 +49,7 @@ class _Travelled(TimeFunction):
         return self.speed.rate(t, before)
 
 
-class BodyVelocity(AnySupport):
+class VelocitySupport(AnySupport):
     """Holds velocities of the section along its own moving axes, as in the intrinsic equations of beams.
 
     What turns with the section is no position: the place may wander. Three zero velocities v1, v2, v3 are a ball joint,

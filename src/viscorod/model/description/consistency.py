@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from viscorod.errors import Problem
+from viscorod.errors import Fault
 from viscorod.model.actions.load import DistributedForce, DistributedMoment, Force, Moment, MovingForce
 from viscorod.model.connections import joint_checks, support_checks
 from viscorod.model.connections.place import GROUND, Place, find_rod, no_part, station_on
@@ -18,12 +18,10 @@ if TYPE_CHECKING:
 __all__ = ["problems"]
 
 
-def problems(model: ModelDescription) -> Iterator[Problem]:
+def problems(model: ModelDescription) -> Iterator[Fault]:
     """Everything that is wrong with the model as a whole, with key paths."""
     if not model.rods:
-        yield Problem(
-            "rods", "", "the model has no rod", "add one with add(name, rod), or a table [rods.NAME]"
-        )
+        yield Fault("rods", "", "the model has no rod", "add one with add(name, rod), or a table [rods.NAME]")
         return
     found = list(_unknown_places(model))
     if not found:
@@ -42,7 +40,7 @@ def problems(model: ModelDescription) -> Iterator[Problem]:
         yield from _unfit_strains(model)
 
 
-def _unknown_places(model: ModelDescription) -> Iterator[Problem]:
+def _unknown_places(model: ModelDescription) -> Iterator[Fault]:
     named = [(("supports", index, "at"), support.at) for index, support in enumerate(model.supports)]
     for index, load in enumerate(model.loads):
         if isinstance(load, Force | Moment):
@@ -63,16 +61,16 @@ def _unknown_places(model: ModelDescription) -> Iterator[Problem]:
         try:
             find(model, text)
         except RefusedError as error:
-            yield Problem(path_text(path), error.found or show(text), error.why, error.instead)
+            yield Fault(path_text(path), error.found or show(text), error.why, error.instead)
 
 
 def _unknown_rod(
     path: tuple[str | int, ...],
     load: DistributedForce | DistributedMoment | MovingForce,
     model: ModelDescription,
-) -> Iterator[Problem]:
+) -> Iterator[Fault]:
     if load.rod in model.bodies:
-        yield Problem(
+        yield Fault(
             path_text((*path, "rod")),
             show(load.rod),
             "this is a rigid body, and such a load acts along a rod",
@@ -82,7 +80,7 @@ def _unknown_rod(
     try:
         rod = find_rod(load.rod, model.rods)
     except RefusedError as error:
-        yield Problem(path_text((*path, "rod")), error.found or "", error.why, error.instead)
+        yield Fault(path_text((*path, "rod")), error.found or "", error.why, error.instead)
         return
     if isinstance(load, MovingForce):
         return
@@ -90,21 +88,21 @@ def _unknown_rod(
         try:
             station_on(rod, s or 0.0, load.rod)
         except RefusedError as error:
-            yield Problem(path_text((*path, key)), error.found or "", error.why, error.instead)
+            yield Fault(path_text((*path, key)), error.found or "", error.why, error.instead)
     try:
         load.density(rod.length / 2.0)
     except RefusedError as error:
-        yield Problem(path_text((*path, "value")), error.found or "", error.why, error.instead)
+        yield Fault(path_text((*path, "value")), error.found or "", error.why, error.instead)
 
 
-def _wrong_velocities(model: ModelDescription) -> Iterator[Problem]:
+def _wrong_velocities(model: ModelDescription) -> Iterator[Fault]:
     """Initial velocities of what does not exist, or of one part twice; bodies by a function."""
     first: dict[str, int] = {}
     for index, given in enumerate(model.velocities):
         where = f"velocities[{index}]"
         if given.rod in model.bodies:
             if given.field is not None:
-                yield Problem(
+                yield Fault(
                     f"{where}.field",
                     show(given.rod),
                     "a rigid body has no velocities that differ from point to point",
@@ -115,29 +113,29 @@ def _wrong_velocities(model: ModelDescription) -> Iterator[Problem]:
                 find_rod(given.rod, model.rods)
             except RefusedError as error:
                 refused = no_part(given.rod, model.rods, model.bodies) if model.bodies else error
-                yield Problem(f"{where}.rod", refused.found or "", refused.why, refused.instead)
+                yield Fault(f"{where}.rod", refused.found or "", refused.why, refused.instead)
                 continue
         yield from _twice(first, given.rod, index, model, "velocities", "velocity")
 
 
-def _wrong_strains(model: ModelDescription) -> Iterator[Problem]:
+def _wrong_strains(model: ModelDescription) -> Iterator[Fault]:
     """Initial strains of what is no rod, or of one rod twice."""
     first: dict[str, int] = {}
     for index, given in enumerate(model.strains):
         try:
             find_rod(given.rod, model.rods, model.bodies)
         except RefusedError as error:
-            yield Problem(f"strains[{index}].rod", error.found or "", error.why, error.instead)
+            yield Fault(f"strains[{index}].rod", error.found or "", error.why, error.instead)
             continue
         yield from _twice(first, given.rod, index, model, "strains", "strain")
 
 
 def _twice(
     first: dict[str, int], name: str, index: int, model: ModelDescription, key: str, noun: str
-) -> Iterator[Problem]:
+) -> Iterator[Fault]:
     if name in first:
         part = "body" if name in model.bodies else "rod"
-        yield Problem(
+        yield Fault(
             f"{key}[{index}].rod",
             show(name),
             f"the {part} has its initial {noun} already from {key}[{first[name]}]",
@@ -146,7 +144,7 @@ def _twice(
     first.setdefault(name, index)
 
 
-def _unfit_strains(model: ModelDescription) -> Iterator[Problem]:
+def _unfit_strains(model: ModelDescription) -> Iterator[Fault]:
     """Strains of rods whose shape is given elsewhere than at their starts."""
     places = [(f"attachments[{k}]", text) for k, a in enumerate(model.attachments) for text in (a.a, a.b)]
     places += [(f"joints[{k}]", text) for k, j in enumerate(model.joints) for text in j.ends]
@@ -157,7 +155,7 @@ def _unfit_strains(model: ModelDescription) -> Iterator[Problem]:
             if not isinstance(place, Place) or place.rod != strain.rod:
                 continue
             if path.startswith("attachments") or place.s > 0.0:
-                yield Problem(
+                yield Fault(
                     f"strains[{index}].rod",
                     show(strain.rod),
                     f"initial strains move all of the rod but its start, and {path} holds {text}",
@@ -166,7 +164,7 @@ def _unfit_strains(model: ModelDescription) -> Iterator[Problem]:
                 break
         constrained = model.rods[strain.rod].constraints
         if constrained and any(_strained(model, index)):
-            yield Problem(
+            yield Fault(
                 f"strains[{index}].value",
                 show(list(constrained)),
                 "the initial strain is not zero where the rod's constraints hold it",

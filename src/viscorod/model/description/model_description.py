@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Self
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import AnyLoad
@@ -66,15 +66,15 @@ class ModelDescription(Held, Loaded, Joined):
         try:
             name_of_part(name)
         except RefusedError as error:
-            raise InputError(Problem(kind, show(name), error.why, error.instead)) from None
+            raise InputError(Fault(kind, show(name), error.why, error.instead)) from None
         path = f"{kind}.{name}"
         if name == GROUND:
             raise InputError(
-                Problem(path, show(name), "this word stands for what does not move", "give another name")
+                Fault(path, show(name), "this word stands for what does not move", "give another name")
             )
         if not isinstance(part, Rod | AnyBody):
             raise InputError(
-                Problem(
+                Fault(
                     path,
                     show(part),
                     "this is not a rod and not a rigid body",
@@ -84,7 +84,7 @@ class ModelDescription(Held, Loaded, Joined):
         for noun, taken in (("rod", self.rods), ("rigid body", self.bodies)):
             if name in taken:
                 raise InputError(
-                    Problem(path, show(name), f"there is already a {noun} of this name", "give another name")
+                    Fault(path, show(name), f"there is already a {noun} of this name", "give another name")
                 )
         if isinstance(part, Rod):
             self.rods[name] = part

@@ -7,7 +7,7 @@ from typing import Any
 
 from viscorod.model.connections.support import Clamp, Guide, Pin, Roller, Support
 from viscorod.model.connections.support_base import AnySupport
-from viscorod.model.connections.velocity_support import BodyVelocity
+from viscorod.model.connections.velocity_support import VelocitySupport
 from viscorod.model.fields.arguments import Motion, Vector
 
 __all__ = ["Held"]
@@ -50,9 +50,9 @@ class Held:
         self.supports.append(Roller(at, **given, **_moving(motion)))
 
     def body_velocity(self, at: str, fixed: Sequence[str] = (), velocity: Motion | None = None) -> None:
-        """Hold velocities along the axes of the moving section; see `BodyVelocity`."""
+        """Hold velocities along the axes of the moving section; see `VelocitySupport`."""
         given: dict[str, Any] = {"fixed": fixed, "velocity": velocity or {}}
-        self.supports.append(BodyVelocity(at, **given))
+        self.supports.append(VelocitySupport(at, **given))
 
 
 def _moving(motion: Motion | None) -> dict[str, Any]:

@@ -15,11 +15,11 @@ from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 
 __all__ = [
-    "Described",
-    "Marked",
+    "Definition",
+    "FaultyValue",
     "RefusedError",
     "base_init",
     "did_you_mean",
@@ -50,11 +50,11 @@ class RefusedError(InputError):
     def __init__(
         self, why: str, instead: str = "", *, found: str | None = None, at: Sequence[str | int] = ()
     ) -> None:
-        super().__init__(Problem(path_text(at), found or "", why, instead))
+        super().__init__(Fault(path_text(at), found or "", why, instead))
         self.why, self.instead, self.found, self.at = why, instead, found, tuple(at)
 
 
-class Marked:
+class FaultyValue:
     """Stands in for a value that is known to be wrong (a misspelt or missing key, an unknown name).
 
     Whatever the validators say of it, the problem reported is the one told here; `replaces` names the
@@ -79,7 +79,7 @@ def base_init(function: F) -> F:
 
 
 @dataclass_transform(kw_only_default=False, field_specifiers=(Field,))
-class Described(BaseModel):
+class Definition(BaseModel):
     """Base class of the user's objects: immutable; unknown keys refused; errors are `InputError`.
 
     Constructor arguments may be given by position, in the order of the fields, or by name.
@@ -101,7 +101,7 @@ class Described(BaseModel):
 
     def __eq__(self, other: object) -> bool:
         """Whether both are of one class and were given the same; what they have worked out since does not count."""
-        if not isinstance(other, Described):
+        if not isinstance(other, Definition):
             return NotImplemented
         if type(self) is not type(other) or self.__pydantic_private__ != other.__pydantic_private__:
             return False
@@ -119,12 +119,12 @@ class Described(BaseModel):
             raise RefusedError("a table of keys and values is needed here", f"give {_keys(cls)}")
         marked = {str(key): value for key, value in data.items()}
         for key in data:
-            if key not in cls.model_fields and not isinstance(data[key], Marked):
+            if key not in cls.model_fields and not isinstance(data[key], FaultyValue):
                 marked[str(key)] = _unknown(cls, str(key), data)
         for name, field in cls.model_fields.items():
             if field.is_required() and name not in data:
                 what = f" ({field.description})" if field.description else ""
-                marked[name] = Marked(None, "this key is required and missing", f"add {name}{what}")
+                marked[name] = FaultyValue(None, "this key is required and missing", f"add {name}{what}")
         return marked
 
     def to_dict(self) -> dict[str, Any]:
@@ -141,7 +141,7 @@ class Described(BaseModel):
 
 def plain_value(value: Any) -> Any:
     """`value` with tuples as lists, described objects as dicts and functions as a note."""
-    if isinstance(value, Described):
+    if isinstance(value, Definition):
         return value.to_dict()
     if isinstance(value, Mapping):
         return {str(key): plain_value(item) for key, item in value.items()}
@@ -180,7 +180,7 @@ def show(value: Any) -> str:
         return "a whole number of more than 300 digits"
     if isinstance(value, float | str | int):
         return _SHORT.repr(value)
-    if isinstance(value, Described):
+    if isinstance(value, Definition):
         return type(value).__name__
     plain = value.tolist() if hasattr(value, "tolist") else value  # NumPy scalars and arrays
     text = _SHORT.repr(plain)
@@ -200,19 +200,19 @@ def inside(key: str | int, value: Any) -> Iterator[None]:
         raise InputError(problem.within(path_text((key,))) for problem in told) from None
 
 
-def problems_from(error: ValidationError) -> list[Problem]:
+def problems_from(error: ValidationError) -> list[Fault]:
     """Pydantic's errors in the user's words; the missing key that a misspelt one explains is left out."""
     details = error.errors(include_url=False)
     explained = {
         (*item["loc"][:-1], item["input"].replaces)
         for item in details
-        if item["type"] == "extra_forbidden" and isinstance(item["input"], Marked)
+        if item["type"] == "extra_forbidden" and isinstance(item["input"], FaultyValue)
     }
-    found: list[Problem] = []
+    found: list[Fault] = []
     for item in details:
         value, loc = item["input"], item["loc"]
         cause = item.get("ctx", {}).get("error")
-        if isinstance(value, Marked) and (
+        if isinstance(value, FaultyValue) and (
             value.silent or (item["type"] != "extra_forbidden" and loc in explained)
         ):
             continue
@@ -223,11 +223,11 @@ def problems_from(error: ValidationError) -> list[Problem]:
     return list(dict.fromkeys(found))
 
 
-def problems_of(error: ValidationError | InputError, value: Any) -> list[Problem]:
+def problems_of(error: ValidationError | InputError, value: Any) -> list[Fault]:
     """The problems that a parser raised when it was given `value`, in the user's words."""
     if isinstance(error, ValidationError):
         return problems_from(error)
-    if isinstance(value, Marked):
+    if isinstance(value, FaultyValue):
         return [] if value.silent else [_problem("", (), value, "", None)]
     if isinstance(error, RefusedError):
         return [_problem("", (), value, "", error)]
@@ -246,17 +246,17 @@ def path_text(loc: Iterable[str | int]) -> str:
     return text
 
 
-def _problem(kind: str, loc: tuple[str | int, ...], value: Any, message: str, cause: Any) -> Problem:
-    if isinstance(value, Marked):
+def _problem(kind: str, loc: tuple[str | int, ...], value: Any, message: str, cause: Any) -> Fault:
+    if isinstance(value, FaultyValue):
         found = "" if value.value is None else show(value.value)
-        return Problem(path_text(loc), found, value.why, value.instead)
+        return Fault(path_text(loc), found, value.why, value.instead)
     if isinstance(cause, RefusedError):
         found = show(value) if cause.found is None else cause.found
-        return Problem(path_text((*loc, *cause.at)), found, cause.why, cause.instead)
-    return Problem(path_text(loc), show(value), f"not allowed ({kind.replace('_', ' ')})", message)
+        return Fault(path_text((*loc, *cause.at)), found, cause.why, cause.instead)
+    return Fault(path_text(loc), show(value), f"not allowed ({kind.replace('_', ' ')})", message)
 
 
-def _unknown(cls: type[Described], key: str, data: Mapping[Any, Any]) -> Marked:
+def _unknown(cls: type[Definition], key: str, data: Mapping[Any, Any]) -> FaultyValue:
     free = [name for name in cls.model_fields if name not in data]
     close = nearest(key, free) or nearest(key, cls.model_fields)
     advice = (
@@ -264,26 +264,26 @@ def _unknown(cls: type[Described], key: str, data: Mapping[Any, Any]) -> Marked:
         if close
         else f"the keys here are {_keys(cls)}"
     )
-    return Marked(data.get(key), "no such key", advice, replaces=close or "")
+    return FaultyValue(data.get(key), "no such key", advice, replaces=close or "")
 
 
-def _keys(cls: type[Described]) -> str:
+def _keys(cls: type[Definition]) -> str:
     return ", ".join(cls.model_fields)
 
 
-def _bind(cls: type[Described], args: tuple[Any, ...], kwargs: dict[str, Any]) -> dict[str, Any]:
+def _bind(cls: type[Definition], args: tuple[Any, ...], kwargs: dict[str, Any]) -> dict[str, Any]:
     """Positional arguments by the names of the fields, in their order."""
     if not args:
         return kwargs
     names = [name for name, field in cls.model_fields.items() if not field.kw_only]
     if len(args) > len(names):
         raise InputError(
-            Problem(cls.__name__, f"{len(args)} positional arguments", f"at most {len(names)} are understood",
+            Fault(cls.__name__, f"{len(args)} positional arguments", f"at most {len(names)} are understood",
                     f"give them in the order {', '.join(names) or '(none)'} or by name")
         )  # fmt: skip
     named = dict(zip(names, args, strict=False))
     twice = sorted(named.keys() & kwargs.keys())
     if twice:
         found, why = show(kwargs[twice[0]]), "given twice, by position and by name"
-        raise InputError(Problem(f"{cls.__name__}.{twice[0]}", found, why, "give it once"))
+        raise InputError(Fault(f"{cls.__name__}.{twice[0]}", found, why, "give it once"))
     return named | kwargs

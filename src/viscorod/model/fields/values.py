@@ -13,8 +13,8 @@ from typing import Annotated, Any, TypeAlias, TypeVar
 import numpy as np
 from pydantic import BeforeValidator, PlainValidator
 
-from viscorod.errors import InputError, Problem
-from viscorod.model.fields.definition import Described, RefusedError, did_you_mean, inside, show
+from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import Definition, RefusedError, did_you_mean, inside, show
 
 NOT_GIVEN = math.nan
 """Default of a number that is worked out from others when it is not given (a user's NaN is refused)."""
@@ -136,7 +136,7 @@ def entries(table: Mapping[Any, Any], name: Callable[[Any], str], check: Callabl
         InputError: everything that is wrong with keys and values.
     """
     found: dict[str, T] = {}
-    problems: list[Problem] = []
+    problems: list[Fault] = []
     for key, value in table.items():
         try:
             with inside(str(key), key):
@@ -224,12 +224,12 @@ def optional(check: Callable[[Any], Any]) -> Callable[[Any], Any]:
 
 
 def choose(
-    tag: str, kinds: Mapping[str, type[Described]], default: str | None = None
-) -> Callable[[Any], Described]:
+    tag: str, kinds: Mapping[str, type[Definition]], default: str | None = None
+) -> Callable[[Any], Definition]:
     """A parser that lets objects of the given kinds through and reads a table by its key `tag`."""
 
-    def parse(value: Any) -> Described:
-        if isinstance(value, Described) and isinstance(value, tuple(kinds.values())):
+    def parse(value: Any) -> Definition:
+        if isinstance(value, Definition) and isinstance(value, tuple(kinds.values())):
             return value
         known = ", ".join(map(repr, kinds))
         if not isinstance(value, Mapping):

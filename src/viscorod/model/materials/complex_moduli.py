@@ -10,7 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
-from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.values import (
     LARGEST,
     frequency_band,
@@ -29,7 +29,7 @@ from viscorod.model.materials.nearest_kelvin_voigt import (
     nearest_maxwell,
 )
 from viscorod.model.materials.prony import maxwell_branches
-from viscorod.model.materials.relaxation_modulus import Complexes, Relaxation
+from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
 from viscorod.typing import Floats
 
 __all__ = ["ComplexModuli", "ModulusTable"]
@@ -52,7 +52,7 @@ Column = Annotated[Sequence[float] | None, PlainValidator(optional(_column))]
 Band = Annotated[tuple[float, float] | None, PlainValidator(optional(frequency_band))]
 
 
-class ModulusTable(Described):
+class ModulusTable(Definition):
     """Storage and loss modulus over frequency: three lists, or a file.
 
     Args:
@@ -268,7 +268,7 @@ class ComplexModuli(ModulusTable, Damping):
 
     def _branches(self, elastic: Elastic) -> Behaviour:
         known = {"extension": elastic.youngs_modulus, "shear": elastic.shear_modulus}
-        fits: dict[str, Relaxation] = {}
+        fits: dict[str, RelaxationModulus] = {}
         for strain in self.tables:
             rest = None if math.isnan(known[strain]) else known[strain]
             fits[strain] = nearest_maxwell(*self._rows(strain), self.per_decade or 2, rest)
@@ -297,13 +297,15 @@ class ComplexModuli(ModulusTable, Damping):
             assumptions=tuple(sentences),
         )
 
-    def _told(self, strain: str, fit: Viscous | Relaxation, given: Elastic, found: Elastic) -> list[str]:
+    def _told(
+        self, strain: str, fit: Viscous | RelaxationModulus, given: Elastic, found: Elastic
+    ) -> list[str]:
         """What the fit of a strain is, and how far it is from the table."""
         omega, modulus = self._rows(strain)
         storage, loss = (
             100.0 * float(np.max(np.abs(error))) for error in errors(modulus, fit.complex_modulus(omega))
         )
-        name = f"{len(fit.times)} Maxwell branches" if isinstance(fit, Relaxation) else "Kelvin-Voigt"
+        name = f"{len(fit.times)} Maxwell branches" if isinstance(fit, RelaxationModulus) else "Kelvin-Voigt"
         rows = "" if len(omega) == 1 else f" to {omega[-1] / (2.0 * math.pi):.4g}"
         told = [
             f"{name} in {strain}, fitted from {omega[0] / (2.0 * math.pi):.4g}{rows} Hz: there the storage modulus is "

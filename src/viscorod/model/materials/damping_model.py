@@ -7,8 +7,8 @@ from abc import abstractmethod
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from viscorod.model.fields.definition import Described, RefusedError
-from viscorod.model.materials.relaxation_modulus import Relaxation
+from viscorod.model.fields.definition import Definition, RefusedError
+from viscorod.model.materials.relaxation_modulus import RelaxationModulus
 
 __all__ = ["Behaviour", "Branch", "Damping", "Elastic", "bulk_time_of"]
 
@@ -70,8 +70,8 @@ class Behaviour:
     bulk_time: float = 0.0
     bulk_viscosity: float | None = None
     branches: tuple[Branch, ...] = ()
-    extension: Relaxation | None = None
-    shear: Relaxation | None = None
+    extension: RelaxationModulus | None = None
+    shear: RelaxationModulus | None = None
     assumptions: tuple[str, ...] = ()
     pending: bool = False
 
@@ -80,7 +80,7 @@ class Behaviour:
         return replace(self, assumptions=self.assumptions + sentences)
 
 
-class Damping(Described):
+class Damping(Definition):
     """Base class of the descriptions of a material's damping."""
 
     @abstractmethod

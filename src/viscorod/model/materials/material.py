@@ -8,25 +8,25 @@ from typing import Annotated, Any, Self, cast
 import numpy as np
 from pydantic import PlainValidator, PrivateAttr, model_validator
 
-from viscorod.errors import InputError, Problem
-from viscorod.model.fields.definition import Described, RefusedError, plain_value, show
+from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import Definition, RefusedError, plain_value, show
 from viscorod.model.fields.values import NOT_GIVEN, PoissonsRatio, Positive, choose
 from viscorod.model.materials.complex_moduli import ComplexModuli
 from viscorod.model.materials.damping_model import Behaviour, Branch, Damping, Elastic
 from viscorod.model.materials.kelvin_voigt import KelvinVoigt
 from viscorod.model.materials.loss_factor import LossFactor
-from viscorod.model.materials.measured_damping import ModalDamping
+from viscorod.model.materials.measured_damping import MeasuredDamping
 from viscorod.model.materials.prony import Prony
-from viscorod.model.materials.relaxation_modulus import Relaxation
+from viscorod.model.materials.relaxation_modulus import RelaxationModulus
 
 __all__ = ["DAMPINGS", "Branch", "KelvinVoigt", "Material"]
 
-DAMPINGS: dict[str, type[Described]] = {
+DAMPINGS: dict[str, type[Definition]] = {
     "kelvin_voigt": KelvinVoigt,
     "loss_factor": LossFactor,
     "complex_moduli": ComplexModuli,
     "prony": Prony,
-    "modal": ModalDamping,
+    "modal": MeasuredDamping,
 }
 """The kinds of damping by their word in a case file; a new one is one class and one line here."""
 
@@ -37,7 +37,7 @@ def _damping(value: Any) -> Damping | None:
     return None if value is None else cast(Damping, _one_damping(value))
 
 
-class Material(Described):
+class Material(Definition):
     """Isotropic, linearly viscoelastic material.
 
     Young's modulus E is given, and one of Poisson's ratio nu and shear modulus G = E/2(1+nu); both can be
@@ -48,7 +48,7 @@ class Material(Described):
         poissons_ratio: nu in (-1, 0.5]; 0.5 is incompressible.
         density: mass per volume > 0, kg/m^3.
         shear_modulus: G > 0, Pa, instead of Poisson's ratio.
-        damping: `KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `ModalDamping`; None for an elastic material.
+        damping: `KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `MeasuredDamping`; None: elastic.
     """
 
     youngs_modulus: Positive = NOT_GIVEN
@@ -149,14 +149,14 @@ class Material(Described):
 
     @property
     def pending(self) -> bool:
-        """Whether the damping follows from a mode (`ModalDamping`) and is known in a built model only."""
+        """Whether the damping follows from a mode (`MeasuredDamping`) and is known in a built model only."""
         return self._behaviour.pending
 
     @property
     def _known(self) -> Behaviour:
         if self._behaviour.pending:
             raise InputError(
-                Problem(
+                Fault(
                     "damping",
                     show(self.damping),
                     "its times follow from a mode of a model, and this material stands alone",
@@ -191,7 +191,7 @@ class Material(Described):
         """What was assumed of the damping, one sentence each."""
         return self._behaviour.assumptions
 
-    def relaxation(self, strain: str) -> Relaxation | None:
+    def relaxation(self, strain: str) -> RelaxationModulus | None:
         """The relaxation modulus of "extension" or "shear"; None where only times are known."""
         return self._behaviour.extension if strain == "extension" else self._behaviour.shear
 

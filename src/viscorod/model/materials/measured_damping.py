@@ -11,7 +11,7 @@ from viscorod.model.fields.definition import RefusedError, did_you_mean, show
 from viscorod.model.fields.values import NonNegative, name_of_part, number, optional, whole_number
 from viscorod.model.materials.damping_model import Behaviour, Damping, Elastic
 
-__all__ = ["MOST_MODES", "ModalDamping"]
+__all__ = ["MOST_MODES", "MeasuredDamping"]
 
 MOST_MODES = 50
 
@@ -51,7 +51,7 @@ def _mode(value: Any) -> int | str:
     return f"{word} {int(count)}"
 
 
-class ModalDamping(Damping):
+class MeasuredDamping(Damping):
     """Kelvin-Voigt damping that gives one mode of the unloaded model a measured damping ratio.
 
     The times are found when the model is built: the ratio of a mode, phi.D phi/(2 omega phi.M phi), is linear in them.

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.model.fields.definition import RefusedError
-from viscorod.model.materials.relaxation_modulus import Complexes, Relaxation
+from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
 from viscorod.typing import Floats
 
 __all__ = ["Viscous", "band_of", "errors", "log_weights", "nearest_kelvin_voigt", "nearest_maxwell"]
@@ -78,7 +78,7 @@ def nearest_kelvin_voigt(omega: Floats, modulus: Complexes) -> Viscous:
 
 def nearest_maxwell(
     omega: Floats, modulus: Complexes, per_decade: int, equilibrium: float | None = None
-) -> Relaxation:
+) -> RelaxationModulus:
     """The generalised Maxwell solid nearest to a complex modulus: non-negative least squares over fixed times.
 
     The relaxation times go from the inverse of the highest frequency to that of the lowest, half a decade beyond both.
@@ -118,7 +118,7 @@ def nearest_maxwell(
                 found="",
             )
     kept = found > 1e-12 * unit
-    return Relaxation(equilibrium, tuple(found[kept].tolist()), tuple(times[kept].tolist()))
+    return RelaxationModulus(equilibrium, tuple(found[kept].tolist()), tuple(times[kept].tolist()))
 
 
 def errors(modulus: Complexes, fit: Complexes) -> tuple[Floats, Floats]:

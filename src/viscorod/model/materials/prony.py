@@ -14,7 +14,7 @@ from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.values import LARGEST, frequency_band, numbers, one_of, optional
 from viscorod.model.materials.damping_model import Behaviour, Branch, Damping, Elastic
 from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, errors, nearest_kelvin_voigt
-from viscorod.model.materials.relaxation_modulus import Relaxation, extension_of
+from viscorod.model.materials.relaxation_modulus import RelaxationModulus, extension_of
 
 __all__ = ["Prony", "maxwell_branches"]
 
@@ -52,7 +52,7 @@ REFERENCES = ("equilibrium", "instantaneous")
 
 
 class Prony(Damping):
-    """Relaxation of the moduli as Prony series: a Maxwell branch for every term.
+    """RelaxationModulus of the moduli as Prony series: a Maxwell branch for every term.
 
     G(t) = G_inf + sum G_j exp(-t/tau_j), and the same for the bulk modulus K or for Young's modulus. A modulus of a
     term is given as such or as its ratio to the whole modulus. Abaqus and Ansys give ratios to the *instantaneous*
@@ -201,8 +201,10 @@ class Prony(Damping):
             )
         return replace(found, extension=extension, shear=shear, assumptions=tuple(assumptions))
 
-    def _relaxations(self, elastic: Elastic) -> tuple[Relaxation, Relaxation, Relaxation, float]:
-        """Relaxation of Young's, the shear and the bulk modulus; Poisson's ratio at rest."""
+    def _relaxations(
+        self, elastic: Elastic
+    ) -> tuple[RelaxationModulus, RelaxationModulus, RelaxationModulus, float]:
+        """RelaxationModulus of Young's, the shear and the bulk modulus; Poisson's ratio at rest."""
         nu = elastic.poissons_ratio
         if self.extension_times is not None:
             extension = self._series("extension", elastic.youngs_modulus)
@@ -222,20 +224,20 @@ class Prony(Damping):
                 bulk = self._series("bulk", elastic.bulk_modulus)
                 shear = bulk.scaled(elastic.shear_modulus / elastic.bulk_modulus)
             return shear.scaled(2.0 * (1.0 + nu)), shear, _bulk(shear, nu), nu
-        shear, bulk = Relaxation(elastic.shear_modulus), Relaxation(elastic.bulk_modulus)
+        shear, bulk = RelaxationModulus(elastic.shear_modulus), RelaxationModulus(elastic.bulk_modulus)
         if self.shear_times is not None:
             shear = self._series("shear", elastic.shear_modulus)
         if self.bulk_times is not None:
             bulk = self._series("bulk", elastic.bulk_modulus)
         extension = extension_of(shear, bulk)
         if self.moduli == "equilibrium":
-            kept = Relaxation(elastic.youngs_modulus, extension.moduli, extension.times)
+            kept = RelaxationModulus(elastic.youngs_modulus, extension.moduli, extension.times)
             return kept, shear, bulk, nu
         G, K = shear.equilibrium, bulk.equilibrium
         ratio = 0.5 if math.isinf(K) else (3.0 * K - 2.0 * G) / (6.0 * K + 2.0 * G)
         return extension, shear, bulk, ratio
 
-    def _series(self, strain: str, modulus: float) -> Relaxation:
+    def _series(self, strain: str, modulus: float) -> RelaxationModulus:
         """The relaxation modulus of a strain from its terms and the given modulus."""
         times: Series = getattr(self, f"{strain}_times")
         moduli: Series | None = getattr(self, f"{strain}_moduli")
@@ -264,17 +266,17 @@ class Prony(Damping):
                 found=f"sum {math.fsum(moduli):.6g} Pa",
                 at=(key,),
             )
-        return Relaxation(remaining, tuple(moduli), tuple(times))
+        return RelaxationModulus(remaining, tuple(moduli), tuple(times))
 
 
-def _bulk(shear: Relaxation, nu: float) -> Relaxation:
+def _bulk(shear: RelaxationModulus, nu: float) -> RelaxationModulus:
     """The bulk modulus beside a shear modulus at a constant Poisson's ratio."""
     if nu == 0.5:
-        return Relaxation(math.inf)
+        return RelaxationModulus(math.inf)
     return shear.scaled(2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu)))
 
 
-def _nearest(shear: Relaxation, bulk: Relaxation, band: tuple[float, float]) -> Behaviour:
+def _nearest(shear: RelaxationModulus, bulk: RelaxationModulus, band: tuple[float, float]) -> Behaviour:
     """The Kelvin-Voigt material whose shear and bulk moduli are nearest over a band."""
     omega = band_of(band)
     fit = nearest_kelvin_voigt(omega, shear.complex_modulus(omega))
@@ -297,7 +299,7 @@ def _extensional_viscosity(found: Behaviour) -> float:
     )
 
 
-def maxwell_branches(extension: Relaxation, shear: Relaxation) -> tuple[Branch, ...]:
+def maxwell_branches(extension: RelaxationModulus, shear: RelaxationModulus) -> tuple[Branch, ...]:
     """Branches of a rod's material: the times of both, each with what it adds to E and to G."""
     young = dict(zip(extension.times, extension.moduli, strict=True))
     shearing = dict(zip(shear.times, shear.moduli, strict=True))

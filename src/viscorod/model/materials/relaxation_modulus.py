@@ -1,4 +1,4 @@
-"""Relaxation moduli as Prony series, and the modulus in extension that follows from shear and volume change.
+"""RelaxationModulus moduli as Prony series, and the modulus in extension that follows from shear and volume change.
 
 A generalised Maxwell solid: a spring beside Maxwell branches. With the moduli M_j and relaxation times tau_j
 
@@ -16,10 +16,10 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.typing import Floats
 
-__all__ = ["Relaxation", "extension_of"]
+__all__ = ["RelaxationModulus", "extension_of"]
 
 NOTHING = 1e-30
 """Branches of less than this part of the equilibrium modulus are none."""
@@ -28,7 +28,7 @@ Complexes: TypeAlias = npt.NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
-class Relaxation:
+class RelaxationModulus:
     """A relaxation modulus; branches of equal time are merged, those without modulus left out.
 
     Attributes:
@@ -48,20 +48,18 @@ class Relaxation:
         if len(self.moduli) != len(self.times):
             found = f"{len(self.moduli)} moduli and {len(self.times)} times"
             raise InputError(
-                Problem("times", found, "each branch has one modulus and one time", "give as many")
+                Fault("times", found, "each branch has one modulus and one time", "give as many")
             )
         if not self.equilibrium > 0.0:
             raise InputError(
-                Problem(
-                    "equilibrium", f"{self.equilibrium:g}", "a solid keeps a modulus", "give a number > 0"
-                )
+                Fault("equilibrium", f"{self.equilibrium:g}", "a solid keeps a modulus", "give a number > 0")
             )
         merged: dict[float, float] = {}
         for modulus, time in zip(self.moduli, self.times, strict=True):
             if not (0.0 <= modulus < math.inf and 0.0 < time < math.inf):
                 found = f"modulus {modulus:g} Pa with time {time:g} s"
                 raise InputError(
-                    Problem("moduli", found, "outside what is allowed", "give moduli >= 0 and times > 0")
+                    Fault("moduli", found, "outside what is allowed", "give moduli >= 0 and times > 0")
                 )
             if modulus > NOTHING * self.equilibrium or math.isinf(self.equilibrium):
                 merged[float(time)] = merged.get(float(time), 0.0) + float(modulus)
@@ -123,7 +121,7 @@ class Relaxation:
         if omega.ndim != 1 or omega.shape != spectrum.shape or omega.size < 2:
             found = f"{omega.shape} and {spectrum.shape}"
             raise InputError(
-                Problem(
+                Fault(
                     "spectrum",
                     found,
                     "each frequency has one value",
@@ -131,17 +129,19 @@ class Relaxation:
                 )
             )
         if omega[0] < 0.0 or not (np.diff(omega) > 0.0).all():
-            raise InputError(Problem("omega", "", "frequencies must increase from 0 or above", "sort them"))
+            raise InputError(Fault("omega", "", "frequencies must increase from 0 or above", "sort them"))
         product = omega[:, None] * np.array(self.times)
         weight = np.sum(np.array(self.moduli) * product**2 / np.sqrt(1.0 + product**2), axis=1)
         return float(np.trapezoid(spectrum * weight, omega)) / math.pi
 
-    def scaled(self, factor: float) -> Relaxation:
+    def scaled(self, factor: float) -> RelaxationModulus:
         """The same relaxation of another modulus: all moduli times a positive factor."""
-        return Relaxation(self.equilibrium * factor, tuple(m * factor for m in self.moduli), self.times)
+        return RelaxationModulus(
+            self.equilibrium * factor, tuple(m * factor for m in self.moduli), self.times
+        )
 
 
-def extension_of(shear: Relaxation, bulk: Relaxation) -> Relaxation:
+def extension_of(shear: RelaxationModulus, bulk: RelaxationModulus) -> RelaxationModulus:
     """Young's modulus as a Prony series, from the moduli of shear G and volume change K.
 
     By the correspondence principle E* = 9 K* G*/(3 K* + G*) at every complex frequency. With x = -1/s the moduli are
@@ -179,7 +179,7 @@ def extension_of(shear: Relaxation, bulk: Relaxation) -> Relaxation:
         for time, k in zip(bulk.times, bulk.moduli, strict=True)
         if time in shares
     ]
-    return Relaxation(
+    return RelaxationModulus(
         9.0 * K * G / (3.0 * K + G), tuple(modulus for _, modulus in found), tuple(time for time, _ in found)
     )
 
@@ -217,7 +217,7 @@ def _zero(equilibrium: float, moduli: Floats, times: Floats, index: int) -> tupl
     return float(times[near]), side * math.exp(exponent)
 
 
-def _at(modulus: Relaxation, origin: float, offset: float) -> tuple[float, float]:
+def _at(modulus: RelaxationModulus, origin: float, offset: float) -> tuple[float, float]:
     """The modulus at x = origin + offset, and the sum of the sizes of its terms."""
     times, moduli = np.array(modulus.times), np.array(modulus.moduli)
     terms = moduli * times / ((times - origin) - offset)

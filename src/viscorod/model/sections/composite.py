@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
-from viscorod.model.fields.definition import Described, RefusedError, inside, show
+from viscorod.model.fields.definition import Definition, RefusedError, inside, show
 from viscorod.model.fields.values import Number, choose, optional, pair, sequence
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.meshed_section import (
@@ -37,9 +37,9 @@ from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.model.sections.section_mesh import refuse_misfits
 from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
 
-__all__ = ["Composite", "Region"]
+__all__ = ["Composite", "CompositeRegion"]
 
-SIMPLE: dict[str, type[Described]] = {
+SIMPLE: dict[str, type[Definition]] = {
     "circle": Circle,
     "annulus": Annulus,
     "rectangle": Rectangle,
@@ -61,7 +61,7 @@ def _material(value: Any) -> Material:
     return material
 
 
-class Region(Described):
+class CompositeRegion(Definition):
     """A part of a composite section, of one material: a polygon or a simple shape, at its place.
 
     Args:
@@ -141,7 +141,9 @@ class Composite(AnySection):
     no_material: ClassVar[str | None] = "the regions of a composite section have their own materials"
     can_taper: ClassVar[bool] = False
     shape: Literal["composite"] = Field(default="composite", kw_only=True, repr=False)
-    regions: Annotated[Sequence[Region], BeforeValidator(_some_regions)] = Field(description="list of tables")
+    regions: Annotated[Sequence[CompositeRegion], BeforeValidator(_some_regions)] = Field(
+        description="list of tables"
+    )
     origin: Origin = "centroid"
     axes: Axes = "given"
     mesh_size: MeshSize = None

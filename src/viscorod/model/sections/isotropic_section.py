@@ -12,12 +12,12 @@ from typing import Literal
 import numpy as np
 from pydantic import Field
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.fields.values import Positive
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 
-__all__ = ["MaterialSection", "Section"]
+__all__ = ["MaterialSection", "SectionProperties"]
 
 
 class MaterialSection(AnySection):
@@ -85,12 +85,12 @@ def required(material: Material | None) -> Material:
     """`material`, or an `InputError` where there is none."""
     if material is None:
         raise InputError(
-            Problem("material", "", "this section needs one for its stiffness and mass", "add material")
+            Fault("material", "", "this section needs one for its stiffness and mass", "add material")
         )
     return material
 
 
-class Section(MaterialSection):
+class SectionProperties(MaterialSection):
     """A section given by its numbers.
 
     Args:

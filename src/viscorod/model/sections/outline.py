@@ -23,10 +23,10 @@ from viscorod.model.sections.saint_venant import SectionAnalysis, analysed
 from viscorod.model.sections.section_base import Matrices
 from viscorod.model.sections.section_mesh import refuse_misfits
 
-__all__ = ["Outline"]
+__all__ = ["PolygonSection"]
 
 
-class Outline(MaterialSection):
+class PolygonSection(MaterialSection):
     """A section with any outline, of one material; torsion and shear by finite elements.
 
     Needs the package sectionproperties: ``pip install 'viscorod[sections]'``. The shear stiffness is that of the

@@ -5,8 +5,8 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import ClassVar, TypeAlias
 
-from viscorod.errors import InputError, Problem
-from viscorod.model.fields.definition import Described
+from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import Definition
 from viscorod.model.materials.material import Material
 from viscorod.typing import Floats
 
@@ -16,7 +16,7 @@ Matrices: TypeAlias = tuple[Floats, Floats, Floats]
 Branches: TypeAlias = tuple[Floats, Floats]
 
 
-class AnySection(Described):
+class AnySection(Definition):
     """A cross section in the plane of d1 and d2.
 
     The order is (shear_1, shear_2, stretch, bend_1, bend_2, twist) in C and D, (v1, v2, v3, w1, w2, w3) in M.
@@ -41,7 +41,7 @@ class AnySection(Described):
             InputError: there is one.
         """
         if material is not None and self.no_material is not None:
-            raise InputError(Problem("material", "", self.no_material, "leave material out"))
+            raise InputError(Fault("material", "", self.no_material, "leave material out"))
 
     @property
     def half_width(self) -> float | None:

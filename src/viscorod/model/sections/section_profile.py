@@ -9,26 +9,26 @@ from typing import Annotated, Any, Self, TypeAlias
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
-from viscorod.model.fields.definition import Described, RefusedError, base_init, show
+from viscorod.model.fields.definition import Definition, RefusedError, base_init, show
 from viscorod.model.fields.values import Positive, choose, sequence
 from viscorod.model.sections.composite import Composite
-from viscorod.model.sections.isotropic_section import Section
-from viscorod.model.sections.outline import Outline
+from viscorod.model.sections.isotropic_section import SectionProperties
+from viscorod.model.sections.outline import PolygonSection
 from viscorod.model.sections.section_base import AnySection
 from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
 from viscorod.model.sections.stiffness_section import StiffnessSection
 
 __all__ = ["AnySection", "Piece", "Piecewise", "SectionProfile", "Taper", "section_profile"]
 
-SECTIONS: dict[str, type[Described]] = {
+SECTIONS: dict[str, type[Definition]] = {
     "circle": Circle,
     "annulus": Annulus,
     "rectangle": Rectangle,
     "ellipse": Ellipse,
     "square_tube": SquareTube,
-    "outline": Outline,
+    "outline": PolygonSection,
     "composite": Composite,
-    "given": Section,
+    "given": SectionProperties,
     "stiffness": StiffnessSection,
 }
 """The sections by their word in a case file; a new section is one class and one line here."""
@@ -37,7 +37,7 @@ one_section = choose("shape", SECTIONS)
 SectionField = Annotated[AnySection, PlainValidator(one_section)]
 
 
-class Piece(Described):
+class Piece(Definition):
     """One section up to a station.
 
     Args:
@@ -61,7 +61,7 @@ def _as_pieces(value: Any) -> list[Any]:
     ]
 
 
-class Piecewise(Described):
+class Piecewise(Definition):
     """Different sections one after the other.
 
     Args:
@@ -92,7 +92,7 @@ class Piecewise(Described):
         return next((piece.section for piece in self.pieces if s < piece.until), self.pieces[-1].section)
 
 
-class Taper(Described):
+class Taper(Definition):
     """A section whose every dimension changes linearly along the rod.
 
     Args:
@@ -147,10 +147,10 @@ def section_profile(value: Any) -> SectionProfile:
     """`value` as a section, pieces, a taper or a function."""
     if isinstance(value, Piecewise | Taper):
         return value
-    if callable(value) and not isinstance(value, Described | type):
+    if callable(value) and not isinstance(value, Definition | type):
         profile: SectionProfile = value
         return profile
-    if not isinstance(value, Mapping | Described):
+    if not isinstance(value, Mapping | Definition):
         raise RefusedError(
             "a section is needed here", f"give a table with shape = one of {', '.join(SECTIONS)}"
         )

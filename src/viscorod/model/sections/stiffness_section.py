@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
-from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.values import Positive, each, numbers, sequence
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
@@ -184,7 +184,7 @@ def _branch_stiffness(value: Any) -> Matrix:
     return matrix
 
 
-class MaxwellBranch(Described):
+class MaxwellBranch(Definition):
     """A Maxwell branch of a section: a spring and a dashpot in series, beside the stiffness.
 
     It adds `stiffness` to strains much faster than `time`, and nothing to much slower ones.

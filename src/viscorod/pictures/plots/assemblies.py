@@ -24,7 +24,7 @@ WIDTH = 0.01
 
 
 @dataclass(frozen=True)
-class Body:
+class DrawnBody:
     """Station of a mass centre, and those of what is fixed to the body: its points and rod ends."""
 
     name: str
@@ -44,7 +44,7 @@ class Assembly:
                 continue
             centre = int(sites.stations(place)[0])
             fixed = np.flatnonzero(member == place)
-            self.bodies.append(Body(place, centre, fixed[fixed != centre]))
+            self.bodies.append(DrawnBody(place, centre, fixed[fixed != centre]))
         empty = "connection_kind" not in data
         kind = np.zeros(0, dtype=str) if empty else np.asarray(data["connection_kind"].values, dtype=str)
         self._station = np.zeros((0, 2), dtype=int) if empty else data["connection_station"].values

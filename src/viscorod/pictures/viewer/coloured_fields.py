@@ -15,14 +15,14 @@ if TYPE_CHECKING:
     from viscorod.pictures.viewer.rod_lines import Line
     from viscorod.results.result import Result
 
-__all__ = ["Points", "fields_of", "points_of", "speed_of"]
+__all__ = ["FieldPoints", "fields_of", "points_of", "speed_of"]
 
 _STRAIN = ("shear 1", "shear 2", "stretch", "bend 1", "bend 2", "twist")
 _FORCE = ("shear force 1", "shear force 2", "axial force", "moment 1", "moment 2", "torque")
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
+class FieldPoints:
     """Gauss points of a page.
 
     Attributes:
@@ -46,7 +46,7 @@ class Points:
         return between
 
 
-def points_of(result: Result, lines: list[Line], most: int) -> Points | None:
+def points_of(result: Result, lines: list[Line], most: int) -> FieldPoints | None:
     """Gauss points of all rods, at even arc lengths where there are more than `most`; None where none are stored."""
     if "point_rod" not in result.data.coords or not result.data.sizes.get("point", 0):
         return None
@@ -71,10 +71,10 @@ def points_of(result: Result, lines: list[Line], most: int) -> Points | None:
     if not columns:
         return None
     lower, upper, part, s, line_of = (np.concatenate(column) for column in zip(*columns, strict=True))
-    return Points(lower, upper, part, s, line_of)
+    return FieldPoints(lower, upper, part, s, line_of)
 
 
-def fields_of(result: Result, frames: Frames, points: Points) -> list[tuple[dict[str, object], Floats]]:
+def fields_of(result: Result, frames: Frames, points: FieldPoints) -> list[tuple[dict[str, object], Floats]]:
     """Return what is stored at Gauss points: name, title, unit, scale and values ``(n, points)`` in SI."""
     found: list[tuple[dict[str, object], Floats]] = []
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.model.sections.composite import Composite
-from viscorod.model.sections.outline import Outline
+from viscorod.model.sections.outline import PolygonSection
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def contours_of(rod: Rod) -> list[list[Floats]] | None:
     another one elsewhere on the rod.
     """
     section = rod.section
-    if isinstance(section, Outline):
+    if isinstance(section, PolygonSection):
         regions = [(section.points, section.holes)]
     elif isinstance(section, Composite):
         regions = [region.polygon for region in section.regions]

@@ -15,7 +15,7 @@ from viscorod.typing import Floats, Integers
 if TYPE_CHECKING:
     from viscorod.pictures.viewer.packing import Pack
     from viscorod.results.result import Result
-    from viscorod.results.result_places import Site
+    from viscorod.results.result_places import ResultPlace
 
 __all__ = ["MOST_SAMPLES", "decay_of", "energy_of", "histories_of", "places_of", "samples_of"]
 
@@ -48,7 +48,7 @@ def samples_of(result: Result) -> Integers:
     return np.array(sorted(chosen), dtype=np.int64)
 
 
-def places_of(result: Result) -> list[Site]:
+def places_of(result: Result) -> list[ResultPlace]:
     """Places whose histories can be chosen: that of the main motion, then ends of rods and points of bodies."""
     sites = result.sites
     main, _ = result.main_motion

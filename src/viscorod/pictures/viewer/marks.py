@@ -11,7 +11,7 @@ from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from viscorod.results.result import Result
-    from viscorod.results.result_places import Site
+    from viscorod.results.result_places import ResultPlace
 
 __all__ = ["Marks"]
 
@@ -36,7 +36,7 @@ class Marks:
         """Number of frames."""
         return len(self.positions)
 
-    def site(self, site: Site) -> int:
+    def site(self, site: ResultPlace) -> int:
         """Add a point of a rod or body with the axes of its section; returns its number."""
         key = tuple(site.stations.tolist())
         if len(key) == 1 and key in self._places:

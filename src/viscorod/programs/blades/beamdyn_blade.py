@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.programs.blades.blade_text import Lines
 from viscorod.programs.energy_creation import EnergyCheck, check_product
 from viscorod.programs.matrices import symmetric_part
@@ -92,7 +92,7 @@ def read_beamdyn_blade(path: str | Path) -> BeamDynBlade:
         inertia[k] = _matrix(lines, f"a row of the mass of station {k + 1}")
     if stations[0] != 0.0 or stations[-1] != 1.0 or (np.diff(stations) <= 0.0).any():
         raise InputError(
-            Problem(
+            Fault(
                 str(path),
                 f"stations from {stations[0]:g} to {stations[-1]:g}",
                 "they must rise from 0 to 1",
@@ -153,7 +153,7 @@ def write_beamdyn_blade_file(blade: BeamDynBlade, path: str | Path, *, modal_sec
         target.write_text("\n".join(text) + "\n", encoding="utf-8")
     except OSError as error:
         raise InputError(
-            Problem(str(path), "", f"the file cannot be written ({error.strerror})", "name another folder")
+            Fault(str(path), "", f"the file cannot be written ({error.strerror})", "name another folder")
         ) from None
     return target
 

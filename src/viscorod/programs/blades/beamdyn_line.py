@@ -14,10 +14,10 @@ from typing import Self, TypeAlias
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.centrelines.centreline import Centreline
 from viscorod.model.centrelines.line_shapes import Straight
-from viscorod.model.centrelines.parametric_lines import Points
+from viscorod.model.centrelines.parametric_lines import ThroughPoints
 from viscorod.model.rod import Rod
 from viscorod.programs.blades.blade_text import Lines
 from viscorod.typing import Floats
@@ -67,7 +67,7 @@ class ReferenceLine:
         away = np.cross(self.points - self.points[0], chord / length if length > 0.0 else chord)
         if float(np.abs(away).max()) <= _STRAIGHT * length:
             return Straight(tuple(self.points[0].tolist()), tuple(self.points[-1].tolist()))
-        return Points(tuple(map(tuple, self.points.tolist())))
+        return ThroughPoints(tuple(map(tuple, self.points.tolist())))
 
     def arc_lengths(self) -> Floats:
         """Arc lengths of the key points (n,), m."""
@@ -101,7 +101,7 @@ def reference_line(line: LineLike) -> ReferenceLine:
         array = np.zeros(0)
     if array.ndim != 2 or array.shape[1] not in (3, 4) or len(array) < 2 or not np.isfinite(array).all():
         raise InputError(
-            Problem(
+            Fault(
                 "centreline",
                 f"an array of the shape {array.shape}",
                 "the reference line needs key points",
@@ -120,7 +120,7 @@ def beamdyn_axis(tangent: Floats, angle: float) -> Floats:
     if tangent[2] < 1e-6:
         x, y, z = tangent.tolist()
         raise InputError(
-            Problem(
+            Fault(
                 "centreline",
                 f"a tangent along ({x:.3g}, {y:.3g}, {z:.3g})",
                 "BeamDyn's blades run along +Z from root to tip",

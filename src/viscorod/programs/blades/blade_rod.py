@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.rod import Rod
 from viscorod.model.sections.stiffness_section import StiffnessSection
 from viscorod.programs.blades.beamdyn_blade import (
@@ -38,7 +38,7 @@ def product_damping(stiffness: Floats, times: Floats) -> Floats:
     check = check_product(stiffness, times)
     if check.creates_energy:
         raise InputError(
-            Problem(
+            Fault(
                 "mu",
                 "",
                 check.text(),
@@ -115,12 +115,10 @@ def rod_from_blade(
     if not isinstance(blade, BeamDynBlade):
         blade = read_beamdyn_blade(blade)
     if law not in ("symmetric", "same power"):
-        raise InputError(
-            Problem("law", repr(law), "there is no such law", 'give "symmetric" or "same power"')
-        )
+        raise InputError(Fault("law", repr(law), "there is no such law", 'give "symmetric" or "same power"'))
     if blade.damp_type == 2:
         raise InputError(
-            Problem(
+            Fault(
                 "damp_type",
                 "2",
                 "modal damping belongs to modes, not to sections",
@@ -169,7 +167,7 @@ def blade_from_rod(
         or (np.diff(fractions) <= 0.0).any()
     ):
         raise InputError(
-            Problem("stations", f"{len(np.atleast_1d(fractions))} numbers", "they must rise from 0 to 1",
+            Fault("stations", f"{len(np.atleast_1d(fractions))} numbers", "they must rise from 0 to 1",
                     "give fractions of the length, such as 0, 0.5, 1")
         )  # fmt: skip
     refuse_branches(rod, fractions * rod.length)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.typing import Floats
 
 __all__ = ["Lines"]
@@ -29,7 +29,7 @@ class Lines:
             self._lines = self.path.read_text(encoding="utf-8", errors="replace").splitlines()
         except OSError as error:
             raise InputError(
-                Problem(str(path), "", f"the file cannot be read ({error.strerror})", "check the path")
+                Fault(str(path), "", f"the file cannot be read ({error.strerror})", "check the path")
             ) from None
         self._next = 0
 
@@ -57,7 +57,7 @@ class Lines:
                 self._next = index
                 return
         raise InputError(
-            Problem(str(self.path), "", f"there is no line with {word}", "give a BeamDyn primary input file")
+            Fault(str(self.path), "", f"there is no line with {word}", "give a BeamDyn primary input file")
         )
 
     def whole(self, what: str, low: int = 0) -> int:
@@ -83,12 +83,12 @@ class Lines:
 
     def problem(self, found: str, why: str, instead: str) -> InputError:
         """An error about the line that was taken last."""
-        return InputError(Problem(f"{self.path}, line {self._next}", found, why, instead))
+        return InputError(Fault(f"{self.path}, line {self._next}", found, why, instead))
 
     def _take(self, what: str) -> str:
         if self._next >= len(self._lines):
             raise InputError(
-                Problem(
+                Fault(
                     f"{self.path}, line {self._next}",
                     "the end of the file",
                     f"{what} is expected here",

@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.centrelines.line_shapes import Straight
-from viscorod.model.centrelines.parametric_lines import Points
+from viscorod.model.centrelines.parametric_lines import ThroughPoints
 from viscorod.model.rod import Rod
 from viscorod.model.sections.section_profile import Piecewise
 from viscorod.model.sections.stiffness_section import StiffnessSection
@@ -54,16 +54,16 @@ def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "sym
     data = _content(assembly)
     unknown = sorted(set(data) - set(KEYS))
     if unknown:
-        raise InputError(Problem(unknown[0], "", "no such key", f"the keys are {', '.join(KEYS)}"))
+        raise InputError(Fault(unknown[0], "", "no such key", f"the keys are {', '.join(KEYS)}"))
     points = _array(data, "points", (-1, 3))
     count = len(points) - 1
     if count < 1:
         raise InputError(
-            Problem("points", f"{len(points)} points", "an element has two ends", "give at least two")
+            Fault("points", f"{len(points)} points", "an element has two ends", "give at least two")
         )
     if ("stiffness" in data) == ("compliance" in data):
         raise InputError(
-            Problem(
+            Fault(
                 "stiffness",
                 "",
                 "exactly one of stiffness and compliance is needed",
@@ -85,7 +85,7 @@ def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "sym
     curve = (
         Straight(tuple(points[0].tolist()), tuple(points[-1].tolist()))
         if straight
-        else Points(tuple(map(tuple, points.tolist())))
+        else ThroughPoints(tuple(map(tuple, points.tolist())))
     )
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     ends = np.cumsum(lengths) * (curve.length / lengths.sum())
@@ -140,7 +140,7 @@ def section_turn(frame: Floats, natural: Floats, element: int) -> Floats:
     """The rotation of section vectors (6, 6) from an element's axes (x along it first) to the rod's."""
     if not np.allclose(frame.T @ frame, np.eye(3), atol=1e-6) or np.linalg.det(frame) < 0.0:
         raise InputError(
-            Problem(
+            Fault(
                 f"frames[{element}]",
                 "",
                 "it is no rotation matrix",
@@ -150,7 +150,7 @@ def section_turn(frame: Floats, natural: Floats, element: int) -> Floats:
     off = math.acos(min(1.0, max(-1.0, float(frame[:, 0] @ natural[:, 2]))))
     if off > _ALIGNED:
         raise InputError(
-            Problem(
+            Fault(
                 f"frames[{element}]",
                 f"{math.degrees(off):.3g} degrees off the beam",
                 "the first column is the element's x axis, along the beam (without frames it is the global x)",
@@ -169,7 +169,7 @@ def _inverse(compliance: Floats) -> Floats:
         return np.asarray(np.linalg.inv(compliance))
     except np.linalg.LinAlgError:
         raise InputError(
-            Problem(
+            Fault(
                 "compliance",
                 "",
                 "it has no inverse: a strain without compliance",
@@ -187,21 +187,21 @@ def _content(assembly: Mapping[str, Any] | str | Path) -> Mapping[str, Any]:
         data = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
     except OSError as error:
         raise InputError(
-            Problem(str(path), "", f"the file cannot be read ({error.strerror})", "check the path")
+            Fault(str(path), "", f"the file cannot be read ({error.strerror})", "check the path")
         ) from None
     except ValueError as error:
         raise InputError(
-            Problem(str(path), str(error), "this is neither TOML nor JSON (.json)", "correct the file")
+            Fault(str(path), str(error), "this is neither TOML nor JSON (.json)", "correct the file")
         ) from None
     if not isinstance(data, dict):
-        raise InputError(Problem(str(path), "", "a table of keys is needed", f"give {', '.join(KEYS)}"))
+        raise InputError(Fault(str(path), "", "a table of keys is needed", f"give {', '.join(KEYS)}"))
     return data
 
 
 def _array(data: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Floats:
     """The finite numbers of a key in a shape; -1 stands for any number."""
     if key not in data:
-        raise InputError(Problem(key, "", "this key is required and missing", f"add {key}"))
+        raise InputError(Fault(key, "", "this key is required and missing", f"add {key}"))
     try:
         array = np.array(data[key], dtype=np.float64)
     except (TypeError, ValueError):
@@ -212,7 +212,7 @@ def _array(data: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Floats:
     if not fits or not np.isfinite(array).all():
         wanted = " x ".join("n" if size == -1 else str(size) for size in shape)
         raise InputError(
-            Problem(key, f"an array of the shape {array.shape}", f"{wanted} numbers are needed", "correct it")
+            Fault(key, f"an array of the shape {array.shape}", f"{wanted} numbers are needed", "correct it")
         )
     return array
 
@@ -224,8 +224,6 @@ def _per_element(data: Mapping[str, Any], key: str, shape: tuple[int, ...], coun
     array = _array(data, key, (-1, *shape))
     if len(array) != count:
         raise InputError(
-            Problem(
-                key, f"{len(array)} items", f"there are {count} elements", f"give {count}, or one for all"
-            )
+            Fault(key, f"{len(array)} items", f"there are {count} elements", f"give {count}, or one for all")
         )
     return array

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import did_you_mean
 from viscorod.programs.inputs.beamdyn import BeamDyn
 from viscorod.programs.inputs.chrono import ChronoLinear, ChronoRayleigh, ChronoTapered
@@ -65,5 +65,5 @@ def program(word: str) -> type[ProgramInputs]:
         return PROGRAMS[word]
     advice = did_you_mean(word, PROGRAMS, str)
     raise InputError(
-        Problem("program", word, "no such program", f"{advice}The programs are {', '.join(PROGRAMS)}")
+        Fault("program", word, "no such program", f"{advice}The programs are {', '.join(PROGRAMS)}")
     )

@@ -10,7 +10,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.materials.material import Material
 from viscorod.model.rod import Rod
 from viscorod.model.sections.isotropic_section import MaterialSection
@@ -218,7 +218,7 @@ def listed(program: type[ProgramInputs], numbers: Sequence[float]) -> tuple[floa
     values = tuple(float(value) for value in numbers)
     if len(values) != len(program.words):
         raise InputError(
-            Problem(
+            Fault(
                 program.program,
                 f"{len(values)} numbers",
                 f"{program.title} has {len(program.words)} here",
@@ -228,7 +228,7 @@ def listed(program: type[ProgramInputs], numbers: Sequence[float]) -> tuple[floa
     for word, value in zip(program.words, values, strict=True):
         if not (math.isfinite(value) and value >= 0.0):
             raise InputError(
-                Problem(
+                Fault(
                     f"{program.program}.{word}", f"{value:g}", "outside what is allowed", "give a number >= 0"
                 )
             )
@@ -244,7 +244,7 @@ def matrix_of(program: type[ProgramInputs], numbers: Sequence[float]) -> Floats:
     values = np.array([float(value) for value in numbers])
     if values.size not in (6, 21, 36) or not np.isfinite(values).all():
         raise InputError(
-            Problem(
+            Fault(
                 program.program,
                 f"{values.size} numbers",
                 f"{program.title} has a 6x6 matrix here",
@@ -269,14 +269,14 @@ def checked_options(program: type[ProgramInputs], options: Mapping[str, float]) 
     for name in options:
         if name not in program.options:
             raise InputError(
-                Problem(name, f"{options[name]:g}", f"{program.title} has no use for it", "leave it out")
+                Fault(name, f"{options[name]:g}", f"{program.title} has no use for it", "leave it out")
             )
     for name in program.options:
         if name not in options:
-            raise InputError(Problem(name, "", "this program needs it", f"give {name} ({UNITS[name]})"))
+            raise InputError(Fault(name, "", "this program needs it", f"give {name} ({UNITS[name]})"))
         if not (math.isfinite(options[name]) and options[name] > 0.0):
             raise InputError(
-                Problem(
+                Fault(
                     name,
                     f"{options[name]:g}",
                     "outside what is allowed",

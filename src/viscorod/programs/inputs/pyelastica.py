@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.programs.inputs.program_inputs import (
     ProgramInputs,
     Recovered,
@@ -117,7 +117,7 @@ class PyElastica(ProgramInputs):
         """
         del data, poissons_ratio
         raise InputError(
-            Problem(
+            Fault(
                 self.program,
                 number_text(self.constant),
                 "a constant of the mass is no damping of strains",

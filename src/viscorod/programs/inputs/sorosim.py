@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.materials.material import Material
 from viscorod.programs.inputs.program_inputs import (
     ProgramInputs,
@@ -134,7 +134,7 @@ class SoRoMoX(SoRoSim):
 def _material(program: type[ProgramInputs], data: SectionData) -> Material:
     if data.material is None:
         raise InputError(
-            Problem(
+            Fault(
                 program.program,
                 "a section given by its stiffness",
                 "one viscosity belongs to a material, and this section has none",

@@ -16,7 +16,7 @@ import numpy as np
 from viscorod.errors import InputError, writing
 from viscorod.results.element_points import Stencil
 from viscorod.results.probe import fields_at, instants_of
-from viscorod.results.result_places import Site
+from viscorod.results.result_places import ResultPlace
 from viscorod.results.run import Run
 from viscorod.typing import Floats, Integers
 
@@ -95,8 +95,8 @@ def _pyvista() -> Any:
     return pyvista
 
 
-def _rod_points(result: Result) -> tuple[list[Site], Integers, Floats]:
-    """Sites of all rods, rod by rod, their number on each, and the radius at each [m]."""
+def _rod_points(result: Result) -> tuple[list[ResultPlace], Integers, Floats]:
+    """Places of all rods, rod by rod, their number on each, and the radius at each [m]."""
     data = result.data
     arc = np.asarray(data["station_s"].values, dtype=float)
     orders = np.asarray(data["station_order"].values, dtype=int)
@@ -124,7 +124,7 @@ def _levels(result: Result) -> Floats:
 
 
 def _states(
-    result: Result, sites: list[Site], on_bodies: list[Site], times: Floats | None
+    result: Result, sites: list[ResultPlace], on_bodies: list[ResultPlace], times: Floats | None
 ) -> Iterator[tuple[float, dict[str, Floats], dict[str, Floats]]]:
     """Yield the level (time or load factor) of every state and the fields of rods and of bodies there."""
     levels = _levels(result) if times is None else np.atleast_1d(np.asarray(times, dtype=float))

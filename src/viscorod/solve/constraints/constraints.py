@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from viscorod.mechanics.elements.held_strains import add_held_strains
-from viscorod.mechanics.elements.internal_force import Elements, ElementWork, Points, internal_forces
+from viscorod.mechanics.elements.internal_force import Elements, ElementWork, GaussStates, internal_forces
 from viscorod.mechanics.joints.joint_coordinates import DISTANCE, TRANSLATION
 from viscorod.mechanics.joints.joint_forces import joint_forces
 from viscorod.mechanics.joints.joint_tangent import add_joint_tangent
 from viscorod.solve.linear.matrix import unit_of
-from viscorod.solve.problem.law_callbacks import NUMBERS, Laws
+from viscorod.solve.problem.law_callbacks import NUMBERS, LawCallbacks
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
@@ -57,7 +57,7 @@ class Constraints:
         c, places = self.joints.count, 6 * problem.multipliers
         self.pace = 0.0
         self._elements = elements
-        self.laws = Laws(self.joints.laws)
+        self.laws = LawCallbacks(self.joints.laws)
         self.buffer = np.zeros(NUMBERS)
         self.near, self.target, self.target_rate = np.zeros(c), np.zeros(c), np.zeros(c)
         self.gap, self.scale = np.zeros(places), np.ones(places)
@@ -120,17 +120,21 @@ class Constraints:
             out[held.place] = strains[0, held.element, held.point, held.component]
         return out
 
-    def _strains(self, state: State) -> Points:
+    def _strains(self, state: State) -> GaussStates:
         """Return the Gauss points of a state."""
         points, work, force = self._evaluation
         internal_forces(self.elements, state.r[None], state.q[None], state.twist[None], points, work, force)
         return points
 
     @cached_property
-    def _evaluation(self) -> tuple[Points, ElementWork, Floats]:
+    def _evaluation(self) -> tuple[GaussStates, ElementWork, Floats]:
         """Room for :meth:`_strains`."""
         width = self.elements.nodes.shape[1]
-        return Points.of(self.elements, 1), ElementWork.of(width - 1), np.zeros((1, self.problem.size, 6))
+        return (
+            GaussStates.of(self.elements, 1),
+            ElementWork.of(width - 1),
+            np.zeros((1, self.problem.size, 6)),
+        )
 
     def speed(self, state: State) -> float:
         """Return the largest velocity [m/s], or angular velocity times the length, of a state or of motors."""

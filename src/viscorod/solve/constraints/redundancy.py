@@ -6,8 +6,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from viscorod.errors import InputError
-from viscorod.errors import Problem as Fault
+from viscorod.errors import Fault, InputError
 from viscorod.solve.constraints.null_space import dependent_rows
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System

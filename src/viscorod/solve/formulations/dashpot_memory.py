@@ -12,7 +12,7 @@ from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.typing import Floats
 
 
-class Relaxation:
+class DashpotMemory:
     """Strains of the dashpots at the last settled instant ``(n, e, points, 6)``, and what follows from them.
 
     For integrators that advance strains by themselves (generalised-alpha), strains that are linear in time over ``h``

@@ -10,11 +10,11 @@ from typing import Protocol
 
 import numpy as np
 
-from viscorod.mechanics.elements.internal_force import Elements, ElementWork, Points, internal_forces
+from viscorod.mechanics.elements.internal_force import Elements, ElementWork, GaussStates, internal_forces
 from viscorod.mechanics.elements.intrinsic_element import StrainMotion, forces_at
 from viscorod.mechanics.elements.intrinsic_linearised import linearise_intrinsic
 from viscorod.mechanics.elements.linearised import Operators
-from viscorod.solve.formulations.dashpot_memory import Relaxation
+from viscorod.solve.formulations.dashpot_memory import DashpotMemory
 from viscorod.solve.formulations.system import State, System
 from viscorod.typing import Floats
 
@@ -26,7 +26,7 @@ class ElementForces(Protocol):
     def motion(self) -> StrainMotion | None:
         """Handed to the compiled step."""
 
-    def evaluate(self, state: State, points: Points, internal: Floats) -> None:
+    def evaluate(self, state: State, points: GaussStates, internal: Floats) -> None:
         """Write the Gauss points ``(1, e, points, 6)`` and the internal forces ``(n, 6)`` of ``state``."""
 
     def linearise(
@@ -45,7 +45,7 @@ class ElementForces(Protocol):
         """Take the strains at the end of a step from those in its middle, twice the way."""
 
 
-def branch_forces(relaxation: Relaxation | None, strain: Floats) -> Floats:
+def branch_forces(relaxation: DashpotMemory | None, strain: Floats) -> Floats:
     """Return the forces of Maxwell branches at ``strain (e, points, 6)``, in which a motion begins relaxed."""
     if relaxation is None:
         return np.zeros_like(strain)
@@ -62,7 +62,7 @@ class GeometricForces:
         self.system, self.elements = system, elements
         self._work = ElementWork.of(elements.nodes.shape[1] - 1)
 
-    def evaluate(self, state: State, points: Points, internal: Floats) -> None:
+    def evaluate(self, state: State, points: GaussStates, internal: Floats) -> None:
         """See :class:`ElementForces`."""
         where = state.r[None], state.q[None], state.twist[None]
         internal_forces(self.elements, *where, points, self._work, internal[None])
@@ -105,7 +105,7 @@ class IntrinsicForces:
         self._now = StrainMotion.of(elements, 1, linearised=linearised)
         self._known = False
 
-    def evaluate(self, state: State, points: Points, internal: Floats) -> None:
+    def evaluate(self, state: State, points: GaussStates, internal: Floats) -> None:
         """See :class:`ElementForces`."""
         if not self._known:
             GeometricForces(self.system, self.elements).evaluate(state, points, internal)

@@ -15,7 +15,7 @@ from viscorod.mechanics.elements.linearised import Operators, collect
 from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.solve.constraints.constraint_rows import gradients_of_gaps
 from viscorod.solve.constraints.constraints import Constraints
-from viscorod.solve.formulations.dashpot_memory import Relaxation
+from viscorod.solve.formulations.dashpot_memory import DashpotMemory
 from viscorod.solve.formulations.element_forces import ElementForces, GeometricForces
 from viscorod.solve.formulations.system import GaussPoints, GaussPositions, State
 from viscorod.solve.linear.matrix import Matrix
@@ -91,9 +91,9 @@ class GeometricSystem:
             part.hold(problem.held, first)
             first += len(part.elements.nodes)
         self._order, self._positions = gauss_positions(problem.sets)
-        self.relaxation: Relaxation | None = None
+        self.relaxation: DashpotMemory | None = None
         if problem.relaxing:
-            self.relaxation = Relaxation(self.elements(), problem.relaxation_times, all_branches(problem))
+            self.relaxation = DashpotMemory(self.elements(), problem.relaxation_times, all_branches(problem))
 
     def assemble(
         self,

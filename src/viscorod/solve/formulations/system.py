@@ -22,7 +22,7 @@ from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     from viscorod.solve.constraints.constraints import Constraints
-    from viscorod.solve.formulations.dashpot_memory import Relaxation
+    from viscorod.solve.formulations.dashpot_memory import DashpotMemory
     from viscorod.solve.formulations.element_forces import ElementForces
 
 
@@ -81,7 +81,7 @@ class System(Protocol):
 
     problem: Problem
     constraints: Constraints
-    relaxation: Relaxation | None
+    relaxation: DashpotMemory | None
     """What Maxwell branches remember; None if there are none."""
     internal: Floats
     external: Floats

@@ -14,7 +14,7 @@ from scipy import sparse
 
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.elements.maxwell_branches import add_section_stiffness
-from viscorod.solve.formulations.dashpot_memory import Relaxation
+from viscorod.solve.formulations.dashpot_memory import DashpotMemory
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.typing import Floats
@@ -50,7 +50,7 @@ class Pencil:
         return sparse.csr_array(total)
 
 
-def branch_stiffness(system: System, memory: Relaxation, state: State) -> list[sparse.csr_array]:
+def branch_stiffness(system: System, memory: DashpotMemory, state: State) -> list[sparse.csr_array]:
     """Return the stiffness matrices of all branches in body increments of the nodes ``(6 n, 6 n)`` at ``state``."""
     n, elements = system.problem.size, system.elements()
     operators, matrix = Operators.of(elements), Matrix(system.problem.pattern)

@@ -6,8 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from viscorod.errors import InputError
-from viscorod.errors import Problem as Fault
+from viscorod.errors import Fault, InputError
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.model.actions.load import DistributedForce, DistributedMoment, Force, Moment, MovingForce
 from viscorod.model.actions.time_function import Sine, TimeFunction

@@ -144,7 +144,7 @@ def joint_set(
         carrier = GROUND if part.b is None else node_of(part.b)
         moved = node_of(part.a)
         ends.append((carrier, moved))
-        seat = _Seat.of(carrier, _seated(part), moved, part.at_a, positions, quaternions)
+        seat = _JointEnd.of(carrier, _seated(part), moved, part.at_a, positions, quaternions)
         if isinstance(part, ResolvedJoint):
             found += _of_joint(number, part, seat)
         else:
@@ -209,14 +209,16 @@ def _seated(part: ResolvedJoint | ResolvedSpring) -> Floats:
 
 
 @dataclass(frozen=True)
-class _Seat:
+class _JointEnd:
     """Where a joint sits in its two nodes: points and global axes turned into node axes."""
 
     rho: tuple[Floats, Floats]
     turn: tuple[Floats, Floats]
 
     @classmethod
-    def of(cls, a: int, at_a: Floats, b: int, at_b: Floats, positions: Floats, quaternions: Floats) -> _Seat:
+    def of(
+        cls, a: int, at_a: Floats, b: int, at_b: Floats, positions: Floats, quaternions: Floats
+    ) -> _JointEnd:
         turns, points = [], []
         for node, at in ((a, at_a), (b, at_b)):
             R = np.eye(3) if node == GROUND else matrices(quaternions[node][None])[0]
@@ -238,7 +240,7 @@ class _Seat:
         return out
 
 
-def _of_joint(number: int, joint: ResolvedJoint, seat: _Seat) -> list[Coordinate]:
+def _of_joint(number: int, joint: ResolvedJoint, seat: _JointEnd) -> list[Coordinate]:
     frame = joint.frame
 
     def coordinate(word: str, kind: int, geometry: Floats) -> Coordinate:
@@ -267,7 +269,7 @@ def _of_joint(number: int, joint: ResolvedJoint, seat: _Seat) -> list[Coordinate
     return found
 
 
-def _rotations(turning: list[int], frame: Floats, seat: _Seat) -> list[tuple[str, int, Floats]]:
+def _rotations(turning: list[int], frame: Floats, seat: _JointEnd) -> list[tuple[str, int, Floats]]:
     """Coordinates of the rotations of a joint, of which ``turning`` are free, by word."""
     words = MOTIONS[3:]
     if len(turning) == 3:
@@ -299,7 +301,7 @@ def _rotations(turning: list[int], frame: Floats, seat: _Seat) -> list[tuple[str
     ]
 
 
-def _of_spring(number: int, spring: ResolvedSpring, seat: _Seat) -> list[Coordinate]:
+def _of_spring(number: int, spring: ResolvedSpring, seat: _JointEnd) -> list[Coordinate]:
     words = [word for word in MOTIONS if word in {*spring.stiffness, *spring.damping}]
 
     def coordinate(word: str, kind: int, geometry: Floats, rest: float) -> Coordinate:

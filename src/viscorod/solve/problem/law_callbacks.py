@@ -15,7 +15,7 @@ NUMBERS = 3
 """Exchanged in a call: number of the law, value and rate; then force and dissipated power."""
 
 
-class Laws:
+class LawCallbacks:
     """Forces of coordinates whose springs or dampers are Python functions.
 
     Args:

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.errors import InputError
-from viscorod.errors import Problem as Fault
+from viscorod.errors import Fault, InputError
 from viscorod.mechanics.elements.basis import gauss, gauss_table, lobatto
 from viscorod.mechanics.nodes.attached_poses import link_map
 from viscorod.mechanics.rotations.quaternion import conjugate, from_matrices, matrices, product

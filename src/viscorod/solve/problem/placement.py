@@ -16,7 +16,7 @@ from viscorod.typing import Floats
 
 
 @dataclass(frozen=True)
-class Spot:
+class MeshPlace:
     """A place that is rigidly connected with a node.
 
     Attributes:
@@ -44,26 +44,28 @@ class Placement:
         """Return the place that a text names."""
         return find(self.model, text)
 
-    def spot(self, place: AnyPlace) -> Spot | None:
+    def spot(self, place: AnyPlace) -> MeshPlace | None:
         """Return the node of a place, or None between the nodes of a rod."""
         mesh = self.mesh
         if isinstance(place, BodyPlace):
             node = self._bodies[place.body]
             R = matrices(mesh.quaternions[node][None])[0]
-            return Spot(node, R.T @ (position_of(self.model, place)[0] - mesh.positions[node]), np.eye(3))
+            return MeshPlace(
+                node, R.T @ (position_of(self.model, place)[0] - mesh.positions[node]), np.eye(3)
+            )
         rod = mesh.rod_index(place.rod)
         station = mesh.rods[rod].node_at(place.s)
         if station is None:
             return None
         return self.at_station(rod, station)
 
-    def at_station(self, rod: int, station: int) -> Spot:
+    def at_station(self, rod: int, station: int) -> MeshPlace:
         """Return where a station of a rod is."""
         mesh = self.mesh
         node, link = int(mesh.shared[rod][station]), int(mesh.links[rod][station])
         if link < 0:
-            return Spot(node, np.zeros(3), np.eye(3))
-        return Spot(node, mesh.link_positions[link], matrices(mesh.link_quaternions[link][None])[0])
+            return MeshPlace(node, np.zeros(3), np.eye(3))
+        return MeshPlace(node, mesh.link_positions[link], matrices(mesh.link_quaternions[link][None])[0])
 
     def node(self, place: AnyPlace) -> int:
         """Return the node of a place that is known to have one."""

@@ -7,16 +7,15 @@ from enum import Enum
 
 import numpy as np
 
-from viscorod.errors import InputError
-from viscorod.errors import Problem as Fault
+from viscorod.errors import Fault, InputError
 from viscorod.model.actions.load import AnyLoad, MovingForce
 from viscorod.model.actions.time_function import Constant
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.model.settings import SteadySettings
-from viscorod.model.settings_checks import unfit_for_steady
 from viscorod.solve.constraints.rigid_motions import free_motions
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.settings import SteadySettings
+from viscorod.solve.settings_checks import unfit_for_steady
 from viscorod.typing import Floats
 
 LARGEST = 3000

@@ -27,7 +27,7 @@ DOWN = 16
 
 
 @dataclass
-class Effort:
+class IterationCounts:
     """What a search took.
 
     Attributes:
@@ -40,7 +40,7 @@ class Effort:
     gap: float = np.inf
 
 
-def newton(equations: SteadyEquations, kind: Measure, target: float, effort: Effort) -> bool:
+def newton(equations: SteadyEquations, kind: Measure, target: float, effort: IterationCounts) -> bool:
     """Solve for the steady rotation whose measure has a value; False, with the unknowns restored, if that fails."""
     kept = equations.keep()
     if kind == "spin":
@@ -77,7 +77,11 @@ def newton(equations: SteadyEquations, kind: Measure, target: float, effort: Eff
 
 
 def follow(
-    equations: SteadyEquations, kind: Measure, target: float, effort: Effort, start: float | None = None
+    equations: SteadyEquations,
+    kind: Measure,
+    target: float,
+    effort: IterationCounts,
+    start: float | None = None,
 ) -> bool:
     """Move to the value ``target`` of a measure from where the unknowns are; steps halve where Newton's method fails.
 
@@ -99,7 +103,7 @@ def follow(
 
 
 def along_branch(
-    equations: SteadyEquations, kind: Measure, target: float, elastic: float, effort: Effort
+    equations: SteadyEquations, kind: Measure, target: float, elastic: float, effort: IterationCounts
 ) -> tuple[bool, tuple[float, float]]:
     """Find the steady rotation with a measure on the branch of bent shapes near where the unknowns are.
 
@@ -128,7 +132,7 @@ def _walk(
     growth: float,
     count: int,
     values: list[float],
-    effort: Effort,
+    effort: IterationCounts,
 ) -> bool:
     """Multiply the elastic energy by ``growth`` until the measure passes the target; adds its ``values``."""
     last = equations.measure(kind)[0]

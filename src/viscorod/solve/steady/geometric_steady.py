@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscorod.mechanics.elements.internal_force import Points, energies
+from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.inertia import kinetic_energy
@@ -66,7 +66,7 @@ class GeometricSteady:
         self.problem = system.problem
         self.elements = system.elements()
         self._forces = GeometricForces(self.system, self.elements)
-        self._points = Points.of(self.elements, 1)
+        self._points = GaussStates.of(self.elements, 1)
         self._carried: Floats | None = None
         n = self.problem.size
         self._internal = np.zeros((n, 6))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.errors import InputError, SolveError
-from viscorod.model.settings import SteadySettings
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.settings import SteadySettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.steady import continuation as path
@@ -48,7 +48,7 @@ class Search:
         self.held = holding(self.problem)
         self.loads: LoadState = solver.loads.at(0.0)
         self.joint = int(self.problem.supports.nodes[0]) if self.held is not Holding.FREE else 0
-        self.effort = path.Effort(solver.go_on)
+        self.effort = path.IterationCounts(solver.go_on)
         solver.supports.update(0.0)
 
     def run(self) -> SteadyRotation:

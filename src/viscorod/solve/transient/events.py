@@ -146,7 +146,7 @@ class StillStrains:
         return float(np.sqrt(np.einsum("g,gi,gij,gj", gauss.length, field, gauss.stiffness, field)))
 
 
-class Watch:
+class EventWatch:
     """All that a run is watched for, and what happened.
 
     Args:

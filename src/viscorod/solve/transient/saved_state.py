@@ -24,33 +24,33 @@ from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.problem.joint_set import JointSet
-from viscorod.solve.problem.law_callbacks import Laws
+from viscorod.solve.problem.law_callbacks import LawCallbacks
 from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
 from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, Relation, Solution
-from viscorod.solve.transient.integrators.stage_data import Body
+from viscorod.solve.transient.integrators.stage_data import Discretisation
 from viscorod.solve.transient.integrators.tableau import Tableau
 
-Tree = Any
+SavedTree = Any
 """Nested dicts and lists of arrays, numbers, words, truth values and None."""
 
 MADE: dict[str, type[Any]] = {kind.__name__: kind for kind in (State, Snapshot, JointState)}
 """Classes whose objects come and go in a run: they are made from what was saved."""
 
 UNCHANGED = (
-    Problem, ElementSet, SupportSet, Elements, Body, Pattern, Plan, Tableau, HeldStrains, JointSet, Laws, Callback,
-    DirectSolver, ExternalLoads, LoadState, Coefficients, Relation, Solution,
+    Problem, ElementSet, SupportSet, Elements, Discretisation, Pattern, Plan, Tableau, HeldStrains, JointSet,
+    LawCallbacks, Callback, DirectSolver, ExternalLoads, LoadState, Coefficients, Relation, Solution,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 
 _LEFT_OUT: Any = object()
 
 
-def saved(value: Any) -> Tree:
+def saved(value: Any) -> SavedTree:
     """Return the state of an object as plain data."""
     return _saved(value, set())
 
 
-def _saved(value: Any, seen: set[int]) -> Tree:
+def _saved(value: Any, seen: set[int]) -> SavedTree:
     if isinstance(value, np.generic):
         value = value.item()
     if value is None or isinstance(value, bool | int | float | str):
@@ -86,12 +86,12 @@ def _saved(value: Any, seen: set[int]) -> Tree:
     }
 
 
-def restore(value: Any, tree: Tree) -> None:
+def restore(value: Any, tree: SavedTree) -> None:
     """Put back what :func:`saved` returned for an object that was made from the same model."""
     _restored(value, tree)
 
 
-def _restored(value: Any, tree: Tree) -> Any:
+def _restored(value: Any, tree: SavedTree) -> Any:
     """Return what is to stand where ``value`` stands now, which may be that object itself, changed."""
     if isinstance(tree, np.ndarray):
         same = isinstance(value, np.ndarray) and value.shape == tree.shape and value.dtype == tree.dtype
@@ -120,7 +120,7 @@ def _restored(value: Any, tree: Tree) -> Any:
     return value
 
 
-def _sequence(value: Any, tree: Tree) -> Any:
+def _sequence(value: Any, tree: SavedTree) -> Any:
     known = list(value) if isinstance(value, tuple | list | deque) else []
     known += [None] * (len(tree["items"]) - len(known))
     items = [_restored(old, item) for old, item in zip(known, tree["items"], strict=False)]

@@ -13,9 +13,9 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.history import EnergyAccount, History
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.newton import Outcome, interruption
-from viscorod.solve.transient.events import Watch
+from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
-from viscorod.solve.transient.saved_state import Tree, restore, saved
+from viscorod.solve.transient.saved_state import SavedTree, restore, saved
 from viscorod.solve.transient.step_control import StepControl
 
 MOST_NOTES = 20
@@ -25,7 +25,7 @@ LARGEST_STRAIN = 100.0
 
 
 @dataclass
-class Effort:
+class StepCounts:
     """What a run took: steps, iterations, and where the smallest accepted step was and why."""
 
     steps: int = 0
@@ -53,7 +53,7 @@ class TransientResult:
     outcome: Outcome = Outcome.COMPLETED
     failed_at: float = 0.0
     report: StepReport | None = None
-    effort: Effort = field(default_factory=Effort)
+    effort: StepCounts = field(default_factory=StepCounts)
     notes: list[str] = field(default_factory=list)
     reason: str = ""
 
@@ -81,9 +81,9 @@ class Transient:
         self.integrator = integrator
         self.control = control
         self.account = EnergyAccount()
-        self.effort = Effort()
+        self.effort = StepCounts()
         self.notes: list[str] = []
-        self.watch = Watch([])
+        self.watch = EventWatch([])
         self.result = TransientResult()
         self.duration = math.inf
         self.output_interval: float | None = None
@@ -98,9 +98,9 @@ class Transient:
         output_interval: float | None = None,
         progress: Callable[[float, float], None] | None = None,
         history: History | None = None,
-        checkpoint: Tree = None,
+        checkpoint: SavedTree = None,
         after_step: Callable[[], str] | None = None,
-        watch: Watch | None = None,
+        watch: EventWatch | None = None,
     ) -> TransientResult:
         """Integrate from ``state`` at t = 0 to ``duration`` [s].
 
@@ -113,7 +113,7 @@ class Transient:
             after_step: called after every step; returns why the run is to stop, or nothing.
             watch: asked after every step what has happened, and whether the run ends with it.
         """
-        self.watch = watch or Watch([])
+        self.watch = watch or EventWatch([])
         self.output_interval, self.duration = output_interval, duration
         self._progress, self._after_step = progress, after_step
         self.result = result = TransientResult(history or History(), effort=self.effort, notes=self.notes)
@@ -134,7 +134,7 @@ class Transient:
         effort.evaluations, effort.factorisations = integrator.evaluations, integrator.factorisations
         effort.jacobians = integrator.jacobians
 
-    def _march(self, state: State, checkpoint: Tree) -> None:
+    def _march(self, state: State, checkpoint: SavedTree) -> None:
         integrator, control = self.integrator, self.control
         self.begin(state, record=checkpoint is None)
         if checkpoint is not None:
@@ -226,12 +226,12 @@ class Transient:
         if len(times) > len(states):
             history.record(times[-1], integrator.snapshot(), account, end - t, iterations)
 
-    def saved(self) -> Tree:
+    def saved(self) -> SavedTree:
         """Return from what another run of the same model can go on."""
         parts = (self.integrator, self.control, self.account, self.effort, self.watch)
         return {"parts": [saved(part) for part in parts], "notes": list(self.notes)}
 
-    def resume(self, checkpoint: Tree) -> None:
+    def resume(self, checkpoint: SavedTree) -> None:
         """Put back what :meth:`saved` returned."""
         parts = (self.integrator, self.control, self.account, self.effort, self.watch)
         for part, tree in zip(parts, checkpoint["parts"], strict=True):

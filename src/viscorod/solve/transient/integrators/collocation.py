@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.mechanics.elements.internal_force import Points, energies
+from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.nodes import inertia
 from viscorod.solve.constraints.projection import start_consistently
 from viscorod.solve.constraints.support_state import SupportState
@@ -22,15 +22,15 @@ from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators import iteration, jacobian
-from viscorod.solve.transient.integrators.actions import Actions
 from viscorod.solve.transient.integrators.contract import StepReport
-from viscorod.solve.transient.integrators.linked import Linked
 from viscorod.solve.transient.integrators.predictor import Predictor
 from viscorod.solve.transient.integrators.records import Records
-from viscorod.solve.transient.integrators.relaxed import Relaxed
 from viscorod.solve.transient.integrators.solved_step import try_step
-from viscorod.solve.transient.integrators.stage_data import Body, Ends, Matrices, Stages, Work
+from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
+from viscorod.solve.transient.integrators.stage_dashpots import StageDashpots
+from viscorod.solve.transient.integrators.stage_data import Discretisation, Ends, Matrices, Stages, Work
 from viscorod.solve.transient.integrators.stage_systems import StageSystems
+from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.solve.transient.time_step import start_step
 from viscorod.typing import Floats
@@ -70,14 +70,14 @@ class Collocation:
         self.evaluations = self.factorisations = self.jacobians = 0
         stages = len(tableau.nodes)
         self._last = stages - 1
-        self.body = body = Body.of(problem, system.elements(), supports)
+        self.body = body = Discretisation.of(problem, system.elements(), supports)
         self.forces = system.element_forces(body.elements, stages)
-        self.actions = Actions(system, supports, body, stages)
+        self.actions = StepActions(system, supports, body, stages)
         self.stages = Stages.of(stages, body)
         self.predictor = Predictor(body, self.stages, tableau)
-        self.linked = Linked(system.constraints, tableau) if problem.constrained else None
+        self.linked = StageConstraints(system.constraints, tableau) if problem.constrained else None
         memory = system.relaxation
-        self.relaxed = None if memory is None else Relaxed(memory, body, tableau)
+        self.relaxed = None if memory is None else StageDashpots(memory, body, tableau)
         self.systems = StageSystems(body, system.matrix.scales, tableau, problem.plan, self.relaxed)
         self.recorded = Records(
             body,
@@ -93,7 +93,7 @@ class Collocation:
         self.matrices = Matrices.of(body)
         self.scratch = Work.of(body, stages)
         carried = len(problem.held.place) > 0 or problem.relaxing
-        self._points = Points.of(body.elements, 1, carried=carried)  # at t
+        self._points = GaussStates.of(body.elements, 1, carried=carried)  # at t
         self._stress = np.zeros(body.elements.reference.shape)  # at t
         self._force = np.zeros((problem.size, 6))  # what accelerates the nodes at t
         self._end_rate = np.zeros((problem.size, 6))  # of the twists at t

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from viscorod.mechanics.elements.internal_force import Elements, Points, energies
+from viscorod.mechanics.elements.internal_force import Elements, GaussStates, energies
 from viscorod.mechanics.elements.intrinsic_linearised import linearise_intrinsic
 from viscorod.mechanics.elements.poses_from_strains import rotated
 from viscorod.mechanics.rotations.rotation import retract
@@ -21,9 +21,9 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.element_forces import GeometricForces, IntrinsicForces
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
-from viscorod.solve.transient.integrators.actions import Actions
 from viscorod.solve.transient.integrators.jacobian import project
-from viscorod.solve.transient.integrators.stage_data import Body, Matrices
+from viscorod.solve.transient.integrators.stage_data import Discretisation, Matrices
+from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
 
@@ -45,11 +45,11 @@ class LinearBody:
         n = len(state.twist)
         self.system, self.supports = system, supports
         self.base = State(state.r.copy(), state.q.copy(), np.zeros((n, 6)))
-        self.body = body = Body.of(system.problem, system.elements(), supports)
+        self.body = body = Discretisation.of(system.problem, system.elements(), supports)
         self.unit = np.tile([body.length] * 3 + [1.0] * 3, n)
-        self.actions = Actions(system, supports, body, 1)
+        self.actions = StepActions(system, supports, body, 1)
         self._places = system.gauss_places()
-        points, internal = Points.of(body.elements, 1), np.zeros((n, 6))
+        points, internal = GaussStates.of(body.elements, 1), np.zeros((n, 6))
         GeometricForces(system, body.elements).evaluate(self.base, points, internal)
         self._force, self._strain = internal.ravel().copy(), points.strain[0].copy()
         self._forces = IntrinsicForces(system, body.elements, 1, linearised=True)
@@ -189,7 +189,7 @@ class LinearBody:
     def snapshot(self, xi: Floats, x: Floats, acceleration: Floats, load: Floats) -> Snapshot:
         """Return everything about a state with given accelerations and loads ``(6 n,)``."""
         state = self.state(xi, x)
-        points, unused = Points.of(self.body.elements, 1), np.zeros_like(state.twist)
+        points, unused = GaussStates.of(self.body.elements, 1), np.zeros_like(state.twist)
         self._forces.arrive(self._strain + (self._B @ xi).reshape(self._strain.shape))
         self._forces.evaluate(state, points, unused)
         residual = (self.internal(xi, x) + self.mass @ acceleration - load).reshape(-1, 6)

@@ -7,7 +7,7 @@ import numpy as np
 from viscorod.mechanics.compilation.compiled import kernel
 from viscorod.mechanics.rotations.nodal_motion import extrapolate
 from viscorod.solve.formulations.system import State
-from viscorod.solve.transient.integrators.stage_data import Body, Stages
+from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats
 
@@ -23,7 +23,7 @@ class Predictor:
         body, stages, tableau: of the method; ``stages.X`` and ``stages.stress`` are written.
     """
 
-    def __init__(self, body: Body, stages: Stages, tableau: Tableau) -> None:
+    def __init__(self, body: Discretisation, stages: Stages, tableau: Tableau) -> None:
         self.body, self.stages, self.tableau = body, stages, tableau
         s = len(tableau.nodes)
         self._several = s > 1

@@ -6,16 +6,16 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from viscorod.mechanics.elements.internal_force import Points
+from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.nodes import support_rows as support_kernels
 from viscorod.mechanics.rotations.pose_interpolation import interpolate
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
-from viscorod.solve.transient.integrators.linked import Linked
 from viscorod.solve.transient.integrators.readings import read_between, read_end
-from viscorod.solve.transient.integrators.stage_data import Body, Given, Stages
+from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
+from viscorod.solve.transient.integrators.stage_data import Discretisation, StageInputs, Stages
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
@@ -36,13 +36,13 @@ class Records:
 
     def __init__(
         self,
-        body: Body,
-        given: Given,
+        body: Discretisation,
+        given: StageInputs,
         stages: Stages,
         tableau: Tableau,
         supports: SupportState,
         places: Integers,
-        linked: Linked | None,
+        linked: StageConstraints | None,
         solve_real: Callable[[Floats], Floats],
     ) -> None:
         self.body, self.given, self.stages, self.tableau = body, given, stages, tableau
@@ -54,7 +54,9 @@ class Records:
         self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
         self._reactions = np.zeros(stages.reaction.shape)
 
-    def settle(self, state: State, points: Points, reaction: Floats, kinetic: float, elastic: float) -> None:
+    def settle(
+        self, state: State, points: GaussStates, reaction: Floats, kinetic: float, elastic: float
+    ) -> None:
         """Take the snapshot of a ``state`` that no stage led to.
 
         Args:

@@ -6,11 +6,11 @@ import math
 
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.elements.held_strains import give_stress, keep_stress, strain_gaps
-from viscorod.mechanics.elements.internal_force import Points, conserve_energy, energies, internal_forces
+from viscorod.mechanics.elements.internal_force import GaussStates, conserve_energy, energies, internal_forces
 from viscorod.mechanics.elements.intrinsic_element import StrainMotion, stage_forces
 from viscorod.mechanics.elements.linearised import add_frozen_forces, carry_stress
 from viscorod.mechanics.elements.maxwell_branches import (
-    Relaxing,
+    MaxwellArrays,
     add_branch_error,
     add_branch_forces,
     branch_energies,
@@ -24,18 +24,26 @@ from viscorod.mechanics.nodes.support_rows import lacking_motion
 from viscorod.mechanics.rotations.nodal_motion import move_stages, place_stages
 from viscorod.solve.linear.substitution import solve
 from viscorod.solve.transient.integrators import stages as over
-from viscorod.solve.transient.integrators.energy_step import hold_ends, reach_end
-from viscorod.solve.transient.integrators.iteration import CONVERGED, GOING, SLOW, judge
-from viscorod.solve.transient.integrators.links import (
+from viscorod.solve.transient.integrators.constraint_arrays import (
     GAP,
-    Links,
+    ConstraintArrays,
     add_gaps,
     add_motors,
     end_gaps,
     largest_gap,
     move_multipliers,
 )
-from viscorod.solve.transient.integrators.stage_data import Body, Ends, Factors, Given, Matrices, Stages, Work
+from viscorod.solve.transient.integrators.energy_step import hold_ends, reach_end
+from viscorod.solve.transient.integrators.iteration import CONVERGED, GOING, SLOW, judge
+from viscorod.solve.transient.integrators.stage_data import (
+    Discretisation,
+    Ends,
+    Matrices,
+    StageFactors,
+    StageInputs,
+    Stages,
+    Work,
+)
 from viscorod.solve.transient.integrators.step_error import (
     estimate_error,
     largest_error,
@@ -86,22 +94,22 @@ def largest_turn(X: Floats) -> tuple[float, int]:
 
 @kernel
 def try_step(
-    body: Body,
-    given: Given,
+    body: Discretisation,
+    given: StageInputs,
     r0: Floats,
     q0: Floats,
     twist0: Floats,
     force0: Floats,
     h: float,
     tableau: Tableau,
-    factors: Factors,
+    factors: StageFactors,
     matrices: Matrices,
     stages: Stages,
     ends: Ends | None,
     work: Work,
     motion: StrainMotion | None,
-    links: Links | None,
-    relaxing: Relaxing | None,
+    links: ConstraintArrays | None,
+    relaxing: MaxwellArrays | None,
     tolerance: float,
     limit: int,
     known_rate: float,
@@ -164,7 +172,7 @@ def try_step(
     scratch, right, pair_right, rates, rate, vector, change, end_reaction, G, Z, psi, no_blocks = work
     order, element_nodes, element_links, link_positions, link_quaternions = elements[:5]
     section, slots = elements[9], elements[14]
-    points = Points(strain, strain_rate, S, sigma)
+    points = GaussStates(strain, strain_rate, S, sigma)
     several = X.shape[0] > 1
     count_nodes = mass.shape[0]
     if links is not None:
@@ -196,7 +204,7 @@ def try_step(
             if relaxing is not None:
                 add_branch_forces(order, section, coupling, past, strain, S)
             if ends is not None:
-                points1 = Points(strain1, strain_rate1, S1, S1)
+                points1 = GaussStates(strain1, strain_rate1, S1, S1)
                 internal_forces(elements, r1, q1, twist1, points1, scratch, force1)
                 if relaxing is not None:
                     stretch_springs(order, factor, dashpot, strain, spring)

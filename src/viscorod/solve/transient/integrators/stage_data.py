@@ -18,7 +18,7 @@ from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
 
-class Body(NamedTuple):
+class Discretisation(NamedTuple):
     """What does not change in a run: elements, inertia, supports.
 
     ``mass (n, 6, 6)``; ``held``, ``split (n,)`` mark nodes whose pose is prescribed / held in part; ``nodes, fixed,
@@ -42,7 +42,7 @@ class Body(NamedTuple):
     pattern: Pattern
 
     @classmethod
-    def of(cls, problem: Problem, elements: Elements, supports: SupportState) -> Body:
+    def of(cls, problem: Problem, elements: Elements, supports: SupportState) -> Discretisation:
         """Collect what the kernels need to know of a problem."""
         n = problem.size
         held, split = np.zeros(n), np.zeros(n)
@@ -72,7 +72,7 @@ class Body(NamedTuple):
         )
 
 
-class Given(NamedTuple):
+class StageInputs(NamedTuple):
     """Loads and prescribed motions at the stages (first index).
 
     Attributes:
@@ -103,7 +103,7 @@ class Given(NamedTuple):
     end_q: Floats
 
     @classmethod
-    def of(cls, stages: int, body: Body, loads: int, *, offset: bool) -> Given:
+    def of(cls, stages: int, body: Discretisation, loads: int, *, offset: bool) -> StageInputs:
         """Allocate for a number of stages and of concentrated loads; ``offset``: any dead force acts at an arm."""
         s, n, m = stages, len(body.mass), len(body.nodes)
         return cls(
@@ -147,7 +147,7 @@ class Stages(NamedTuple):
     held_power: Floats
 
     @classmethod
-    def of(cls, stages: int, body: Body) -> Stages:
+    def of(cls, stages: int, body: Discretisation) -> Stages:
         """Allocate."""
         s, n = stages, len(body.mass)
         points = (s, *body.elements.reference.shape)
@@ -188,7 +188,7 @@ class Ends(NamedTuple):
     lacking: Floats
 
     @classmethod
-    def of(cls, body: Body) -> Ends:
+    def of(cls, body: Discretisation) -> Ends:
         """Allocate."""
         n, points = len(body.mass), (1, *body.elements.reference.shape)
         return cls(
@@ -219,7 +219,7 @@ class Matrices(NamedTuple):
     operators: Operators
 
     @classmethod
-    def of(cls, body: Body) -> Matrices:
+    def of(cls, body: Discretisation) -> Matrices:
         """Allocate."""
         b, n, m = len(body.pattern.rows), len(body.mass), len(body.nodes)
         return cls(
@@ -233,7 +233,7 @@ class Matrices(NamedTuple):
         )
 
 
-class Factors(NamedTuple):
+class StageFactors(NamedTuple):
     """Factors of the real and the complex matrix; scales ``(6 N,)`` of their rows and of the unknowns."""
 
     real: MatrixFactors
@@ -263,7 +263,7 @@ class Work(NamedTuple):
     no_blocks: Floats
 
     @classmethod
-    def of(cls, body: Body, stages: int) -> Work:
+    def of(cls, body: Discretisation, stages: int) -> Work:
         """Allocate."""
         n, m = len(body.mass), len(body.nodes)
         return cls(

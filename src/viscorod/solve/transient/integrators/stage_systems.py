@@ -9,8 +9,8 @@ from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.transient.integrators import jacobian
-from viscorod.solve.transient.integrators.relaxed import Relaxed
-from viscorod.solve.transient.integrators.stage_data import Body, Factors, Matrices
+from viscorod.solve.transient.integrators.stage_dashpots import StageDashpots
+from viscorod.solve.transient.integrators.stage_data import Discretisation, Matrices, StageFactors
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats
 
@@ -27,7 +27,12 @@ class StageSystems:
     """
 
     def __init__(
-        self, body: Body, scales: Floats, tableau: Tableau, plan: Plan, relaxed: Relaxed | None
+        self,
+        body: Discretisation,
+        scales: Floats,
+        tableau: Tableau,
+        plan: Plan,
+        relaxed: StageDashpots | None,
     ) -> None:
         self.body, self.tableau, self.relaxed = body, tableau, relaxed
         self._several = len(tableau.nodes) > 1
@@ -36,7 +41,7 @@ class StageSystems:
         self.real, self.pair = DirectSolver(plan), DirectSolver(pair, complex)
         self._real_blocks = np.zeros((len(body.pattern.rows), 6, 6))
         self._pair_blocks = np.zeros((len(pair.pattern.rows), 6, 6), dtype=complex)
-        self.factors = Factors(
+        self.factors = StageFactors(
             self.real.factors, self.pair.factors, np.ones_like(scales), np.ones_like(scales), scales
         )
 

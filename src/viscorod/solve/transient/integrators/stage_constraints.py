@@ -11,13 +11,13 @@ from viscorod.solve.constraints.constraints import Constraints, JointState
 from viscorod.solve.constraints.projection import close, shown
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
-from viscorod.solve.transient.integrators.links import Links
+from viscorod.solve.transient.integrators.constraint_arrays import ConstraintArrays
 from viscorod.solve.transient.integrators.stage_data import Matrices
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats
 
 
-class Linked:
+class StageConstraints:
     """Targets, predictions and records of the links of a run.
 
     Args:
@@ -31,7 +31,7 @@ class Linked:
 
     def __init__(self, constraints: Constraints, tableau: Tableau) -> None:
         self.constraints, self.tableau = constraints, tableau
-        self.links = Links.of(constraints, len(tableau.nodes))
+        self.links = ConstraintArrays.of(constraints, len(tableau.nodes))
         self.drift = 0.0, 0.0
         c = constraints.joints.count
         self._multiplier = np.zeros(len(constraints.gap))  # at t

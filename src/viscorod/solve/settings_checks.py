@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from viscorod.errors import InputError, Problem
+from viscorod.errors import Fault, InputError
 from viscorod.model.actions.event import Crossing
 from viscorod.model.connections.resolved_places import find
-from viscorod.model.connections.velocity_support import BodyVelocity
+from viscorod.model.connections.velocity_support import VelocitySupport
 from viscorod.model.fields.definition import RefusedError, show
-from viscorod.model.settings import SimulateSettings
+from viscorod.solve.settings import SimulateSettings
 
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
@@ -32,7 +32,7 @@ def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
         raise InputError(problems)
 
 
-def unfit_for_steady(model: ModelDescription) -> Iterator[Problem]:
+def unfit_for_steady(model: ModelDescription) -> Iterator[Fault]:
     """What a steady rotation cannot be computed with: joints, springs, constrained strains, Maxwell branches."""
     why = "steady rotations are computed without {}"
     instead = "leave it out, or compute the motion with simulate"
@@ -44,19 +44,19 @@ def unfit_for_steady(model: ModelDescription) -> Iterator[Problem]:
     )
 
 
-def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Problem]:
+def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
     for index, support in enumerate(model.supports):
-        if isinstance(support, BodyVelocity) and settings.integrator == "generalized_alpha":
-            yield Problem(
+        if isinstance(support, VelocitySupport) and settings.integrator == "generalized_alpha":
+            yield Fault(
                 f"supports[{index}].kind",
                 support.label,
                 "generalised-alpha cannot hold velocities along moving axes",
                 "give integrator = 'radau' or 'midpoint', or hold positions by another support",
             )
         if settings.dynamics == "linear" and (
-            support.motion or (isinstance(support, BodyVelocity) and support.velocity)
+            support.motion or (isinstance(support, VelocitySupport) and support.velocity)
         ):
-            yield Problem(
+            yield Fault(
                 f"supports[{index}].{'motion' if support.motion else 'velocity'}",
                 support.label,
                 "linear dynamics need supports that stay where they are",
@@ -85,9 +85,9 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Prob
             try:
                 find(model, event.at)
             except RefusedError as error:
-                yield Problem(f"events[{index}].at", show(event.at), error.why, error.instead)
+                yield Fault(f"events[{index}].at", show(event.at), error.why, error.instead)
     if model.strains and settings.initial == "equilibrium":
-        yield Problem(
+        yield Fault(
             "initial",
             "'equilibrium'",
             "the model has initial strains, which are no equilibrium",
@@ -95,23 +95,23 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Prob
         )
 
 
-def _joints(model: ModelDescription, why: str, instead: str) -> Iterator[Problem]:
+def _joints(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
     for index, joint in enumerate(model.joints):
-        yield Problem(f"joints[{index}]", joint.label, why, instead)
+        yield Fault(f"joints[{index}]", joint.label, why, instead)
 
 
-def _springs(model: ModelDescription, why: str, instead: str) -> Iterator[Problem]:
+def _springs(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
     for index, spring in enumerate(model.springs):
-        yield Problem(f"springs[{index}]", spring.label, why, instead)
+        yield Fault(f"springs[{index}]", spring.label, why, instead)
 
 
-def _constraints(model: ModelDescription, why: str, instead: str) -> Iterator[Problem]:
+def _constraints(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
     for name, rod in model.rods.items():
         if any(rod.constrained_strains):
-            yield Problem(f"rods.{name}.constraints", show(list(rod.constraints)), why, instead)
+            yield Fault(f"rods.{name}.constraints", show(list(rod.constraints)), why, instead)
 
 
-def _branches(model: ModelDescription, why: str, instead: str) -> Iterator[Problem]:
+def _branches(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
     for name, rod in model.rods.items():
         if rod.relaxing:
-            yield Problem(f"rods.{name}", "Maxwell branches", why, instead)
+            yield Fault(f"rods.{name}", "Maxwell branches", why, instead)

@@ -8,11 +8,11 @@ from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
-from viscorod.solve.transient.integrators.stage_data import Body, Given
+from viscorod.solve.transient.integrators.stage_data import Discretisation, StageInputs
 from viscorod.typing import Floats
 
 
-class Actions:
+class StepActions:
     """Loads and prescribed motions of a run.
 
     Args:
@@ -23,10 +23,10 @@ class Actions:
         given: loads and motions at the stages of the step that is prepared.
     """
 
-    def __init__(self, system: System, supports: SupportState, body: Body, stages: int) -> None:
+    def __init__(self, system: System, supports: SupportState, body: Discretisation, stages: int) -> None:
         self.system, self.supports, self.body = system, supports, body
         self.loads = ExternalLoads(system.problem)
-        self.given = Given.of(
+        self.given = StageInputs.of(
             stages, body, max(1, len(system.problem.station_loads)), offset=self.loads.offset
         )
         self._no_blocks = np.zeros((0, 6, 6))

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from viscorod.model.actions.event import Events
-from viscorod.model.fields.definition import Described, RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.values import (
     OptionalDirection,
     OptionalNumber,
@@ -30,7 +30,7 @@ LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-10, 0.1
 __all__ = ["AnySettings", "EquilibriumSettings", "PathSettings", "SimulateSettings", "SteadySettings"]
 
 
-class SimulateSettings(Described):
+class SimulateSettings(Definition):
     """How a motion is computed.
 
     Args:
@@ -138,7 +138,7 @@ class SimulateSettings(Described):
         return self
 
 
-class EquilibriumSettings(Described):
+class EquilibriumSettings(Definition):
     """How a static equilibrium is computed.
 
     Args:
@@ -148,7 +148,7 @@ class EquilibriumSettings(Described):
     load_steps: Annotated[int | None, PlainValidator(optional(whole_number(1, 10_000)))] = None
 
 
-class PathSettings(Described):
+class PathSettings(Definition):
     """How a path of equilibria is followed.
 
     Args:
@@ -205,7 +205,7 @@ def _spin(value: Any) -> float | Triple:
     return positive(value)
 
 
-class SteadySettings(Described):
+class SteadySettings(Definition):
     """Which steady rotation is sought.
 
     Exactly one of `spin`, `energy` and `momentum` is given.

@@ -21,7 +21,7 @@ GAP = 1e-10
 """Gap of a joint over the length (or in rad), or held strain, that a step may leave."""
 
 
-class Links(NamedTuple):
+class ConstraintArrays(NamedTuple):
     """Joints and held strains, and their state at the stages (first index of some arrays).
 
     Attributes:
@@ -71,7 +71,7 @@ class Links(NamedTuple):
     gradient: Floats
 
     @classmethod
-    def of(cls, constraints: Constraints, stages: int) -> Links:
+    def of(cls, constraints: Constraints, stages: int) -> ConstraintArrays:
         """Allocate; what ``constraints`` keeps (near, operators, scale) is shared with it."""
         joints, held = constraints.arrays, constraints.held
         c, places = constraints.joints.count, len(constraints.gap)

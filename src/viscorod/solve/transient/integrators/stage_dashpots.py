@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.elements.maxwell_branches import Relaxing, add_section_stiffness, remember
-from viscorod.solve.formulations.dashpot_memory import Relaxation
+from viscorod.mechanics.elements.maxwell_branches import MaxwellArrays, add_section_stiffness, remember
+from viscorod.solve.formulations.dashpot_memory import DashpotMemory
 from viscorod.solve.transient.integrators.jacobian import project_blocks
-from viscorod.solve.transient.integrators.stage_data import Body, Matrices
+from viscorod.solve.transient.integrators.stage_data import Discretisation, Matrices
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats
 
 
-class Relaxed:
+class StageDashpots:
     """The memory of the branches in the steps of a run.
 
     Args:
@@ -22,9 +22,9 @@ class Relaxed:
         step: for the compiled step.
     """
 
-    def __init__(self, memory: Relaxation, body: Body, tableau: Tableau) -> None:
+    def __init__(self, memory: DashpotMemory, body: Discretisation, tableau: Tableau) -> None:
         self.memory, self.body, self.tableau = memory, body, tableau
-        self.step = Relaxing.of(body.elements, memory.times, memory.branches, len(tableau.nodes))
+        self.step = MaxwellArrays.of(body.elements, memory.times, memory.branches, len(tableau.nodes))
         self._length = 0.0
         self._start_power: Floats
 
