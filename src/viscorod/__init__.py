@@ -42,4 +42,6 @@ def __getattr__(name: str) -> object:
         return globals()[name]
     if name == "damping":
         return importlib.import_module("viscorod.damping")
-    return _load(name)
+    if name in __all__:
+        return _load(name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -18,6 +18,17 @@ def test_every_public_name_can_be_imported():
         _ = viscorod.Rood
 
 
+@pytest.mark.parametrize(("former", "name"), viscorod.RENAMED.items())
+def test_former_names_warn(former, name):
+    with pytest.warns(DeprecationWarning, match=f"viscorod.{former} is now viscorod.{name}"):
+        assert getattr(viscorod, former) is getattr(viscorod, name)
+
+
+def test_former_package_warns():
+    with pytest.warns(DeprecationWarning, match="viscorod.damping.BeamDyn is now viscorod.programs.BeamDyn"):
+        assert viscorod.damping.BeamDyn is viscorod.programs.BeamDyn
+
+
 BUILDING = """viscorod
 rubber = viscorod.Material(1e9, poissons_ratio=0.3, density=1000.0)
 beam = viscorod.Rod.straight((0, 0, 0), (1, 0, 0), section=viscorod.Circle(0.01), material=rubber)

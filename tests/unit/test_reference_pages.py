@@ -48,7 +48,8 @@ def documented():
 
 @pytest.mark.parametrize("package", [viscorod, viscorod.programs], ids=lambda package: package.__name__)
 def test_every_public_name_is_in_the_reference(package, documented):
-    missing = [name for name in package.__all__ if id(getattr(package, name)) not in documented]
+    names = set(package.__all__) - {"programs"}  # a package of its own, the other parameter
+    missing = [name for name in sorted(names) if id(getattr(package, name)) not in documented]
     assert missing == []
 
 

@@ -48,7 +48,8 @@ class Material(Definition):
         poissons_ratio: nu in (-1, 0.5]; 0.5 is incompressible.
         density: mass per volume > 0, kg/m^3.
         shear_modulus: G > 0, Pa, instead of Poisson's ratio.
-        damping: `KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `MeasuredDamping`; None: elastic.
+        damping: `KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `MeasuredDamping`; None for an elastic
+            material.
     """
 
     youngs_modulus: Positive = NOT_GIVEN
