@@ -1,7 +1,7 @@
 # The one list of public names: type checkers read it, and __init__.py loads each name from where it says.
 
 from . import programs as programs
-from .analyses.coupling import CoSimulation as CoSimulation
+from .analyses.co_simulation import CoSimulation as CoSimulation
 from .analyses.material_fit import kelvin_voigt_fit as kelvin_voigt_fit
 from .analyses.model import Model as Model
 from .analyses.sweep import sweep as sweep

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from damage import CASES, VALUES, damage, spots
 from viscorod.analyses.case_run import run_case
 from viscorod.analyses.check import check
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.casefile.case import case_from_dict
 from viscorod.errors import InputError, SolveError
 
@@ -97,7 +98,7 @@ def computed_or_told(content):
             told(error)
             return "refused"
         try:
-            report = check(case.description, case.settings)
+            report = check(DiscreteModel.of(case.description), case.settings)
             assert np.isfinite(report.frequencies).all()
             assert np.isfinite(report.damping_ratios).all()
             finite(run_case(case, progress=progress, stop=stop).data)

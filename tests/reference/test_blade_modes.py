@@ -9,6 +9,7 @@ import viscorod as vr
 from blades import PRIMARY, blade_text
 from viscorod import programs as vd
 from viscorod.analyses.check import check
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.casefile.case import parse_case
 from viscorod.solve.settings import EquilibriumSettings
 
@@ -20,7 +21,7 @@ def modes(rod):
     model = vr.Model()
     model.add("blade", rod)
     model.clamp("blade.start")
-    report = check(model, EquilibriumSettings())
+    report = check(DiscreteModel.of(model), EquilibriumSettings())
     return np.array(report.frequencies), np.array(report.damping_ratios)
 
 

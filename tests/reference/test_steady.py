@@ -275,13 +275,13 @@ def test_whirling_rod_is_all_but_stable():
 def test_whirling_rod_keeps_whirling(formulation):
     """Solvers against each other: a transient that starts from the steady rotation keeps its strains for 3 turns."""
     from viscorod.analyses.discrete import DiscreteModel
-    from viscorod.analyses.transient import stepping
+    from viscorod.analyses.motion import stepping
     from viscorod.solve.settings import SimulateSettings, SteadySettings
     from viscorod.solve.steady.search import Search
     from viscorod.solve.transient.transient_solver import Transient
 
     model = hinged(4, 4)
-    work = DiscreteModel.of(model, formulation)
+    work = DiscreteModel.of(model, formulation=(formulation, "full"))
     found = Search(work.static, SteadySettings(energy=0.5, formulation=formulation), None).run()
     duration = 3.0 * 2.0 * np.pi / float(np.linalg.norm(found.spin))
     settings = SimulateSettings(duration, tolerance=1e-8, formulation=formulation, initial="reference")

@@ -20,7 +20,7 @@ def test_steps_without_forces_are_one_run():
     model = beam()
     model.force("beam.end", (0, 0.035, 0), until=0.0)
     whole = model.simulate(1.0, tolerance=1e-7)
-    system = model.system(tolerance=1e-7)
+    system = model.co_simulation(tolerance=1e-7)
     for _ in range(25):
         system.step(0.04)
     assert system.time == pytest.approx(1.0, rel=1e-12)
@@ -41,7 +41,7 @@ def test_forces_at_a_port_do_work():
     )
     model.add("rod", rod)
     mass = 1000.0 * np.pi * 1e-4 * 0.3
-    system = model.system(["rod@0.15"], initial="reference")
+    system = model.co_simulation(["rod@0.15"], initial="reference")
     system.apply("rod@0.15", force=(0, 0, 2.0))
     for _ in range(10):
         system.step(0.01)
@@ -69,7 +69,7 @@ def test_coupling_converges_to_the_spring_it_stands_for():
 
     # the same motion by very small coupling steps
     def coupled(step, repeats):
-        system = model.system(["beam.end"], tolerance=1e-8)
+        system = model.co_simulation(["beam.end"], tolerance=1e-8)
         before = spring(system, stiffness)
         for _ in range(round(duration / step)):
             state, force = system.saved(), before
@@ -97,7 +97,7 @@ def test_return_is_exact(integrator):
     given = {} if integrator == "radau" else {"time_step": 0.005}
     model = beam()
     model.force("beam.end", (0, 0.02, 0), until=0.0)
-    system = model.system(["beam.end"], integrator=integrator, **given)
+    system = model.co_simulation(["beam.end"], integrator=integrator, **given)
     for _ in range(5):
         system.step(0.01)
     state = system.saved()
@@ -119,7 +119,7 @@ def test_frames_and_angular_velocities_are_global():
     model = beam()
     model.supports.clear()
     model.clamp("beam.start", motion={"rz": vr.SpinUp(2.0, 0.1)})
-    system = model.system(initial="reference")
+    system = model.co_simulation(initial="reference")
     system.step(0.3)
     angle = 2.0 * (0.3 - 0.05)
     turned = np.array([np.cos(angle), np.sin(angle), 0.0])
@@ -128,7 +128,7 @@ def test_frames_and_angular_velocities_are_global():
 
 
 def test_wrong_use_is_one_message():
-    system = beam().system(["beam.end"])
+    system = beam().co_simulation(["beam.end"])
     with pytest.raises(vr.InputError, match=r"no port.*beam.end"):
         system.apply("beam.start", (0, 0, 1))
     with pytest.raises(vr.InputError, match="three finite numbers"):
@@ -140,11 +140,11 @@ def test_wrong_use_is_one_message():
     with pytest.raises(vr.InputError, match="bem"):
         system.position("bem.end")
     with pytest.raises(vr.InputError, match="bem"):
-        beam().system(["bem.end"])
+        beam().co_simulation(["bem.end"])
 
 
 def test_a_step_that_fails_keeps_the_motion():
-    system = beam().system(["beam.end"])
+    system = beam().co_simulation(["beam.end"])
     system.step(0.01)
     system.apply("beam.end", force=(0, 1e12, 0))
 

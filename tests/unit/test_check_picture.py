@@ -5,6 +5,7 @@ import pytest
 
 import viscorod as vr
 from viscorod.analyses.check import check
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.pictures.drawing.model_drawing import draw_assembly
 
 STEEL = {"material": vr.Material(2e11, 0.3, 7850.0), "section": vr.Circle(0.01)}
@@ -137,7 +138,7 @@ def test_nothing_global_and_no_wrong_model(tmp_path):
 
 
 def test_check_lists_bodies_joints_springs_and_held_strains():
-    report = check(machine())
+    report = check(DiscreteModel.of(machine()))
     assert report.bodies == [
         {
             "body": "plate",
@@ -177,7 +178,7 @@ def test_check_shows_the_couplings_of_a_section_and_its_mass_centre():
     model.add("wire", vr.Rod.straight((0, 1, 0), (0.3, 1, 0), **STEEL))
     model.clamp("strip.start")
     model.clamp("wire.start")
-    coupled, plain = check(model).sections
+    coupled, plain = check(DiscreteModel.of(model)).sections
     assert coupled["stretch & bend 1 coupling [N m]"] == pytest.approx(1e6 * 8e-5 * 0.002)
     assert coupled["stretch & bend 1 viscous coupling [N m s]"] == pytest.approx(1e4 * 8e-5 * 0.002)
     assert coupled["shear 1 & twist coupling [N m]"] < 0.0
@@ -189,4 +190,4 @@ def test_check_shows_the_couplings_of_a_section_and_its_mass_centre():
         vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=strip, material=rubber, constraints="kirchhoff"),
     )
     held.clamp("strip.start")
-    assert not [key for key in check(held).sections[0] if "coupling" in key]
+    assert not [key for key in check(DiscreteModel.of(held)).sections[0] if "coupling" in key]

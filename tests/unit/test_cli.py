@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 import viscorod as vr
 import viscorod.analyses.case_run
 import viscorod.analyses.check
+import viscorod.analyses.discrete
 import viscorod.casefile.case
 from synthetic import rolled_up, swing
 from viscorod.casefile.shipped import shipped_case
@@ -56,7 +57,7 @@ def solving(monkeypatch):
         return path
 
     def prepare(outcome, settings):
-        def run_case(case, *, progress, folder, **_):
+        def run_case(case, discrete, *, progress, folder, **_):
             for reached in np.linspace(0.0, 1.0, 51)[1:]:
                 progress(reached * getattr(case.settings, "duration", 1.0), 0.02)
             result = getattr(outcome, "run", outcome)
@@ -69,8 +70,14 @@ def solving(monkeypatch):
         given = [Conversion("rods.beam.twist", "30 deg", 0.5235987755982989, "rad")]
         case = SimpleNamespace(description=None, settings=settings, title="A case", conversions=given)
         monkeypatch.setattr(viscorod.casefile.case, "load_case", lambda path: case)
-        monkeypatch.setattr(viscorod.analyses.check, "check", lambda model, settings: REPORT)
-        monkeypatch.setattr(viscorod.analyses.check, "doubts", lambda model, settled: ["the rod is thick"])
+        monkeypatch.setattr(viscorod.analyses.check, "check", lambda discrete, settings: REPORT)
+        monkeypatch.setattr(viscorod.analyses.case_run, "discretised_case", lambda case: SimpleNamespace())
+        monkeypatch.setattr(
+            viscorod.analyses.discrete.DiscreteModel, "of", lambda model, validated: SimpleNamespace()
+        )
+        monkeypatch.setattr(
+            viscorod.analyses.check, "doubts", lambda discrete, settings: ["the rod is thick"]
+        )
         monkeypatch.setattr(viscorod.analyses.case_run, "run_case", run_case)
         monkeypatch.setattr(
             viscorod.analyses.case_run, "as_model", lambda description: SimpleNamespace(draw=draw)

@@ -8,6 +8,7 @@ import pytest
 import viscorod as vr
 from damage import CASES
 from viscorod.analyses.check import check
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.casefile.case import case_from_dict
 from viscorod.solve.modes import vibrations as modes
 
@@ -20,7 +21,7 @@ def finer(name, times):
 
 
 def vibrations(description):
-    report = check(description)
+    report = check(DiscreteModel.of(description))
     kept = report.damping_ratios < 0.999
     return report.frequencies[kept], report.damping_ratios[kept]
 
@@ -70,5 +71,5 @@ def test_iteration_ends_where_stiffnesses_differ_by_many_digits():
     for rod in content["rods"].values():
         rod["order"] = 2
         rod.pop("elements")
-    report = check(case_from_dict(content).description)
+    report = check(DiscreteModel.of(case_from_dict(content).description))
     assert np.isfinite(report.frequencies).all()

@@ -5,6 +5,7 @@ from typer.testing import CliRunner
 
 import viscorod as vr
 from viscorod.analyses.check import check
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.cli.app import app
 from viscorod.solve.settings import SimulateSettings
 
@@ -68,7 +69,7 @@ def test_models_that_do_not_fit_are_refused_at_check_and_at_simulate(build, give
     model = rod()
     build(model)
     settings = SimulateSettings(duration=1.0, **given)
-    for call in (lambda: check(model, settings), lambda: model.simulate(1.0, **given)):
+    for call in (lambda: check(DiscreteModel.of(model), settings), lambda: model.simulate(1.0, **given)):
         with pytest.raises(vr.InputError) as refused:
             call()
         assert all(word in str(refused.value) for word in words)

@@ -12,6 +12,7 @@ import pytest
 
 from damage import CASES
 from viscorod.analyses.check import check
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.casefile.case import case_from_dict, load_case
 from viscorod.errors import InputError, SolveError
 from viscorod.limits import DEEPEST_NESTING
@@ -173,7 +174,7 @@ def test_vibrations_beyond_double_precision_are_one_message(length):
     rod["end"][0 if length < 1e10 else 2] = length
     case = case_from_dict(content)
     try:
-        report = check(case.description, case.settings)
+        report = check(DiscreteModel.of(case.description), case.settings)
     except (InputError, SolveError) as error:
         told = str(error)
     else:

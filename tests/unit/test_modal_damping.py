@@ -8,8 +8,10 @@ import pytest
 
 import viscorod as vr
 from viscorod.analyses.check import check, doubts
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import InputError
 from viscorod.model.materials.measured_damping import MeasuredDamping
+from viscorod.solve.settings import EquilibriumSettings
 
 
 def material(**damping) -> vr.Material:
@@ -166,11 +168,11 @@ def test_every_analysis_builds_it(tmp_path):
     # read off the maxima of the motion, which higher modes and the amplitude shift a little
     assert run.decrement("beam.end", axis="y").damping_ratio[-1] == pytest.approx(0.05, rel=0.02)
     assert "damping_assumptions" in model.equilibrium().data.attrs
-    report = check(model)
+    report = check(DiscreteModel.of(model))
     assert report.damping_ratios[0] == pytest.approx(0.05, rel=1e-8)
     assert report.assumptions[0].startswith("rod beam: the shear time of ")
     assert report.materials[0]["shear time [s]"] == model.with_known_times().rods["beam"].material.shear_time
-    assert isinstance(doubts(model, settled=True), list)
+    assert isinstance(doubts(DiscreteModel.of(model), EquilibriumSettings()), list)
     assert model.draw(tmp_path / "beam.png").stat().st_size > 0
 
 

@@ -255,7 +255,7 @@ def test_an_interrupted_initial_equilibrium_is_told(monkeypatch, tmp_path):
 
 def test_a_long_search_for_the_initial_equilibrium_is_told(monkeypatch, caplog):
     """A motion has no progress before it begins; what its initial equilibrium has reached is said instead, rising."""
-    monkeypatch.setattr("viscorod.analyses.discrete.PATIENCE", 0.0)
+    monkeypatch.setattr("viscorod.analyses.equilibrium.PATIENCE", 0.0)
     model = model_of(("ux", "uy", "uz", "rx", "ry", "rz"))
     model.force("beam.end", (0, 500.0, 0))  # more than one load step: the first of them fails
     model.simulate(0.01, time_step=0.01)

@@ -7,6 +7,7 @@ import pytest
 
 import viscorod as vr
 from viscorod.analyses.check import check
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import InputError
 from viscorod.solve.problem.discretise import discretise
 
@@ -112,5 +113,5 @@ def test_the_thickness_of_a_close_coil_is_seen():
     model = vr.Model()
     model.add("coil", vr.Rod.helix(0.01, 0.001, 200, section=THIN, material=STEEL))
     model.clamp("coil.start")
-    (text,) = check(model).warnings
+    (text,) = check(DiscreteModel.of(model)).warnings
     assert "half width times curvature of the reference shape is 0.2;" in text

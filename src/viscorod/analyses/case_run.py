@@ -1,49 +1,56 @@
-"""What a case file asks for, done."""
+"""Run the analysis of a case file."""
 
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any
 
-from viscorod.analyses.model import Model, Progress
+from viscorod.analyses.call_options import CallOptions, Progress
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.equilibrium import equilibrium
+from viscorod.analyses.model import Model
+from viscorod.analyses.motion import motion
+from viscorod.analyses.path import equilibrium_path
+from viscorod.analyses.steady import steady_rotation
+from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.solve.settings import AnySettings, EquilibriumSettings, PathSettings, SteadySettings
+from viscorod.solve.settings import EquilibriumSettings, PathSettings, SimulateSettings, SteadySettings
 
 if TYPE_CHECKING:
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
 
-__all__ = ["Case", "as_model", "run_case"]
+__all__ = ["as_model", "discretised_case", "run_case"]
+
+ANALYSES: dict[type, Callable[[DiscreteModel, Any], Run | Equilibrium | Steady]] = {
+    EquilibriumSettings: equilibrium,
+    PathSettings: equilibrium_path,
+    SimulateSettings: motion,
+    SteadySettings: steady_rotation,
+}
+"""The analysis that each kind of settings asks for."""
 
 
-class Case(Protocol):
-    """What a case file holds: a described model, the settings of one analysis, a title."""
+def discretised_case(case: Case) -> DiscreteModel:
+    """Discretise the model of a case for its analysis; it was validated when the file was read.
 
-    @property
-    def description(self) -> ModelDescription:
-        """The described model."""
-
-    @property
-    def settings(self) -> AnySettings:
-        """The settings of the analysis that the file asks for."""
-
-    @property
-    def title(self) -> str:
-        """The title, or empty."""
-
-    @property
-    def source(self) -> Path | None:
-        """The file."""
-
-    @property
-    def text(self) -> str:
-        """Of the file."""
+    Raises:
+        InputError: the model does not allow the analysis, or its mesh cannot satisfy it.
+    """
+    about = {"case_text": case.text}
+    if case.source is not None:
+        about["case_file"] = str(case.source)
+    options = CallOptions(title=case.title, attributes=about)
+    return DiscreteModel.of(case.description, case.settings, options, validated=True)
 
 
 def run_case(
     case: Case,
+    discrete: DiscreteModel | None = None,
     *,
     progress: Progress | None = None,
     folder: str | Path | None = None,
@@ -54,25 +61,25 @@ def run_case(
     """Do what a case file asks for.
 
     Args:
-        case: of the file; progress: see ``Model.simulate``.
-        folder, resume: of a motion, see there; doubts: go to its warnings.
+        case: the content of the file.
+        discrete: its discretised model, if it is there already.
+        progress: see ``Model.simulate``.
+        folder, resume: of a motion, see there.
+        doubts: warnings that the result is to keep.
         stop: called after every step of a motion, in every iteration of other analyses; a reason that it returns ends
             it.
     """
-    model = as_model(case.description)
-    model.about = {"case_text": case.text, "doubts": json.dumps(list(doubts))}
-    if case.source is not None:
-        model.about["case_file"] = str(case.source)
-    given = {name: getattr(case.settings, name) for name in case.settings.model_fields_set}
-    if isinstance(case.settings, EquilibriumSettings):
-        return model.equilibrium(**given, progress=progress, title=case.title, stop=stop)
-    if isinstance(case.settings, PathSettings):
-        return model.path(**given, progress=progress, title=case.title, stop=stop)
-    if isinstance(case.settings, SteadySettings):
-        return model.steady(**given, title=case.title, stop=stop)
-    return model.simulate(
-        **given, progress=progress, title=case.title, folder=folder, resume=resume, stop=stop
+    discrete = discrete or discretised_case(case)
+    options = replace(
+        discrete.options,
+        progress=progress,
+        folder=None if folder is None else Path(folder),
+        resume=resume,
+        stop=stop,
     )
+    attributes = discrete.attributes | {"doubts": json.dumps(list(doubts))}
+    discrete = replace(discrete, options=options, attributes=attributes, began=time.perf_counter())
+    return ANALYSES[type(case.settings)](discrete, case.settings)
 
 
 def as_model(description: ModelDescription) -> Model:

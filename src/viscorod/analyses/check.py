@@ -1,4 +1,4 @@
-"""What a model is before it is solved: sizes, stiffness and damping, first modes, doubts about validity."""
+"""Describe a model before it is solved: sizes, stiffness and damping, first modes, doubts about validity."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from viscorod.analyses.modal_damping import with_known_times
-from viscorod.mechanics.compilation.compiled import announce_compilation
-from viscorod.mechanics.elements import geometric_element as geometric
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.model.bodies.body_base import AnyBody
 from viscorod.model.connections.joint_base import AnyJoint, ResolvedJoint
 from viscorod.model.connections.spring import AnySpring, ResolvedSpring
@@ -17,15 +15,11 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import some_of
 from viscorod.model.rod import Rod
 from viscorod.solve.constraints.rigid_motions import free_motions
-from viscorod.solve.constraints.support_state import SupportState
-from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
-from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings import AnySettings, SimulateSettings, SteadySettings
 from viscorod.solve.settings_checks import require_fit
-from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.steady.conditions import require as require_steady
 from viscorod.typing import Floats
 
@@ -77,18 +71,20 @@ class CheckReport:
     assumptions: list[str] = field(default_factory=list)
 
 
-def check(model: ModelDescription, settings: AnySettings | None = None) -> CheckReport:
-    """Validate a model, and the settings of an analysis of it, and describe it.
+def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> CheckReport:
+    """Describe a model, and refuse settings of an analysis that it does not allow.
+
+    Frequencies and damping ratios are those of the geometric formulation, for which the model has to be discretised.
 
     Raises:
-        InputError: the model is inconsistent, or the analysis cannot be made of it.
+        InputError: the analysis cannot be made of it.
     """
+    model, problem, solver = discrete.model, discrete.problem, discrete.static
     if isinstance(settings, SimulateSettings):
         require_fit(model, settings)
-    model = with_known_times(model)
-    problem, solver, state = _prepared(model)
     if isinstance(settings, SteadySettings):
         require_steady(model, problem, settings)
+    state = State.reference(problem)
     n = problem.size
     linear = linearise(solver, state, scale=0.0)
     undamped = natural_frequencies(linear, 4 * MODES)
@@ -123,28 +119,16 @@ def check(model: ModelDescription, settings: AnySettings | None = None) -> Check
     )
 
 
-def doubts(model: ModelDescription, *, settled: bool) -> list[str]:
+def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
     """Return the warnings of :func:`check` without the rest, quickly.
 
-    Args:
-        model: the model.
-        settled: whether a static equilibrium is wanted, so that motions which nothing holds matter.
-
-    Raises:
-        InputError: the model is inconsistent.
+    Motions that nothing holds are among them if the analysis looks for a static equilibrium.
     """
-    model = with_known_times(model)
-    problem, solver, state = _prepared(model)
-    linear = linearise(solver, state, scale=0.0)
+    linear = linearise(discrete.static, State.reference(discrete.problem), scale=0.0)
     frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
-    return _doubts(model, problem, frequencies[frequencies > 0.0], settled=settled)
-
-
-def _prepared(model: ModelDescription) -> tuple[Problem, StaticSolver, State]:
-    problem = discretise(model)
-    announce_compilation(geometric.assemble)
-    solver = StaticSolver(GeometricSystem(problem), SupportState(problem))
-    return problem, solver, State.reference(problem)
+    flies = isinstance(settings, SimulateSettings) and settings.initial == "reference"
+    settled = not (flies or isinstance(settings, SteadySettings))
+    return _doubts(discrete.model, discrete.problem, frequencies[frequencies > 0.0], settled=settled)
 
 
 def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, settled: bool) -> list[str]:

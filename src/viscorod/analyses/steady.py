@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import InputError, SolveError
-from viscorod.model.description.model_description import ModelDescription
-from viscorod.results.dataset import dataset
 from viscorod.results.result import Result
 from viscorod.results.steady_result import Steady
 from viscorod.solve.formulations.system import State
@@ -25,29 +23,23 @@ from viscorod.solve.steady.steady_rotation import SteadyRotation
 if TYPE_CHECKING:
     import xarray as xr
 
-    from viscorod.analyses.discrete import DiscreteModel
-
 __all__ = ["steady_rotation"]
 
 
-def steady_rotation(
-    work: DiscreteModel,
-    model: ModelDescription,
-    settings: SteadySettings,
-    start: Result | None,
-    attrs: dict[str, Any],
-) -> Steady:
+def steady_rotation(discrete: DiscreteModel, settings: SteadySettings) -> Steady:
     """Find a steady rotation; see ``Model.steady``."""
-    problem = work.problem
-    require(model, problem, settings)
+    discrete.static.stop = discrete.options.stop
+    discrete.require_independent()
+    problem, start = discrete.problem, discrete.options.start
+    require(discrete.model, problem, settings)
     first = None if start is None else last_state(problem, start)
-    search = Search(work.static, settings, first)
+    search = Search(discrete.static, settings, first)
     try:
         found = search.run()
     except KeyboardInterrupt as asked:
         text = f"Stopped after {search.effort.iterations} iterations: {interruption(asked)}"
         raise SolveError(text) from None
-    return Steady(_dataset(work, settings, found, attrs))
+    return Steady(_data_set(discrete, settings, found))
 
 
 def last_state(problem: Problem, start: Result) -> State:
@@ -75,9 +67,7 @@ def last_state(problem: Problem, start: Result) -> State:
     return nodal_state(problem, position, rotation, velocity, spin)
 
 
-def _dataset(
-    work: DiscreteModel, settings: SteadySettings, found: SteadyRotation, attrs: dict[str, Any]
-) -> xr.Dataset:
+def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRotation) -> xr.Dataset:
     """One state along the dimension ``spin``, with what is special to a rotation."""
     history = History()
     snapshot = Snapshot(
@@ -93,11 +83,8 @@ def _dataset(
     history.record(float(np.linalg.norm(found.spin)), snapshot, account, 0.0, found.iterations)
     stability = found.stability
     s = stability.eigenvalues
-    complete = {
-        "message": "",
+    attrs = {
         "outcome": "completed",
-        "scale_length": work.problem.length,
-        **work.materials,
         "formulation": settings.formulation,
         "damping": settings.damping,
         "iterations": found.iterations,
@@ -105,9 +92,8 @@ def _dataset(
         "unstable": stability.unstable,
         "neutral": stability.neutral,
         "growth_rate": stability.growth,
-        "wall_time_s": time.perf_counter() - work.began,
-    } | attrs
-    data = dataset("steady", work.problem, work.system.gauss_positions(), history, complete)
+    }
+    data = discrete.data_set("steady", history, attrs)()
     kept = s[: settings.modes]
     return data.assign(
         spin_vector=("axis", found.spin),

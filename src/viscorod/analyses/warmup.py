@@ -16,7 +16,7 @@ from numba.core import event
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.model import Model
-from viscorod.analyses.transient import simulate
+from viscorod.analyses.motion import motion
 from viscorod.mechanics.compilation.compiled import KERNELS, await_compilation, cache_folder, compile_aside
 from viscorod.model.actions.time_function import Ramp
 from viscorod.model.materials.material import KelvinVoigt, Material
@@ -104,7 +104,8 @@ def _simulate(model: Model, integrator: str, formulations: Iterable[tuple[str, s
         "output_interval": 0.2 * SPAN,
     }
     for formulation in formulations:
-        simulate(DiscreteModel.of(model, *formulation), SimulateSettings.model_validate(given), None, {})
+        settings = SimulateSettings.model_validate(given)
+        motion(DiscreteModel.of(model, formulation=formulation), settings)
 
 
 def small_model() -> Model:

@@ -77,6 +77,7 @@ def check(
     with readable_errors():
         from viscorod.analyses.case_run import as_model
         from viscorod.analyses.check import check as check_model
+        from viscorod.analyses.discrete import DiscreteModel
         from viscorod.casefile.case import load_case
 
         loaded = load_case(existing(case))
@@ -85,7 +86,8 @@ def check(
         # before anything is solved: the picture shows why something may fail
         picture = as_model(loaded.description).draw(folder / "assembly.png", loaded.title)
         try:
-            report = check_model(loaded.description, loaded.settings)
+            discrete = DiscreteModel.of(loaded.description, validated=True)
+            report = check_model(discrete, loaded.settings)
             typer.echo(_check_text(report, loaded.conversions))
         finally:
             typer.echo(f"\nWritten: {picture}")

@@ -18,6 +18,7 @@ from viscorod.cli.terminal import existing, readable_errors
 from viscorod.errors import InputError, SolveError
 
 if TYPE_CHECKING:
+    from viscorod.analyses.discrete import DiscreteModel
     from viscorod.casefile.case import Case
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
@@ -45,10 +46,14 @@ def run(
         loaded = load_case(existing(case))
         folder = output or Path("out") / case.stem
         writable(folder)
-        doubts = _doubts(loaded)
-        for warning in doubts:
+        from viscorod.analyses.case_run import discretised_case
+        from viscorod.analyses.check import doubts
+
+        discrete = discretised_case(loaded)
+        warnings = doubts(discrete, loaded.settings)
+        for warning in warnings:
             typer.echo(f"warning: {warning}", err=True)
-        _compute(loaded, folder, doubts, resume=False)
+        _compute(loaded, folder, warnings, discrete)
 
 
 def resume(
@@ -85,7 +90,7 @@ def resume(
         if now is not None:
             _require_same(text, now)
         doubts = json.loads(str(about.get("doubts", "[]")))
-        _compute(parse_case(text, source), folder, doubts, resume=True)
+        _compute(parse_case(text, source), folder, doubts)
 
 
 def _require_same(text: str, path: Path) -> None:
@@ -103,7 +108,8 @@ def _require_same(text: str, path: Path) -> None:
     )
 
 
-def _compute(case: Case, folder: Path, doubts: Sequence[str], *, resume: bool) -> None:
+def _compute(case: Case, folder: Path, doubts: Sequence[str], discrete: DiscreteModel | None = None) -> None:
+    """Run a case whose model has been discretised; without that, go on with the run that was stopped in the folder."""
     from viscorod.analyses.case_run import run_case
     from viscorod.cli.progress import reporting
     from viscorod.results.run import Run
@@ -115,7 +121,15 @@ def _compute(case: Case, folder: Path, doubts: Sequence[str], *, resume: bool) -
     result: Run | Equilibrium | Steady
     try:
         with _polite_stop() as stop, reporting(total, static=static) as progress:
-            result = run_case(case, progress=progress, folder=folder, doubts=doubts, resume=resume, stop=stop)
+            result = run_case(
+                case,
+                discrete,
+                progress=progress,
+                folder=folder,
+                doubts=doubts,
+                resume=discrete is None,
+                stop=stop,
+            )
     except SolveError as error:
         typer.echo(f"error: {error}", err=True)
         if error.run is not None:
@@ -166,17 +180,6 @@ def writable(folder: Path) -> None:
         raise InputError(
             f"{folder} cannot be written: {there} is no folder to write in; name another with -o"
         )
-
-
-def _doubts(case: Case) -> list[str]:
-    """What the user should know before the case is computed."""
-    from viscorod.analyses.check import doubts
-    from viscorod.solve.settings import SimulateSettings, SteadySettings
-
-    settings = case.settings
-    flies = isinstance(settings, SimulateSettings) and settings.initial == "reference"
-    flies = flies or isinstance(settings, SteadySettings)
-    return doubts(case.description, settled=not flies)
 
 
 def _write(result: Run | Equilibrium | Steady, folder: Path, doubts: Sequence[str]) -> list[Path]:

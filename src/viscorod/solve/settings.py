@@ -11,12 +11,14 @@ from pydantic import Field, PlainValidator, model_validator
 from viscorod.model.actions.event import Events
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.values import (
+    Number,
     OptionalDirection,
     OptionalNumber,
     OptionalPositive,
     OptionalUnitInterval,
     Positive,
     Triple,
+    each,
     one_of,
     optional,
     positive,
@@ -27,7 +29,15 @@ from viscorod.model.fields.values import (
 
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-10, 0.1
 
-__all__ = ["AnySettings", "EquilibriumSettings", "PathSettings", "SimulateSettings", "SteadySettings"]
+__all__ = [
+    "AnySettings",
+    "CoSimulationSettings",
+    "EquilibriumSettings",
+    "ModesSettings",
+    "PathSettings",
+    "SimulateSettings",
+    "SteadySettings",
+]
 
 
 class SimulateSettings(Definition):
@@ -143,9 +153,11 @@ class EquilibriumSettings(Definition):
 
     Args:
         load_steps: number of equal load steps to start with, 1 to 10 000; they are halved where needed.
+        load_factor: multiple of all loads and prescribed motions.
     """
 
     load_steps: Annotated[int | None, PlainValidator(optional(whole_number(1, 10_000)))] = None
+    load_factor: Number = 1.0
 
 
 class PathSettings(Definition):
@@ -192,6 +204,11 @@ class PathSettings(Definition):
                 at=(missing,),
             )
         return self
+
+
+def _ports(value: Any) -> tuple[str, ...]:
+    """Names of places."""
+    return each(value, word)
 
 
 def _spin(value: Any) -> float | Triple:
@@ -275,6 +292,51 @@ class SteadySettings(Definition):
                 "add formulation = 'intrinsic', or leave out damping",
                 found=show(self.damping),
                 at=("damping",),
+            )
+        return self
+
+
+class ModesSettings(Definition):
+    """Which small vibrations are sought.
+
+    Args:
+        count: number of modes, 1 to 100 000.
+        about: "equilibrium" under the loads at t = 0- (just before t = 0), the equilibrium once "released", under
+            those just after t = 0, or the "reference" shape (as if free of load).
+    """
+
+    count: Annotated[int, PlainValidator(whole_number(1, 100_000))] = 6
+    about: Annotated[
+        Literal["equilibrium", "released", "reference"], one_of("equilibrium", "released", "reference")
+    ] = "equilibrium"
+
+
+LONGEST_COUPLING = 1e6
+"""Simulated time [s] for which the settings of a co-simulation are chosen; it has no end of its own."""
+
+
+class _Ports(Definition):
+    ports: Annotated[tuple[str, ...], PlainValidator(_ports)] = ()
+
+
+class CoSimulationSettings(SimulateSettings, _Ports):
+    """How a model moves that another program drives step by step.
+
+    Args:
+        ports: places where the other program acts, such as "beam.end".
+        duration: longest simulated time, s.
+    """
+
+    duration: Positive = Field(default=LONGEST_COUPLING, kw_only=True)
+
+    @model_validator(mode="after")
+    def _no_events(self) -> Self:
+        if self.events:
+            raise RefusedError(
+                "a co-simulation is not watched for events",
+                "leave events out and read positions and velocities between the steps",
+                found=show(len(self.events)),
+                at=("events",),
             )
         return self
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
@@ -144,4 +144,4 @@ def _modes(result: Result, count: int, about: str) -> Figure:
     except InputError as error:
         raise InputError(f"the model in this result cannot be built again, for its modes: {error}") from None
     model = as_model(case.description)
-    return draw_modes(result, model.modes(count + _RIGID, about=about), count)
+    return draw_modes(result, model.modes(count + _RIGID, about=cast(Any, about)), count)

@@ -25,13 +25,18 @@ from viscorod.solve.problem.problem import NodalLoad, Problem, StationLoad, Supp
 from viscorod.typing import Floats, Integers
 
 
-def discretise(model: ModelDescription) -> Problem:
+def discretise(model: ModelDescription, *, validated: bool = False) -> Problem:
     """Divide the rods, number the nodes, lump the masses and place supports, loads and joints.
+
+    Args:
+        model: what is to be computed.
+        validated: whether ``model.validate()`` has passed already.
 
     Raises:
         InputError: the model is inconsistent, or its mesh cannot satisfy it.
     """
-    model.validate()
+    if not validated:
+        model.validate()
     mesh = _mesh(model)
     places = Placement(model, mesh)
     nodes = len(mesh.positions)

@@ -70,7 +70,7 @@ class StaticSolver:
         self.loads = ExternalLoads(system.problem)
         self.tolerance = tolerance
         self.iterations = iterations
-        self._stop = stop
+        self.stop = stop
 
     def go_on(self) -> None:
         """Do nothing, unless the solution is to stop.
@@ -78,7 +78,7 @@ class StaticSolver:
         Raises:
             KeyboardInterrupt: it is; as if asked from the keyboard, with the reason.
         """
-        reason = "" if self._stop is None else self._stop()
+        reason = "" if self.stop is None else self.stop()
         if reason:
             raise KeyboardInterrupt(reason)
 

@@ -1,8 +1,10 @@
-"""What a result keeps of its materials: the assumptions about their damping, and the laws it was computed with."""
+"""Where a result comes from: its model, its case file, the versions, its materials and their damping laws."""
 
 from __future__ import annotations
 
+import hashlib
 import json
+import platform
 from typing import Any
 
 import numpy as np
@@ -12,11 +14,27 @@ from viscorod.model.materials.material import Material
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus
 from viscorod.model.rod import Rod
 
-__all__ = ["material_record"]
+__all__ = ["material_record", "provenance"]
+
+
+def provenance(model: ModelDescription, title: str, more: dict[str, str]) -> dict[str, str]:
+    """Return the attributes that every result has: the model as a case, versions, and ``more`` that is given."""
+    from viscorod import __version__
+
+    case = json.dumps(model.to_dict())
+    text = more.get("case_text") or case
+    return {
+        "title": title,
+        "case": case,
+        "case_hash": hashlib.sha256(text.encode()).hexdigest(),
+        "version": __version__,
+        "platform": f"Python {platform.python_version()}, NumPy {np.__version__}, {platform.platform()}",
+        **more,
+    }
 
 
 def material_record(model: ModelDescription) -> dict[str, str]:
-    """Attributes of a data set, as JSON by rod.
+    """Return the attributes about materials whose times are known, as JSON by rod.
 
     ``damping_assumptions`` are sentences. ``damping_laws`` have ``times``, the retardation times [s] of the six strains
     at the start of the rod (None where it holds them or a Maxwell branch damps them); and, if it is known what a

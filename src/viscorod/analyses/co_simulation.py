@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from viscorod.analyses.call_options import CallOptions
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.transient import TOLERANCE, described, initial_state, stepping
+from viscorod.analyses.motion import TOLERANCE, described, initial_state, stepping
+from viscorod.analyses.provenance import provenance
 from viscorod.errors import InputError, SolveError
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.model.actions.time_table import FunctionOfTime
@@ -17,8 +20,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.result_places import ResultPlace
 from viscorod.results.run import Run
 from viscorod.solve.history import StationReader
-from viscorod.solve.settings import SimulateSettings
-from viscorod.solve.settings_checks import require_fit
+from viscorod.solve.settings import CoSimulationSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.saved_state import SavedTree
 from viscorod.solve.transient.step_control import ErrorControl
@@ -26,9 +28,6 @@ from viscorod.solve.transient.transient_solver import Transient
 from viscorod.typing import Floats
 
 __all__ = ["CoSimulation"]
-
-LONGEST = 1e6
-"""Simulated time [s] for which settings are checked; a coupled run has no end of its own."""
 
 
 class CoSimulation:
@@ -38,51 +37,52 @@ class CoSimulation:
     they are. Within a step the integrator takes steps of its own.
 
     Args:
-        model: what is computed.
-        ports: places of it where the other program acts, such as "beam.end".
-        attrs: attributes of the result; settings: as of ``Model.simulate``, without a duration.
-
-    Raises:
-        InputError: the model or a setting is wrong, or a port is no place.
+        discrete: the discretised model, with a load at every port that takes the present wrench from ``wrenches``.
+        settings: of the co-simulation.
+        wrenches: force [N] and moment [N m] at every port ``(6,)``, global axes; changed by :meth:`apply`.
 
     Attributes:
         time: reached so far [s].
     """
 
     def __init__(
-        self,
-        model: ModelDescription,
-        ports: Sequence[str] = (),
-        *,
-        attrs: dict[str, Any] | None = None,
-        **settings: Any,
+        self, discrete: DiscreteModel, settings: CoSimulationSettings, wrenches: dict[str, Floats]
     ) -> None:
-        self._values = {port: np.zeros(6) for port in ports}
-        coupled = type(model).of(**model.parts())
-        coupled.loads = list(model.loads)
-        for port in ports:
-            for component in range(3):
-                axis = tuple(float(k == component) for k in range(3))
-                coupled.force(port, axis, time=FunctionOfTime(self._component(port, component)))
-                coupled.moment(port, axis, time=FunctionOfTime(self._component(port, 3 + component)))
-        if settings.get("integrator", "radau") == "radau":
-            settings = {"tolerance": TOLERANCE, **settings}
-        self.settings = SimulateSettings(duration=LONGEST, **settings)
-        require_fit(coupled, self.settings)
-        self._work = work = DiscreteModel.of(coupled, self.settings.formulation, self.settings.damping)
-        self._attrs = attrs or {}
-        state = initial_state(work, self.settings)
-        integrator, control, self._chosen = stepping(work, self.settings, state)
-        self._transient = Transient(work.problem, integrator, control, work.system.worst_place)
-        self._reader = StationReader(work.problem)
-        self._sites: dict[str, ResultPlace] = {}
+        discrete.require_independent()
+        self.settings = settings
+        self._discrete, self._wrenches = discrete, wrenches
+        state = initial_state(discrete, settings)
+        integrator, control, self._chosen = stepping(discrete, settings, state)
+        self._transient = Transient(discrete.problem, integrator, control, discrete.system.worst_place)
+        self._reader = StationReader(discrete.problem)
+        self._places: dict[str, ResultPlace] = {}
         self._changed = False
         self._transient.begin(state)
         self._state: tuple[Floats, ...] | None = None
 
-    def _component(self, port: str, component: int) -> Any:
-        values = self._values[port]
-        return lambda _: float(values[component])
+    @classmethod
+    def of(
+        cls, model: ModelDescription, settings: CoSimulationSettings, options: CallOptions | None = None
+    ) -> CoSimulation:
+        """Discretise a model with loads at the ports, and let it begin.
+
+        Raises:
+            InputError: the model or a setting is wrong, or a port is not a place.
+        """
+        wrenches = {port: np.zeros(6) for port in settings.ports}
+        coupled = type(model).of(**model.parts())
+        for port, wrench in wrenches.items():
+            for component in range(3):
+                axis = tuple(float(k == component) for k in range(3))
+                coupled.force(port, axis, time=_entry(wrench, component))
+                coupled.moment(port, axis, time=_entry(wrench, 3 + component))
+        if settings.integrator == "radau" and settings.tolerance is None:
+            # not less for a start near to rest, as in motions: what the ports will do is not known
+            settings = settings.model_copy(update={"tolerance": TOLERANCE})
+        discrete = DiscreteModel.of(coupled, settings, options)
+        # results tell of the model as it was given, without the loads at the ports
+        own = provenance(model, discrete.options.title, discrete.options.attributes)
+        return cls(replace(discrete, attributes=discrete.attributes | own), settings, wrenches)
 
     @property
     def time(self) -> float:
@@ -102,8 +102,8 @@ class CoSimulation:
         Raises:
             InputError: no such port, or no three finite numbers.
         """
-        if port not in self._values:
-            known = ", ".join(self._values) or "none was named"
+        if port not in self._wrenches:
+            known = ", ".join(self._wrenches) or "none was named"
             raise InputError(f"{port!r} is no port of this system; the ports are: {known}")
         try:
             wrench = np.concatenate([np.asarray(force, dtype=float), np.asarray(moment, dtype=float)])
@@ -113,8 +113,8 @@ class CoSimulation:
             raise InputError(
                 f"force = {force!r}, moment = {moment!r} at {port}: give three finite numbers each, N and N m"
             )
-        self._changed = self._changed or not np.array_equal(wrench, self._values[port])
-        self._values[port][:] = wrench
+        self._changed = self._changed or not np.array_equal(wrench, self._wrenches[port])
+        self._wrenches[port][:] = wrench
 
     # --- on
 
@@ -147,7 +147,7 @@ class CoSimulation:
         assert result.report is not None
         message = (
             f"The motion could not be followed beyond t = {self.time:.6g} s: {result.outcome.value}."
-            f"{self._work.where(result.report)} What to try: {result.outcome.advice(static=False)}."
+            f"{self._discrete.where(result.report)} What to try: {result.outcome.advice(static=False)}."
         )
         raise SolveError(message, self._run(result.outcome, message))
 
@@ -164,19 +164,19 @@ class CoSimulation:
     def frame(self, place: str) -> Floats:
         """Directions d1, d2, d3 of a place (columns) in global axes (3, 3)."""
         quaternions = self._fields()[1]
-        return np.asarray(matrices(self._site(place).rotation(quaternions)[None])[0])
+        return np.asarray(matrices(self._place_at(place).rotation(quaternions)[None])[0])
 
     def angular_velocity(self, place: str) -> Floats:
         """Angular velocity of a place (3,) [rad/s], global axes."""
         return np.asarray(self.frame(place) @ self._at(place, 3))
 
     def _at(self, place: str, field: int) -> Floats:
-        return self._site(place).of(self._fields()[field])
+        return self._place_at(place).of(self._fields()[field])
 
-    def _site(self, place: str) -> ResultPlace:
-        if place not in self._sites:
-            self._sites[place] = self._work.site(place)
-        return self._sites[place]
+    def _place_at(self, place: str) -> ResultPlace:
+        if place not in self._places:
+            self._places[place] = self._discrete.place(place)
+        return self._places[place]
 
     def _fields(self) -> tuple[Floats, ...]:
         if self._state is None:
@@ -188,7 +188,7 @@ class CoSimulation:
 
     def saved(self) -> SavedTree:
         """Return the present state, to come back to it: a step of an implicit coupling is taken again and again."""
-        values = {port: wrench.copy() for port, wrench in self._values.items()}
+        values = {port: wrench.copy() for port, wrench in self._wrenches.items()}
         history = self._transient.result.history
         return self._transient.saved(), values, self._changed, history.count
 
@@ -197,7 +197,7 @@ class CoSimulation:
         tree, values, self._changed, count = state
         self._transient.resume(tree)
         for port, wrench in values.items():
-            self._values[port][:] = wrench
+            self._wrenches[port][:] = wrench
         self._transient.result.history.forget(count)
         self._state = None
 
@@ -209,8 +209,11 @@ class CoSimulation:
 
     def _run(self, outcome: Outcome, message: str) -> Run:
         self._transient.count()
-        work = self._work
-        work.history = self._transient.result.history
-        attrs = self._attrs | self._chosen | {"message": message}
-        attrs |= described(work, self._transient, self.settings, outcome, attrs)
-        return Run(work.dataset("simulate", attrs))
+        attrs: dict[str, Any] = {**self._chosen, "message": message}
+        attrs |= described(self._discrete, self._transient, self.settings, outcome)
+        return Run(self._discrete.data_set("simulate", self._transient.result.history, attrs)())
+
+
+def _entry(wrench: Floats, component: int) -> FunctionOfTime:
+    """Return a function of time that is the present value of a component, whatever the time."""
+    return FunctionOfTime(lambda _: float(wrench[component]))

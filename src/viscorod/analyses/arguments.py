@@ -1,0 +1,177 @@
+"""The keyword arguments of a model's analyses: the settings of the analysis, and what accompanies a call.
+
+Settings are spelled once, in their class. ``takes`` gives a method the parameters of such a class, with their types,
+so that editors, type checkers, ``help`` and the reference show them.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
+
+from pydantic import Field
+
+from viscorod.analyses.call_options import CallOptions, Progress
+from viscorod.errors import InputError
+from viscorod.model.fields.definition import Definition
+from viscorod.solve.settings import (
+    CoSimulationSettings,
+    EquilibriumSettings,
+    PathSettings,
+    SimulateSettings,
+    SteadySettings,
+)
+
+if TYPE_CHECKING:
+    from viscorod.results.result import Result
+else:
+    Result = Any  # results are imported when something is computed
+
+__all__ = [
+    "CoSimulationArguments",
+    "EquilibriumArguments",
+    "PathArguments",
+    "SimulateArguments",
+    "SteadyArguments",
+    "takes",
+]
+
+P = ParamSpec("P")
+A = TypeVar("A")
+M = TypeVar("M")
+R = TypeVar("R")
+
+
+class Titled(Definition):
+    """What every call can be given.
+
+    Args:
+        title: kept with the result.
+    """
+
+    title: str = Field(default="", kw_only=True)
+
+    @property
+    def options(self) -> CallOptions:
+        """What accompanies the computation."""
+        names = CallOptions.__dataclass_fields__.keys() & self.model_fields_set
+        return CallOptions(**{name: getattr(self, name) for name in names})
+
+    def to_dict(self) -> dict[str, Any]:
+        """The settings alone, see ``Definition.to_dict``."""
+        return {name: value for name, value in super().to_dict().items() if name not in _ACCOMPANYING}
+
+
+_ACCOMPANYING = frozenset(CallOptions.__dataclass_fields__)
+
+
+class Watched(Titled):
+    """What calls that go on by steps or iterations can be given.
+
+    Args:
+        stop: called in every step or iteration; a reason that it returns ends the computation, which keeps what it has.
+    """
+
+    stop: Callable[[], str] | None = Field(default=None, kw_only=True)
+
+
+class Progressing(Watched):
+    """What calls that show their progress can be given.
+
+    Args:
+        progress: called after every step with the time [s] or load factor that was reached, and the size of the step.
+    """
+
+    progress: Progress | None = Field(default=None, kw_only=True)
+
+
+class EquilibriumArguments(EquilibriumSettings, Progressing):
+    """Those of ``Model.equilibrium``."""
+
+
+class PathArguments(PathSettings, Progressing):
+    """Those of ``Model.path``."""
+
+
+class SimulateArguments(SimulateSettings, Progressing):
+    """Those of ``Model.simulate``.
+
+    Args:
+        folder: where the states go as they come, so that memory stays bounded and a run that is stopped can go on;
+            ``run.nc`` is there in the end. Without it everything stays in memory.
+        resume: go on with the run that was stopped in that folder; model and settings have to be the same.
+    """
+
+    folder: Path | None = Field(default=None, kw_only=True)
+    resume: bool = Field(default=False, kw_only=True)
+
+
+class CoSimulationArguments(CoSimulationSettings, Titled):
+    """Those of ``Model.co_simulation``."""
+
+
+class SteadyArguments(SteadySettings, Watched):
+    """Those of ``Model.steady``.
+
+    Args:
+        start: a result whose last state is the first guess.
+    """
+
+    start: Result | None = Field(default=None, kw_only=True)
+
+
+def takes(arguments: Callable[P, A]) -> Callable[[Callable[[M, A], R]], Callable[Concatenate[M, P], R]]:
+    """Give a method the parameters of a class of arguments, of which it gets a validated object.
+
+    Arguments that are None count as not given.
+    """
+    kind: Any = arguments
+
+    def decorate(function: Callable[[M, A], R]) -> Callable[Concatenate[M, P], R]:
+        @functools.wraps(function)
+        def method(self: M, /, *args: P.args, **kwargs: P.kwargs) -> R:
+            given = {name: value for name, value in kwargs.items() if value is not None}
+            try:
+                call = kind(*args, **given)
+            except InputError as error:
+                prefix = f"{kind.__name__}."
+                faults = [replace(fault, where=fault.where.removeprefix(prefix)) for fault in error.problems]
+                raise InputError(faults) from None
+            return function(self, call)
+
+        documented: Any = method
+        documented.__signature__ = _signature(kind)
+        documented.__doc__ = _documented(function.__doc__, kind)
+        return method
+
+    return decorate
+
+
+def _signature(kind: type[Definition]) -> inspect.Signature:
+    """Return the signature of a method that takes these arguments."""
+    parameters = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)]
+    for name, field in sorted(kind.model_fields.items(), key=lambda item: bool(item[1].kw_only)):
+        by_name = inspect.Parameter.KEYWORD_ONLY if field.kw_only else inspect.Parameter.POSITIONAL_OR_KEYWORD
+        default = inspect.Parameter.empty if field.is_required() else field.default
+        parameters.append(inspect.Parameter(name, by_name, default=default, annotation=field.annotation))
+    return inspect.Signature(parameters)
+
+
+def _documented(text: str | None, kind: type[Definition]) -> str | None:
+    """Return a docstring with the arguments of a class, and of those that it is derived from, before its next part."""
+    if text is None:  # python -OO
+        return None
+    bases = [base for base in kind.__mro__ if issubclass(base, Definition)]
+    bases.sort(key=lambda base: issubclass(base, Titled))  # settings first, then what accompanies the call
+    sections = [inspect.cleandoc(base.__doc__ or "") for base in bases]
+    described = [section.partition("Args:\n")[2].split("\n\n")[0] for section in sections]
+    arguments = "\n".join(part for part in described if part)
+    text = inspect.cleandoc(text)
+    end = re.search(r"^(Returns|Raises):", text, flags=re.MULTILINE)
+    place = end.start() if end else len(text)
+    return f"{text[:place].rstrip()}\n\nArgs:\n{arguments}\n\n{text[place:]}"

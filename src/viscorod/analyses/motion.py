@@ -1,0 +1,304 @@
+"""Motions in time: where they start, how they step, the events they are watched for, what comes out."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.equilibrium import find_initial_equilibrium
+from viscorod.errors import InputError, SolveError
+from viscorod.mechanics.compilation.compiled import announce_formulation
+from viscorod.mechanics.elements import intrinsic_element as intrinsic
+from viscorod.model.actions.event import Crossing, Decayed
+from viscorod.results.data_schema import AXES, annotated
+from viscorod.results.dataset import dataset
+from viscorod.results.files.storage import read
+from viscorod.results.files.stream import Stream
+from viscorod.results.run import Run
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import History, Snapshot, StationReader
+from viscorod.solve.modes import vibrations as small_motion
+from viscorod.solve.problem.initial_shape import strain_rods
+from viscorod.solve.settings import LEAST_TOLERANCE, SimulateSettings
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.events import (
+    CrossingMonitor,
+    EventWatch,
+    FadedMotion,
+    LastingMonitor,
+    Monitor,
+    StillStrains,
+)
+from viscorod.solve.transient.integrators import INTEGRATORS, LINEAR_INTEGRATORS, Integrator
+from viscorod.solve.transient.pose_check import pose_gap
+from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
+from viscorod.solve.transient.time_step import chosen_time_step
+from viscorod.solve.transient.transient_solver import Transient
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["described", "failure", "initial_state", "motion", "stepping"]
+
+TOLERANCE = 1e-4
+PART_OF_MOTION = 1e-3
+"""Largest tolerance as a part of the displacement from which a free vibration starts."""
+ROUND_OFF = 1e-9
+"""Displacement over the size of the model that is none."""
+SPECTRAL_RADIUS = 0.6
+LEAST_STEPS = 10
+"""Steps of a run at least, when steps follow the error."""
+STEPS_PER_PERIOD = 6
+"""Steps per period of harmonic loads and motions at least: an error estimate cannot see what lies between stages."""
+
+
+def motion(discrete: DiscreteModel, settings: SimulateSettings) -> Run:
+    """Compute a motion from t = 0 on; see ``Model.simulate``."""
+    options = discrete.options
+    if options.resume and options.folder is None:
+        raise InputError("resume: give the folder of the run that is to go on")
+    if options.folder is None:
+        return _motion(discrete, settings, None)
+    stream = Stream(folder=options.folder, about=_labels(discrete, settings), resuming=options.resume)
+    try:
+        return _motion(discrete, settings, stream)
+    finally:
+        stream.journal.close()
+
+
+def _labels(discrete: DiscreteModel, settings: SimulateSettings) -> dict[str, Any]:
+    """Return the attributes of a motion that are known before it begins."""
+    return discrete.attributes | {"settings": json.dumps(settings.to_dict())}
+
+
+def _motion(discrete: DiscreteModel, settings: SimulateSettings, stream: Stream | None) -> Run:
+    """Compute a motion, whose states go to a stream as they come; without one they stay in memory."""
+    discrete.require_independent()
+    options, labels = discrete.options, _labels(discrete, settings)
+    state = initial_state(discrete, settings)
+    integrator, control, chosen = stepping(discrete, settings, state)
+    transient = Transient(discrete.problem, integrator, control, discrete.system.worst_place)
+    began = time.perf_counter()
+
+    def build(history: History) -> xr.Dataset:
+        data = dataset("simulate", discrete.problem, discrete.system.gauss_positions(), history, labels)
+        return annotated(data, "simulate")
+
+    def after_step() -> str:
+        if stream is not None:
+            stream.after_step(build, transient.saved)
+        return "" if options.stop is None else options.stop()
+
+    result = transient.run(
+        state,
+        settings.duration,
+        output_interval=settings.output_interval,
+        progress=options.progress,
+        history=stream,
+        checkpoint=None if stream is None else stream.checkpoint,
+        after_step=after_step,
+        watch=EventWatch(monitors(discrete, settings, state)),
+    )
+    interrupted = result.outcome is Outcome.INTERRUPTED
+    if stream is not None and interrupted:
+        if stream.broken:
+            raise InputError(result.reason)
+        stream.save(build, transient.saved)
+    attrs = labels | chosen | described(discrete, transient, settings, result.outcome)
+    attrs["loop_time_s"] = time.perf_counter() - began
+    attrs["message"] = message = failure(discrete, transient)
+    if stream is None:
+        run = Run(discrete.data_set("simulate", result.history, attrs)())
+    else:
+        # a motion that was streamed is a file then, with a journal beside it where it can still go on
+        stream.flush(build)
+        run = Run(read(stream.finish(discrete.complete(attrs), keep=interrupted)))
+    if message:
+        raise SolveError(message, run)
+    return run
+
+
+def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> State:
+    """The state that a motion starts from."""
+    state = State.reference(discrete.problem)
+    if discrete.problem.initial_strain:
+        discrete.system.given_strain = strain_rods(discrete.system, state)
+    elif settings.initial == "equilibrium":
+        find_initial_equilibrium(discrete, state)
+    else:
+        _require_closed(discrete)
+    state.twist[:] = discrete.problem.initial_twist(state.r, state.q)
+    if settings.formulation == "intrinsic":
+        announce_formulation(intrinsic.forces_at)
+    return state
+
+
+def _require_closed(discrete: DiscreteModel) -> None:
+    """Refuse to start from a reference shape in which joints are open."""
+    constraints = discrete.system.constraints
+    constraints.update(0.0)
+    gaps = constraints.open_joints(driven=constraints.target)
+    if gaps:
+        raise InputError(
+            f"initial = 'reference': joints are open in the reference shape: {', '.join(gaps)}. "
+            "Start from the equilibrium (initial = 'equilibrium'), which closes them, move the parts so that they "
+            "meet, or let motors begin at 0"
+        )
+
+
+def described(
+    discrete: DiscreteModel,
+    transient: Transient,
+    settings: SimulateSettings,
+    outcome: Outcome,
+) -> dict[str, Any]:
+    """What a result tells of how its motion was computed."""
+    effort = transient.effort
+    found: dict[str, Any] = {
+        "outcome": outcome.name.lower(),
+        "integrator": settings.integrator,
+        "formulation": settings.formulation,
+        "damping": settings.damping,
+        "dynamics": settings.dynamics,
+        "steps": effort.steps,
+        "iterations": effort.iterations,
+        "evaluations": effort.evaluations,
+        "factorisations": effort.factorisations,
+        "jacobians": effort.jacobians,
+        "rejected": effort.rejected,
+        "smallest_step": effort.smallest_step,
+        "smallest_step_at": effort.smallest_at,
+        "smallest_step_why": effort.smallest_why,
+        "warnings": json.dumps([*json.loads(discrete.attributes.get("doubts", "[]")), *transient.notes]),
+    }
+    if settings.events:
+        watch = transient.watch
+        events = [{"time": t, "event": label} for t, label in zip(watch.times, watch.labels, strict=True)]
+        found |= {"events": json.dumps(events), "ended_by": watch.ended_by}
+    if discrete.system.constraints.rows:
+        found["drift_position"], found["drift_velocity"] = transient.integrator.drift
+    if settings.dynamics == "nonlinear":
+        found["linear_solver"] = discrete.problem.plan.description
+    if settings.formulation == "intrinsic" and settings.dynamics == "nonlinear":
+        found["pose_gap"], found["rotation_gap"] = pose_gap(discrete.system, transient.result.history)
+    return found
+
+
+def failure(discrete: DiscreteModel, transient: Transient) -> str:
+    """Why a motion ended before its time, and what to try; empty if it did not."""
+    result = transient.result
+    if result.outcome is Outcome.INTERRUPTED:
+        return f"Stopped at t = {transient.integrator.t:.6g} s: {result.reason}"
+    if result.outcome is not Outcome.COMPLETED:
+        assert result.report is not None
+        return (
+            f"The motion could not be followed beyond t = {transient.integrator.t:.6g} s "
+            f"(a step to {result.failed_at:.6g} s failed): {result.outcome.value}.{discrete.where(result.report)} "
+            f"What to try: {result.outcome.advice(static=False)}."
+        )
+    return ""
+
+
+def stepping(
+    discrete: DiscreteModel, settings: SimulateSettings, state: State
+) -> tuple[Integrator, StepControl, dict[str, Any]]:
+    """Return integrator, step control and what was chosen, by name."""
+    tolerance, duration = settings.tolerance, settings.duration
+    if settings.integrator == "radau" and tolerance is None:
+        tolerance = _chosen_tolerance(discrete, state, duration)
+    make = (LINEAR_INTEGRATORS if settings.dynamics == "linear" else INTEGRATORS)[settings.integrator]
+    given: dict[str, Any] = {}
+    if settings.integrator == "generalized_alpha":
+        radius = settings.spectral_radius
+        given["spectral_radius"] = SPECTRAL_RADIUS if radius is None else radius
+    if tolerance is not None:
+        largest = settings.time_step or duration / LEAST_STEPS
+        for period in discrete.problem.periods:
+            largest = min(largest, period / STEPS_PER_PERIOD)
+        integrator = make(discrete.system, discrete.supports, **given, tolerance=tolerance)
+        control: StepControl = ErrorControl(integrator.order, largest, duration)
+        return integrator, control, given | {"tolerance": tolerance, "largest_step": largest}
+    step = settings.time_step
+    if step is None:
+        linear = small_motion.linearise(
+            discrete.static, state, scale=1.0 if settings.initial == "equilibrium" else 0.0
+        )
+        frequencies = small_motion.natural_frequencies(linear, 16)
+        step = chosen_time_step(discrete.problem, frequencies, duration)
+    return make(discrete.system, discrete.supports, **given), FixedSteps(step), given | {"time_step": step}
+
+
+def _chosen_tolerance(discrete: DiscreteModel, state: State, duration: float) -> float:
+    """The usual tolerance, or less where a free vibration starts so near to rest that this would swallow it."""
+    problem = discrete.problem
+    loads = discrete.static.loads.at(0.0)
+    later = any(0.0 < t < duration for t in problem.breakpoints) or problem.periods
+    if not loads.none or later or discrete.supports.moving or problem.joints.motions or state.twist.any():
+        return TOLERANCE
+    moved = float(np.linalg.norm(state.r - problem.positions, axis=1).max()) / problem.length
+    if moved < ROUND_OFF:
+        return TOLERANCE
+    return min(TOLERANCE, max(PART_OF_MOTION * moved, LEAST_TOLERANCE))
+
+
+# --- events
+
+
+def monitors(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> list[Monitor]:
+    """What the run is watched for."""
+    found: list[Monitor] = []
+    for event in settings.events:
+        if isinstance(event, Crossing):
+            found.append(
+                CrossingMonitor(
+                    event.label,
+                    event.stop,
+                    _quantity(discrete, event),
+                    rising=event.direction != "falling",
+                    falling=event.direction != "rising",
+                )
+            )
+            continue
+        during = event.during or _slowest_period(discrete, settings, state)
+        so: Callable[[Snapshot], bool]
+        if isinstance(event, Decayed):
+            so = FadedMotion(event.amplitude**2)
+        else:
+            so = StillStrains(discrete.system.gauss_positions(), event.change / during)
+        found.append(LastingMonitor(event.label, event.stop, so, during))
+    return found
+
+
+def _quantity(discrete: DiscreteModel, event: Crossing) -> Callable[[Snapshot], float]:
+    """The quantity of a crossing, less the value that is crossed."""
+    reader, place = StationReader(discrete.problem), discrete.place(event.at)
+    start = reader.read(
+        discrete.problem.positions, discrete.problem.quaternions, np.zeros((discrete.problem.size, 6))
+    )[0]
+    component = AXES.index(event.quantity[-1])
+    kind = event.quantity[:-1]
+
+    def quantity(snapshot: Snapshot) -> float:
+        state = snapshot.state
+        position, _, velocity, _ = reader.read(state.r, state.q, state.twist)
+        field = velocity if kind == "v" else position - start if kind == "u" else position
+        return float(place.of(field)[component]) - event.value
+
+    return quantity
+
+
+def _slowest_period(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> float:
+    """Period of the slowest undamped vibration about the state that a motion starts from [s]."""
+    linear = small_motion.linearise(
+        discrete.static, state, scale=1.0 if settings.initial == "equilibrium" else 0.0
+    )
+    frequencies = small_motion.natural_frequencies(linear, 16)
+    vibrating = frequencies[frequencies > 0.0]
+    if not len(vibrating):
+        raise InputError("events: nothing vibrates, so that there is no period to wait for; give during (s)")
+    return float(2.0 * np.pi / vibrating.min())

@@ -1,0 +1,102 @@
+"""Paths of static equilibria, through limit points and past bifurcations."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.errors import InputError, SolveError
+from viscorod.results.data_schema import AXES
+from viscorod.results.run import Equilibrium
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import EnergyAccount, History, Snapshot, StationReader
+from viscorod.solve.settings import PathSettings
+from viscorod.solve.statics.arc_length import Path, PathFollower, PathPoint
+from viscorod.solve.statics.newton import Outcome
+
+__all__ = ["equilibrium_path"]
+
+
+def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilibrium:
+    """Follow a path of equilibria; see ``Model.path``."""
+    discrete.static.stop = discrete.options.stop
+    discrete.require_independent()
+    loads = discrete.static.loads.at(0.0, True, 1.0)
+    discrete.supports.update(0.0, True)
+    if loads.none and not discrete.supports.target.any():
+        raise InputError(
+            "no path to follow: no load and no prescribed motion acts at t = 0; add a load without until"
+        )
+    discrete.require_held(loads)
+    history = History()
+
+    def on_point(point: PathPoint) -> None:
+        account = EnergyAccount(elastic=discrete.system.elastic_energy())
+        snapshot = Snapshot.of(point.state, discrete.system, discrete.supports)
+        step = point.factor - (history.instant[-1] if history.instant else 0.0)
+        history.record(point.factor, snapshot, account, step, point.iterations)
+        history.unstable.append(point.unstable)
+        if discrete.options.progress is not None:
+            discrete.options.progress(point.factor, step)
+
+    path = PathFollower(discrete.static, abs(settings.target or 1.0)).follow(
+        State.reference(discrete.problem),
+        load_factor=settings.target,
+        endings=[_displacement(discrete, settings)] if settings.place is not None else [],
+        largest=settings.arc_length,
+        points=settings.points,
+        turns=settings.turns,
+        on_point=on_point,
+    )
+    attrs: dict[str, Any] = {
+        "outcome": path.outcome.name.lower(),
+        "steps": path.count,
+        "iterations": path.iterations,
+        "rejected": path.rejected,
+        "limit_points": json.dumps(path.limit_points),
+        "bifurcations": json.dumps(path.bifurcations),
+    }
+    if path.outcome is not Outcome.COMPLETED:
+        attrs["message"] = _failure(discrete, path, history)
+    found = None
+    if path.count:
+        attrs["negative_eigenvalues"] = history.unstable[-1]
+        found = Equilibrium.later(discrete.data_set("equilibrium", history, attrs))
+    if found is None or path.outcome not in (Outcome.COMPLETED, Outcome.POINTS):
+        raise SolveError(attrs["message"], found)
+    return found
+
+
+def _displacement(discrete: DiscreteModel, settings: PathSettings) -> Callable[[PathPoint], float]:
+    """Return how far a displacement is from that at which a path is to end, over the model's length."""
+    assert settings.place is not None
+    assert settings.axis is not None
+    assert settings.displacement is not None
+    problem, reader = discrete.problem, StationReader(discrete.problem)
+    start = reader.read(problem.positions, problem.quaternions, np.zeros((problem.size, 6)))[0]
+    place = discrete.place(settings.place)
+    component, wanted = AXES.index(settings.axis), settings.displacement
+
+    def distance(point: PathPoint) -> float:
+        position = reader.read(point.state.r, point.state.q, point.state.twist)[0]
+        return float(place.of(position - start)[component] - wanted) / problem.length
+
+    return distance
+
+
+def _failure(discrete: DiscreteModel, path: Path, history: History) -> str:
+    reached = history.instant[-1] if history.instant else 0.0
+    if path.outcome is Outcome.INTERRUPTED:
+        return f"Stopped at {reached:.6g} of the loads, {path.count} points: {path.reason}"
+    text = f"The path was followed to {reached:.6g} of the loads, {path.count} points: {path.outcome.value}."
+    if path.outcome is Outcome.POINTS:
+        return f"{text} What to try: {path.outcome.advice(static=True)}."
+    where = discrete.where(path.report) if path.report is not None else ""
+    advice = "give a smaller arc_length, or a small load that prefers one way where the path branches"
+    if path.count < 2:
+        advice = "look for what moves freely, or is held twice, in the reference shape"
+    return f"{text}{where} What to try: {advice}."
