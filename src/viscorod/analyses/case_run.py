@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscorod.analyses.call_options import CallOptions, Progress
+from viscorod.analyses.call_arguments import CallOptions, Progress
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium
 from viscorod.analyses.model import Model

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.analyses.call_options import CallOptions
+from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.motion import TOLERANCE, described, initial_state, stepping
 from viscorod.analyses.provenance import provenance

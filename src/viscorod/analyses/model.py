@@ -9,7 +9,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscorod.analyses.arguments import (
+from viscorod.analyses.call_arguments import (
     CoSimulationArguments,
     EquilibriumArguments,
     PathArguments,

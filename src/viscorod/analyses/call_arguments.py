@@ -1,4 +1,4 @@
-"""The keyword arguments of a model's analyses: the settings of the analysis, and what accompanies a call.
+"""The arguments of a model's analyses: settings, and what accompanies a call without changing its numbers.
 
 Settings are spelled once, in their class. ``takes`` gives a method the parameters of such a class, with their types,
 so that editors, type checkers, ``help`` and the reference show them.
@@ -10,13 +10,12 @@ import functools
 import inspect
 import re
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
 from pydantic import Field
 
-from viscorod.analyses.call_options import CallOptions, Progress
 from viscorod.errors import InputError
 from viscorod.model.fields.definition import Definition
 from viscorod.solve.settings import (
@@ -33,13 +32,42 @@ else:
     Result = Any  # results are imported when something is computed
 
 __all__ = [
+    "CallOptions",
     "CoSimulationArguments",
     "EquilibriumArguments",
     "PathArguments",
+    "Progress",
     "SimulateArguments",
     "SteadyArguments",
     "takes",
 ]
+
+Progress: TypeAlias = Callable[[float, float], None]
+"""Called after every step with the time reached [s], or the load factor, and the step's size."""
+
+
+@dataclass(frozen=True)
+class CallOptions:
+    """What accompanies a computation without changing its numbers.
+
+    Attributes:
+        title: kept with the result.
+        progress: called with what has been reached and the size of the last step.
+        stop: asked regularly; a reason that it returns ends the computation.
+        folder: where the states of a motion go as they come; None keeps them in memory.
+        resume: go on with the motion that was stopped in that folder.
+        start: a result whose last state is the first guess of a steady rotation.
+        attributes: more attributes of the result, such as the text of its case file.
+    """
+
+    title: str = ""
+    progress: Progress | None = None
+    stop: Callable[[], str] | None = None
+    folder: Path | None = None
+    resume: bool = False
+    start: Result | None = None
+    attributes: dict[str, str] = field(default_factory=dict)
+
 
 P = ParamSpec("P")
 A = TypeVar("A")
@@ -155,10 +183,10 @@ def takes(arguments: Callable[P, A]) -> Callable[[Callable[[M, A], R]], Callable
 def _signature(kind: type[Definition]) -> inspect.Signature:
     """Return the signature of a method that takes these arguments."""
     parameters = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)]
-    for name, field in sorted(kind.model_fields.items(), key=lambda item: bool(item[1].kw_only)):
-        by_name = inspect.Parameter.KEYWORD_ONLY if field.kw_only else inspect.Parameter.POSITIONAL_OR_KEYWORD
-        default = inspect.Parameter.empty if field.is_required() else field.default
-        parameters.append(inspect.Parameter(name, by_name, default=default, annotation=field.annotation))
+    for name, known in sorted(kind.model_fields.items(), key=lambda item: bool(item[1].kw_only)):
+        by_name = inspect.Parameter.KEYWORD_ONLY if known.kw_only else inspect.Parameter.POSITIONAL_OR_KEYWORD
+        default = inspect.Parameter.empty if known.is_required() else known.default
+        parameters.append(inspect.Parameter(name, by_name, default=default, annotation=known.annotation))
     return inspect.Signature(parameters)
 
 
