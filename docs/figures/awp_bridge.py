@@ -43,7 +43,7 @@ TARGET = ROOT / "docs" / "images" / "awp_bridge.png"
 
 
 def bridge(eta: float, ratio: float, elements: int = MESH[0], order: int = MESH[1]) -> vr.Model:
-    """The compressed beam of Artola, Wynn and Palacios, section V.A, with the second moment that fits their numbers."""
+    """Return the compressed beam of Artola, Wynn and Palacios, section V.A, with the second moment that fits."""
     stiffness = np.array([1e5 * EA, 1e5 * EA, EA, EI, EI, EI])
     rotary = 1e-5 * MASS * SECOND_MOMENT / AREA
     damping = stiffness * [0.0, 0.0, eta, eta, eta, 0.0]
@@ -67,19 +67,19 @@ def motion(
 
 
 def deflection(run: vr.Run) -> np.ndarray:
-    """Of mid-span, positive downwards [m]."""
+    """Return the deflection of mid-span, positive downwards [m]."""
     return -run.history(f"beam@{LENGTH / 2!r}", "displacement").values[:, 2]
 
 
 def last_zero(run: vr.Run) -> float:
-    """Time at which mid-span last passes its rest [s]."""
+    """Return the time at which mid-span last passes its position of rest [s]."""
     time, curve = run.time, deflection(run)
     k = np.flatnonzero(curve[1:] * curve[:-1] < 0)[-1]
     return float(time[k] - curve[k] * (time[k + 1] - time[k]) / (curve[k + 1] - curve[k]))
 
 
 def independent() -> tuple[np.ndarray, dict[tuple[str, float, float], np.ndarray]]:
-    """Times and deflections of the independent solutions."""
+    """Return times and deflections of the independent solutions."""
     lines = TABLE.read_text(encoding="utf-8").splitlines()
     head, *rows = csv.reader(line for line in lines if not line.startswith("#"))
     values = {(row[0], float(row[1]), float(row[2])): np.array(row[3:], dtype=float) for row in rows}

@@ -28,7 +28,7 @@ IMAGES = Path(__file__).parents[1] / "images"
 
 
 def hinged(eta: float, elements: int = MESH[0], order: int = MESH[1]) -> vr.Model:
-    """The beam on a ball joint of Artola, Wynn and Palacios, section V.B."""
+    """Return the beam on a ball joint of Artola, Wynn and Palacios, section V.B."""
     section = vr.StiffnessSection(STIFFNESS.tolist(), INERTIA.tolist(), damping=(eta * STIFFNESS).tolist())
     model = vr.Model()
     rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=elements, order=order)
@@ -48,7 +48,7 @@ def motion(
 
 
 def body_twist(run: vr.Run) -> np.ndarray:
-    """(v, w) at the stations in body axes, x1 of the paper."""
+    """Return (v, w) at the stations in body axes, x1 of the paper."""
     turn = matrices(np.ascontiguousarray(run.data["rotation"].values.reshape(-1, 4)))
     velocity = np.einsum("kji,kj->ki", turn, run.data["velocity"].values.reshape(-1, 3))
     shape = run.data["velocity"].shape
@@ -56,7 +56,7 @@ def body_twist(run: vr.Run) -> np.ndarray:
 
 
 def strain_rates(run: vr.Run, x1: np.ndarray, strain: np.ndarray) -> dict[str, np.ndarray]:
-    """x1' - E^T x1 ("linearised") and eps_t by compatibility ("full") at the Gauss points, from x1 at the stations."""
+    """Return x1' - E^T x1 ("linearised") or eps_t ("full") at the Gauss points, from x1 at the stations."""
     s, points = run.data["station_s"].values, run.data["point_s"].values
     order = int(run.data["station_order"].values[0])
     at_points, slope = np.empty_like(strain), np.empty_like(strain)
@@ -72,7 +72,7 @@ def strain_rates(run: vr.Run, x1: np.ndarray, strain: np.ndarray) -> dict[str, n
 
 
 def energy_rates(eta: float, damping: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Times, rate of the energy, and the dissipation of AWP (19) or (32), at the middles of the steps of one second.
+    """Return times, rate of the energy, and the dissipation of AWP (19) or (32), at mid-steps of one second.
 
     The energy is summed from the recorded fields, too. The midpoint rule keeps the balance to round-off.
     """
@@ -120,7 +120,7 @@ def print_end(name: str, run: vr.Run) -> None:
 
 
 def print_shares(name: str, run: vr.Run, eta: float, damping: str) -> None:
-    """Print which strains the energy was lost in."""
+    """Print the strains in which the energy was lost."""
     rate = strain_rates(run, body_twist(run), run.data["strain"].values)[damping]
     power = eta * STIFFNESS * np.einsum("kgi,g->ki", rate**2, run.data["point_weight"].values)
     loss = np.trapezoid(power, run.time, axis=0)
@@ -164,7 +164,7 @@ def draw_energy(runs: dict[tuple[float, str], vr.Run]) -> Figure:
 
 
 def in_base_frame(run: vr.Run, steps: slice) -> np.ndarray:
-    """Positions of the stations in the axes of the cross section at the joint."""
+    """Return the positions of the stations in the axes of the cross section at the joint."""
     turn = matrices(np.ascontiguousarray(run.data["rotation"].values[steps, 0]))
     position = run.data["position"].values[steps]
     return np.einsum("kji,ksj->ksi", turn, position - position[:, :1])

@@ -17,7 +17,7 @@ TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 
 
 def elastica(load: float) -> tuple[float, float]:
-    """Tip of Euler's elastica of length and stiffness 1 under a dead force across it: along and across.
+    """Return the tip of Euler's elastica of length and stiffness 1 under a dead force across it: along and across.
 
     With the slope p at the tip, theta' = sqrt(2 load (sin p - sin theta)); theta = arcsin(sin p - u^2) removes the
     singular end of the integrals for length, height and reach.
@@ -35,7 +35,7 @@ def elastica(load: float) -> tuple[float, float]:
 
 
 def bent(elements: int, order: int) -> float:
-    """A clamped strip, bent by ten times EI/L^2: distance of the tip from the elastica, over the length."""
+    """Return the error of a clamped strip, bent by ten times EI/L^2: distance of the tip over the length."""
     section = vr.StiffnessSection([1.0] * 6, [1.0] * 6)
     model = vr.Model()
     rod = vr.Rod.straight(
@@ -49,7 +49,7 @@ def bent(elements: int, order: int) -> float:
 
 
 def coil(elements: int, order: int) -> float:
-    """A straight wire, wound into a helix of two turns by an end couple: largest error, over the length."""
+    """Return the largest error of a straight wire, wound into a helix of two turns by an end couple."""
     a, c, radius = 4.0 * np.pi, 50.0 / (40.0 * np.pi), 10.0
     length = np.hypot(1.0, c) * radius * a
     start = radius * np.array([0.0, -1.0, 0.0])
@@ -69,7 +69,7 @@ def coil(elements: int, order: int) -> float:
 
 
 def swing(elements: int, order: int, tolerance: float) -> np.ndarray:
-    """The tutorial's cantilever, first five seconds: positions of the tip over the length, every 0.02 s."""
+    """Return the tip of the tutorial's cantilever over the length, every 0.02 s of five seconds."""
     rubber = vr.Material(1e6, poissons_ratio=0.3, density=1000.0, damping=vr.KelvinVoigt(0.02, 0.02))
     section = vr.Rectangle(0.01, 0.01)
     model = vr.Model()

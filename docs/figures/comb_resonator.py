@@ -25,7 +25,7 @@ E, T, W, L, DENSITY = 155e9, 2.25 * UM, 2.0 * UM, 146.0 * UM, 2330.0
 
 
 def formula(shuttle: float, trusses: float) -> float:
-    """Frequency [Hz] of Tang, Nguyen and Howe's folded flexures, with masses in kg."""
+    """Return the frequency [Hz] of Tang, Nguyen and Howe's folded flexures, with masses in kg."""
     flexures = 8 * DENSITY * W * T * L
     return float(
         np.sqrt(2 * E * T * (W / L) ** 3 / (shuttle + trusses / 4 + 12 / 35 * flexures)) / (2 * np.pi)
@@ -33,7 +33,7 @@ def formula(shuttle: float, trusses: float) -> float:
 
 
 def resonator(constraints: str | tuple[str, ...] = "unshearable", scale: float = 1.0) -> Model:
-    """The shipped case with other constraints, and trusses of ``scale`` times the mass."""
+    """Return the shipped case with other constraints, and trusses of ``scale`` times the mass."""
     model = as_model(load_case(shipped_cases()["comb_resonator"]).description)
     for name, rod in model.rods.items():
         model.rods[name] = vr.Rod.model_validate(dict(rod) | {"constraints": constraints})
@@ -49,7 +49,7 @@ def in_plane(modes: object, k: int) -> bool:
 
 
 def draw(axes: Axes, model: Model, shape: np.ndarray, title: str) -> None:
-    """Flexures and bodies, moved by a mode: in the plane, or out of it as seen obliquely."""
+    """Draw flexures and bodies, moved by a mode: in the plane, or out of it in an oblique view."""
     amplitude = 30 * UM / np.abs(shape).max()
     oblique = np.array([[1.0, 0.0, 0.35], [0.0, 1.0, 0.5]])
     first = 0

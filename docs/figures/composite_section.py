@@ -19,7 +19,7 @@ MM = 1e3
 
 
 def channel() -> vr.Composite:
-    """An aluminium channel, 40 x 60 mm with walls of 3 mm, with a viscoelastic layer of 4 mm on its web."""
+    """Return an aluminium channel, 40 x 60 mm with walls of 3 mm, with a viscoelastic layer of 4 mm on its web."""
     aluminium = vr.Material(7e10, 0.33, 2700.0, damping=vr.KelvinVoigt(shear_time=1e-7, bulk_time=1e-7))
     layer = vr.Material(5e8, 0.45, 1400.0, damping=vr.KelvinVoigt(shear_time=2e-4, bulk_time=5e-5))
     walls = [(0, -0.03), (0.04, -0.03), (0.04, -0.027), (0.003, -0.027),

@@ -17,7 +17,7 @@ CROWN = f"arch@{ANGLE / 2}"
 
 
 def arch(side: float = 0.0) -> vr.Model:
-    """The clamped-hinged arch of DaDeppo and Schmidt (1975), radius and bending stiffness 1; inextensible."""
+    """Return the clamped-hinged arch of DaDeppo and Schmidt (1975), radius and bending stiffness 1; inextensible."""
     half = ANGLE / 2
     rod = vr.Rod.arc(
         (-np.sin(half), np.cos(half), 0),

@@ -17,7 +17,7 @@ TARGET = Path(__file__).parents[1] / "images" / "energy_account.png"
 
 
 def strip() -> vr.Model:
-    """The shipped strip of rubber in gravity, with a damper at its end; its clamp is lifted from 1 s to 1.5 s."""
+    """Return the shipped strip of rubber in gravity, with a damper at its end and a clamp that is lifted."""
     model = load_case(shipped_case("rubber_strip")).model(vr.Model)
     model.supports[:] = []
     model.clamp("strip.start", motion={"uz": vr.TimeTable([0, 1.0, 1.5], [0, 0, 0.02])})

@@ -76,14 +76,14 @@ def snapshots(picture: Figure, axes: Axes, run: vr.Run, start: float, end: float
 def history(
     place: str, axis: str, known: list[tuple[float, float]] | None = None, scale: float = 1.0
 ) -> Draw:
-    """A coordinate over time, with known values marked; see `displacement`."""
+    """Draw a coordinate over time, with known values marked; see `displacement`."""
     return _line("position", place, axis, known, scale)
 
 
 def displacement(
     place: str, axis: str, known: list[tuple[float, float]] | None = None, scale: float = 1.0
 ) -> Draw:
-    """A displacement over time, with known values (time, value); `scale` 1e6 draws it in um."""
+    """Draw a displacement over time, with known values (time, value); `scale` 1e6 draws it in um."""
     return _line("displacement", place, axis, known, scale)
 
 
@@ -101,7 +101,7 @@ def _line(field: str, place: str, axis: str, known: list[tuple[float, float]] | 
 
 
 def decay(place: str, axis: str, frequency: float, ratio: float, name: str, scale: float = 1.0) -> Draw:
-    """A free vibration with the envelope that theory gives the small one, through the last maximum."""
+    """Draw a free vibration with the envelope that theory gives the small one, through the last maximum."""
 
     def draw(axes: Axes, run: vr.Run) -> None:
         displacement(place, axis, scale=scale)(axes, run)
@@ -125,7 +125,7 @@ def decay(place: str, axis: str, frequency: float, ratio: float, name: str, scal
 
 
 def energy(limit: float, name: str) -> Draw:
-    """Kinetic and elastic energy over time, with the value that they should reach."""
+    """Draw kinetic and elastic energy over time, with the value that they should reach."""
 
     def draw(axes: Axes, run: vr.Run) -> None:
         account = run.energy
@@ -138,7 +138,7 @@ def energy(limit: float, name: str) -> Draw:
 
 
 def lag(axes: Axes, run: vr.Run) -> None:
-    """The tip of the arm in the frame that turns with its root, with the table of an independent computation."""
+    """Draw the tip of the arm in the frame of its root, with the table of an independent computation."""
     turned = np.array([vr.SpinUp(6.0, 15.0).value(t) for t in run.time])
     x, y, _ = run.history("arm.end").values.T
     clean(axes, "time [s]", "tip across the turning root [m]")
@@ -151,7 +151,7 @@ def lag(axes: Axes, run: vr.Run) -> None:
 
 
 def bend(axes: Axes, result: vr.Equilibrium) -> None:
-    """The tip of the 45-degree bend while the load grows, with the converged position at 600."""
+    """Draw the tip of the 45-degree bend while the load grows, with the converged position at 600."""
     model = load_case(shipped_case("bend_45")).model(vr.Model)
     factors = np.linspace(0.05, 1.0, 20)
     tip = np.array([model.equilibrium(load_factor=factor).position("bend.end") for factor in factors])
@@ -163,7 +163,7 @@ def bend(axes: Axes, result: vr.Equilibrium) -> None:
 
 
 def princeton(axes: Axes, result: vr.Equilibrium) -> None:
-    """Tip displacements of the Princeton beam over the angle of its load, beside solid elements of Ansys."""
+    """Draw tip displacements of the Princeton beam over the angle of its load, beside solid elements of Ansys."""
     case = load_case(shipped_case("princeton_beam"))
     angles = np.linspace(0.0, 90.0, 13)
     moved = []
@@ -181,13 +181,13 @@ def princeton(axes: Axes, result: vr.Equilibrium) -> None:
 
 
 def sag(axes: Axes, run: vr.Run) -> None:
-    """The end of the helical spring, with the sag of the textbook's spring under its own weight, W/2k."""
+    """Draw the end of the helical spring, with the sag of the textbook's spring under its own weight, W/2k."""
     displacement("spring.end", "z")(axes, run)
     axes.axhline(-0.05593, color=RED, linestyle="--", linewidth=1.3, label="sag by G d^4/(8 D^3 n)")
 
 
 def resonator(axes: Axes, run: vr.Run) -> None:
-    """The shuttle, with its maxima where Tang's formula has them."""
+    """Draw the shuttle, with its maxima where Tang's formula has them."""
     displacement("shuttle", "x", scale=1e6)(axes, run)
     top = 1e6 * float(run.history("shuttle", "displacement").sel(axis="x")[0])
     axes.plot(np.arange(7) / 16479.24, [top] * 7, "o", color=RED, label="periods of the formula")
@@ -196,7 +196,7 @@ def resonator(axes: Axes, run: vr.Run) -> None:
 
 
 def blade(axes: Axes, result: vr.Steady) -> None:
-    """Flapping frequencies of the swept blade over its speed, with the measured ones."""
+    """Draw flapping frequencies of the swept blade over its speed, with the measured ones."""
     model = load_case(shipped_case("swept_blade")).model(vr.Model)
     speeds = np.linspace(0.0, 750.0, 16)
     found = [model.modes(5, about="reference").frequencies]
@@ -210,7 +210,7 @@ def blade(axes: Axes, result: vr.Steady) -> None:
 
 
 def path(place: str, axis: str, known: list[tuple[float, float]], name: str) -> Callable[..., None]:
-    """Load factor over a displacement, with known points."""
+    """Draw the load factor over a displacement, with known points."""
 
     def along(axes: Axes, result: vr.Equilibrium) -> None:
         moved = result.history(place, "displacement").sel(axis=axis).values

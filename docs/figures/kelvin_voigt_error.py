@@ -26,7 +26,7 @@ BANDS = {"fit from 0.5 to 5 Hz": ((0.5, 5.0), ORANGE), "fit from 10 to 1000 Hz":
 
 
 def fits() -> dict[str, tuple[vr.KelvinVoigtFit, str]]:
-    """Kelvin-Voigt solids by name: that of slow motion, and the best over the bands, with their colours."""
+    """Return Kelvin-Voigt solids by name: that of slow motion, and the best over the bands, with their colours."""
     found = {"low-frequency fit": (vr.kelvin_voigt_fit(RUBBER, SHOWN, fit="low_frequency"), BLUE)}
     for name, (band, colour) in BANDS.items():
         found[name] = vr.kelvin_voigt_fit(RUBBER, band), colour

@@ -20,7 +20,7 @@ TARGET = Path(__file__).parents[1] / "images" / "llt_cantilever.png"
 
 
 def cantilever(tau: float, modulus: float = 1e6) -> vr.Model:
-    """The rod of Linn, Lang and Tuganov, section 3, with the force scaled to its stiffness."""
+    """Return the rod of Linn, Lang and Tuganov, section 3, with the force scaled to its stiffness."""
     damping = vr.KelvinVoigt(shear_time=tau, bulk_time=tau)
     rubber = vr.Material(modulus, poissons_ratio=0.3, density=1000.0, damping=damping)
     section = vr.Rectangle(0.01, 0.01)

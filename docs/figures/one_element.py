@@ -47,14 +47,14 @@ def cantilever(
 
 
 def bent(elements: int, order: int, constraints: tuple[str, ...]) -> np.ndarray:
-    """Tip under a force of ten times EI/L^2 across the rod."""
+    """Return the tip under a force of ten times EI/L^2 across the rod."""
     model = cantilever(elements, order, constraints)
     model.force("beam.end", (0, LOAD, 0))
     return model.equilibrium().position("beam.end")
 
 
 def wound(elements: int, order: int, constraints: tuple[str, ...]) -> np.ndarray:
-    """End of the rod wound by a moment to one turn of a helix whose pitch angle is 45 degrees."""
+    """Return the end of the rod wound by a moment to one turn of a helix whose pitch angle is 45 degrees."""
     model = cantilever(elements, order, constraints)
     bend = twist = np.sqrt(2.0) * np.pi  # curvature and torsion: their root of squares is 2 pi
     model.moment("beam.end", (0, bend, twist / 1.3), following=True)
@@ -67,7 +67,7 @@ def frequency(elements: int, order: int, constraints: tuple[str, ...]) -> np.nda
 
 
 def swung(elements: int, order: int, constraints: tuple[str, ...]) -> np.ndarray:
-    """Tip over two periods after the release from a force of EI/L^2 across the rod."""
+    """Return the tip over two periods after the release from a force of EI/L^2 across the rod."""
     model = cantilever(elements, order, constraints, tau=0.01)
     model.force("beam.end", (0, 1.0, 0), until=0.0)
     return model.simulate(3.6, tolerance=1e-8, output_interval=0.05).history("beam.end").values
@@ -133,7 +133,7 @@ def print_errors(table: dict[tuple[str, str, int], list[float]]) -> None:
 
 
 def equal_accuracy(table: dict[tuple[str, str, int], list[float]]) -> None:
-    """Two-node elements that are as accurate as one element, from their order: error ~ elements^-2."""
+    """Return how many two-node elements are as accurate as one element, from their order: error ~ elements^-2."""
     print("\n| one element of order | " + " | ".join(CASES) + " |\n|---|" + "---|" * len(CASES))
     for order in (5, 8):
         cells = []
@@ -145,7 +145,7 @@ def equal_accuracy(table: dict[tuple[str, str, int], list[float]]) -> None:
 
 
 def costs() -> None:
-    """Kirchhoff against stiff shearable rods: what a solution takes, medians of times."""
+    """Compare the effort for Kirchhoff and for stiff shearable rods, with medians of times."""
     print("\n| rod | statics: iterations | ms | motion: steps | evaluations | factorisations | s |")
     print("|---|---|---|---|---|---|---|")
     kinds = [

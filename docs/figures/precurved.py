@@ -20,7 +20,7 @@ WIDTH = 0.012
 
 
 def rods() -> dict[str, vr.Rod]:
-    """The rods of the page."""
+    """Return the rods of the page."""
     rubber = vr.Material(3e6, poissons_ratio=0.49, density=1100.0)
     strip = {"section": vr.Rectangle(WIDTH, 0.001), "material": rubber}
     return {

@@ -12,7 +12,7 @@ from viscorod.mechanics.joints import joint_coordinates as jc
 from viscorod.mechanics.rotations.rotation import retract
 
 KINDS = [jc.TRANSLATION, jc.ALIGNMENT, jc.ANGLE, jc.ROTATION, jc.DISTANCE]
-coordinate, add_turning, place_of = jc.coordinate, jc.add_turning, jc.place_of
+coordinate, add_gradient_change, place_of = jc.coordinate, jc.add_gradient_change, jc.place_of
 
 
 @numba.njit
@@ -26,7 +26,7 @@ def value_and_gradient(kind, geometry, r, q, a, b, near, gradient):
 def turning(kind, geometry, r, q, a, b, factor, out):
     ra, qa = place_of(r, q, a)
     rb, qb = place_of(r, q, b)
-    add_turning(0, kind, geometry, ra, qa, rb, qb, factor, np.empty((2, 12)), out)
+    add_gradient_change(0, kind, geometry, ra, qa, rb, qb, factor, np.empty((2, 12)), out)
 
 
 def setting(kind, seed, *, angle=None):

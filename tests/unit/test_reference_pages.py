@@ -57,6 +57,20 @@ def test_public_names_have_docstrings():
     assert [name for name, value in shown().items() if not (value.__doc__ or "").strip()] == []
 
 
+def test_words_of_the_glossary_exist():
+    """Public names, and names of the source in the modules that the last table gives."""
+    text = (PAGES.parent / "explanation" / "glossary.md").read_text(encoding="utf-8")
+    public, _, source = text.partition("## Words in the code")
+    missing = [name for name in re.findall(r"`([A-Z]\w+)[`(.]", public) if not hasattr(viscorod, name)]
+    rows = re.findall(r"^\| `?(\w+)`? \| `([\w.]+)` \|", source, re.MULTILINE)
+    for name, module in rows:
+        found_there = importlib.import_module(f"viscorod.{module}")
+        if name[0].isupper() and not hasattr(found_there, name):
+            missing.append(f"{module}.{name}")
+    assert len(rows) > 10
+    assert missing == []
+
+
 def commands():
     """The commands of all pages, without their comments; the README's too."""
     docs = PAGES.parent

@@ -1,1 +1,1 @@
-"""What nature does: kernels from arrays to arrays, in SI units, without user objects."""
+"""The mechanics of rods as kernels from arrays to arrays, in SI units, without user objects."""

@@ -1,1 +1,1 @@
-"""What the user says: materials, sections, rods, supports and loads, frozen and validated, in SI units."""
+"""The user's description of a model: materials, sections, rods, supports and loads, frozen and validated, in SI."""

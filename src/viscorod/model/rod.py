@@ -1,4 +1,4 @@
-"""Rods: a centre line, sections along it, a material and how finely it is to be divided."""
+"""Rods: a centre line, sections along it, a material, and the division into elements."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
     ) -> Self:
-        """A straight rod; see `Straight`."""
+        """Make a straight rod; see `Straight`."""
         return cls._along(Straight, {"start": start, "end": end}, locals())
 
     @classmethod
@@ -129,7 +129,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
     ) -> Self:
-        """A rod along a circular arc; see `Arc`."""
+        """Make a rod along a circular arc; see `Arc`."""
         given = {"start": start, "tangent": tangent, "normal": normal, "radius": radius, "angle": angle}
         return cls._along(Arc, given, locals())
 
@@ -152,7 +152,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
     ) -> Self:
-        """A rod along a helix; see `Helix`."""
+        """Make a rod along a helix; see `Helix`."""
         given = {"radius": radius, "pitch": pitch, "turns": turns, "centre": centre, "axis": axis}
         return cls._along(Helix, {**given, "phase": phase, "handedness": handedness}, locals())
 
@@ -169,7 +169,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
     ) -> Self:
-        """A rod along a smooth curve through points; see `ThroughPoints`."""
+        """Make a rod along a smooth curve through points; see `ThroughPoints`."""
         return cls._along(ThroughPoints, {"points": points}, locals())
 
     @classmethod
@@ -185,7 +185,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
     ) -> Self:
-        """A rod along a curve given by a function; see `ParametricCurve`."""
+        """Make a rod along a curve given by a function; see `ParametricCurve`."""
         return cls._along(ParametricCurve, {"function": function}, locals())
 
     @classmethod
@@ -231,7 +231,7 @@ class Rod(Definition):
         return tuple(piece.until for piece in self.section.pieces[:-1])
 
     def section_at(self, s: float) -> AnySection:
-        """The section at the arc length `s`; where it jumps, the one that starts there."""
+        """Return the section at the arc length `s`; where it jumps, the one that starts there."""
         if isinstance(self.section, Piecewise):
             return self.section.at(s)
         if isinstance(self.section, Taper):
@@ -248,21 +248,21 @@ class Rod(Definition):
         return section
 
     def matrices_at(self, s: float) -> Matrices:
-        """Stiffness C, damping D and inertia M per length (6, 6) of the section at the arc length `s`."""
+        """Return stiffness C, damping D and inertia M per length (6, 6) of the section at the arc length `s`."""
         section = self.section_at(s)
         return section.matrices(self.material if section.needs_material else None)
 
     def branches_at(self, s: float) -> Branches:
-        """Maxwell branches of the section at the arc length `s`: times (n,), s, and stiffnesses (n, 6, 6)."""
+        """Return Maxwell branches of the section at the arc length `s`: times (n,), s, and stiffnesses (n, 6, 6)."""
         section = self.section_at(s)
         return section.branch_matrices(self.material if section.needs_material else None)
 
     def frames(self, s: Floats | Sequence[float]) -> tuple[Floats, Floats]:
-        """Positions (n, 3) and frames (n, 3, 3; columns d1, d2, d3) of the reference shape, global axes."""
+        """Return positions (n, 3) and frames (n, 3, 3; columns d1, d2, d3) of the reference shape, global axes."""
         return self.centreline.frames(s, self.d1, self.twist)
 
     def chosen_elements(self, start: float, end: float) -> int:
-        """Elements that the program takes from `start` to `end` [m]: for ten nodes along the rod, and for its turns.
+        """Return the number of elements chosen from `start` to `end` [m]: by nodes along the rod, and by its turns.
 
         From node to node the reference shape turns by a fifteenth of a circle then, on average.
         """
@@ -272,7 +272,7 @@ class Rod(Definition):
         return max(1, math.ceil(turning / (TURN_PER_NODE * order) - 1e-6), round(nodes / order))
 
     def turned(self, s: Floats | Sequence[float]) -> Floats:
-        """Angles (n,) by which the frame of the reference shape has turned from the start to `s`, rad.
+        """Return angles (n,) by which the frame of the reference shape has turned from the start to `s`, rad.
 
         Bending and twist, whole turns included, all ways added up.
         """
@@ -281,9 +281,9 @@ class Rod(Definition):
 
     @cached_property
     def _turning(self) -> tuple[Floats, Floats]:
-        """Stations, and how far the frame has turned there: what frames show, or curvature if that is more.
+        """Stations, and the angles of the frame there: by the frames, or by the curvature if that is more.
 
-        Frames know what lies between two stations, but nothing of whole turns.
+        Frames show the rotation between two stations, but not whole turns.
         """
         count = SAMPLES
         while True:
@@ -298,7 +298,7 @@ class Rod(Definition):
             count *= 8
 
     def _sections(self) -> list[tuple[float, AnySection]]:
-        """Sections that stand for all of them, with a station of each."""
+        """Return representative sections, with a station of each."""
         if isinstance(self.section, Piecewise):
             return [(piece.until - 1e-9 * self.length, piece.section) for piece in self.section.pieces]
         if isinstance(self.section, AnySection):
@@ -373,7 +373,7 @@ class Rod(Definition):
             )
 
     def to_dict(self) -> dict[str, Any]:
-        """The rod as a table of the case file: the keys of the centre line beside the others."""
+        """Return the rod as a table of the case file: the keys of the centre line beside the others."""
         plain = super().to_dict()
         curve: dict[str, Any] = plain.pop("centreline")
         section = plain.pop("section")

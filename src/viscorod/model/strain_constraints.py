@@ -15,11 +15,11 @@ CONSTRAINTS: dict[str, tuple[str, ...]] = {
     "inextensible": ("stretch",),
     "kirchhoff": ("shear_1", "shear_2", "stretch"),
 }
-"""Words that stand for several strains; a new one is one line here."""
+"""Words for sets of strains; a new one is one line here."""
 
 
 def constraint_words(value: Any) -> tuple[str, ...]:
-    """`value`, one word or a list of words, as a tuple of words."""
+    """Return `value`, one word or a list of words, as a tuple of words."""
     if isinstance(value, str):
         return (_known(value),)
     if not isinstance(value, list | tuple):
@@ -28,7 +28,7 @@ def constraint_words(value: Any) -> tuple[str, ...]:
 
 
 def constrained_strains(words: tuple[str, ...]) -> tuple[bool, ...]:
-    """For each of the six strains, whether one of the words constrains it."""
+    """Return for each of the six strains whether one of the words constrains it."""
     held = {strain for word in words for strain in CONSTRAINTS.get(word, (word,))}
     return tuple(strain in held for strain in STRAINS)
 

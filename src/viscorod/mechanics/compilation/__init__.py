@@ -1,1 +1,1 @@
-"""Compile kernels with Numba: decorators, the cache on disk, two processes that share the work."""
+"""Compilation of kernels with Numba: decorators, the cache on disk, two processes that share the work."""

@@ -5,7 +5,7 @@ kernel serves all functions. The code called has the signature ``void f(double *
 ``count`` numbers and overwrites them (complex numbers count twice).
 
 An exception cannot pass through compiled code. :class:`Callback` keeps the first one and fills the numbers with NaN;
-who called the kernel calls :meth:`Callback.check` afterwards, which raises it::
+the caller of the kernel calls :meth:`Callback.check` afterwards, which raises it::
 
     doubled = Callback(double)           # def double(values): values *= 2.0
     kernel(..., doubled.address, values)
@@ -32,7 +32,7 @@ class Callback:
     """A Python function for compiled code; the address is valid as long as this object lives.
 
     Args:
-        function: takes the numbers ``(count,)`` and overwrites them; the array is not to be kept.
+        function: takes the numbers ``(count,)`` and overwrites them; it must not keep the array.
     """
 
     def __init__(self, function: Callable[[Floats], object]) -> None:
@@ -53,7 +53,7 @@ class Callback:
         self.address: int = ctypes.cast(self._entry, ctypes.c_void_p).value or 0
 
     def check(self) -> None:
-        """Raise what the function raised since the last check, if anything."""
+        """Raise the first exception of the function since the last check, if there is one."""
         if self._errors:
             raise self._errors.pop()
 

@@ -1,4 +1,4 @@
-"""Kernels are compiled by one process at a time: another that needs the same one waits, and reads it from disk."""
+"""Claims on kernels: each is compiled by one process; another that needs it waits, and reads it from disk."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ def _lock(file: IO[bytes]) -> None:
 
 
 class ClaimedCache:
-    """Numba's cache of one kernel on disk, ``cache``: who finds nothing there claims the kernel and compiles it.
+    """Numba's cache of one kernel on disk, ``cache``; a process that finds nothing claims and compiles the kernel.
 
-    The claim is a locked file, ``place``; it goes with what is compiled, or with the process.
+    The claim is a locked file, ``place``; it is released when the kernel is saved or the process ends.
     """
 
     def __init__(self, cache: Any, place: Path) -> None:
@@ -37,7 +37,7 @@ class ClaimedCache:
         return getattr(self._cache, name)
 
     def load_overload(self, signature: Any, target_context: Any) -> Any:
-        """Return what is on disk, None if that has to be compiled by the caller."""
+        """Return the compiled kernel from disk, None if the caller has to compile it."""
         found = self._cache.load_overload(signature, target_context)
         if found is not None or self._claim is not None:
             return found
@@ -63,7 +63,7 @@ class ClaimedCache:
         return None
 
     def save_overload(self, signature: Any, data: Any) -> None:
-        """Keep what has been compiled."""
+        """Save the compiled kernel on disk and release the claim."""
         try:
             self._cache.save_overload(signature, data)
         finally:

@@ -1,4 +1,4 @@
-"""How kernels are compiled: once, cached on disk, with fused multiply-add but otherwise strict floating point."""
+"""Decorators that compile kernels once and cache them on disk: fused multiply-add, else strict floating point."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _ASIDE = "VISCOROD_COMPILES_ASIDE"
 _helpers: list[subprocess.Popen[bytes]] = []
 
 _CONSTRUCTORS = {"empty", "zeros", "dot"}
-"""What makes arrays within kernels."""
+"""Constructors of arrays within kernels."""
 
 _njit: Any = numba.njit
 _config: Any = numba.config
@@ -39,7 +39,7 @@ KERNELS: list[Any] = []
 
 @functools.lru_cache
 def cache_folder() -> Path | None:
-    """Return where machine code is kept, a folder for exactly this version of all kernels; None if nowhere.
+    """Return the folder of the machine code of exactly this version of all kernels; None if none is writable.
 
     Kernels contain those that they call, so all are compiled again when the source of any has changed; folders of
     earlier versions are removed. It lies in Numba's cache folder if one is set, else in that of this package.
@@ -67,14 +67,14 @@ def cache_folder() -> Path | None:
 
 
 def _allocates(function: Callable[..., object]) -> bool:
-    """Whether ``function`` makes arrays; one that does not needs no counting of references, half of all code."""
+    """Return whether ``function`` makes arrays; if not, it needs no reference counts, which are half of all code."""
     return not _CONSTRUCTORS.isdisjoint(cast(Any, function).__code__.co_names)
 
 
 def part(function: Kernel) -> Kernel:
-    """Compile ``function`` as a part of the kernels that call it: calling it from Python crashes.
+    """Compile ``function`` as a part of the kernels that call it; calling it from Python crashes.
 
-    It returns no arrays.
+    It must not return arrays.
     """
     compiled: Any = _njit(
         error_model="numpy",
@@ -113,7 +113,7 @@ def kernel(function: Kernel) -> Kernel:
 
 
 def on_disk(compiled: Any) -> bool:
-    """Whether there is machine code of a kernel on disk."""
+    """Return whether there is machine code of a kernel on disk."""
     function = compiled.py_func
     stem = f"{function.__module__.rpartition('.')[2]}.{function.__name__}-{function.__code__.co_firstlineno}."
     return any(Path(compiled.stats.cache_path).glob(f"{stem}*.nbi"))
@@ -134,7 +134,7 @@ def lane_kernel(function: Kernel) -> Kernel:
 
 
 def announce_formulation(first: Any) -> None:
-    """Say so if the kernel ``first`` of what not all runs need is neither in memory nor on disk yet."""
+    """Warn if an optional kernel, ``first``, still has to be compiled."""
     if not first.signatures and not on_disk(first):
         logging.getLogger("viscorod").warning(
             "viscorod: compiling the kernels that this kind of model needs, once, for about a quarter of a minute"
@@ -142,7 +142,7 @@ def announce_formulation(first: Any) -> None:
 
 
 def announce_compilation(largest: Any) -> None:
-    """Say so if the machine code of the kernel ``largest`` is neither in memory nor on disk yet, and get help."""
+    """Warn if the kernel ``largest`` still has to be compiled, and start a second process that helps."""
     if not largest.signatures and not on_disk(largest):
         logging.getLogger("viscorod").warning(
             "viscorod: compiling its kernels, once, for about half a minute; later runs start at once "
@@ -152,9 +152,9 @@ def announce_compilation(largest: Any) -> None:
 
 
 def compile_aside() -> None:
-    """Have the kernels of transients compiled by a second process, while this one is busy with those of statics.
+    """Start a second process that compiles the kernels of transients, while this one compiles those of statics.
 
-    Each kernel is compiled by the process that comes to it first; the other waits for it (see ``claims``).
+    Each kernel is compiled by the process that reaches it first; the other waits for it (see ``claims``).
     """
     if _ASIDE not in os.environ and not _helpers and sys.executable:
         command = [sys.executable, "-m", "viscorod.analyses.warmup"]

@@ -1,9 +1,9 @@
-"""How Numba turns kernels into machine code, and functions that only kernels call into code that is linked into these.
+"""Numba pipelines: kernels become machine code, and functions that only kernels call become code linked into these.
 
 Numba optimises every function together with all that it calls, makes machine code of it, and optimises it again within
-each of its callers. For functions that nothing calls from outside that is lost: here they are optimised once, within
-the kernel that machine code is made of. Kernels are optimised at level 2: level 3 adds copies of whole loops for every
-condition that does not change within, which take longer to compile and run no faster.
+each of its callers. For functions that nothing calls from outside this work is wasted: here they are optimised once,
+within the kernel of which machine code is made. Kernels are optimised at level 2: level 3 adds copies of whole loops
+for every condition that does not change within, which take longer to compile and do not run faster.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class _LibraryCompiler(_Compiler):
     library: Any = _Library
 
     def define_pipelines(self) -> Any:
-        """Say where the code goes before Numba does."""
+        """Set the library of the code before Numba does."""
         state: Any = self.state
         state.library = self.library(state.targetctx.codegen(), state.func_id.func_qualname)
         state.library.enable_object_caching()

@@ -1,8 +1,8 @@
-"""Between elements and lanes: nodes, sections and rate maps in, forces and blocks of the matrix out.
+"""Transfer between elements and lanes: nodes, sections and rate maps in, forces and blocks of the matrix out.
 
 These loops go point by point and cost as much as all formulas, so they take no slices and test as little as they can.
-A rigidly attached element node (link >= 0) is treated as a node of its own here: poses and twists are carried to it,
-forces and blocks back to the node it shares (see ``attachment``).
+A rigidly attached element node (link >= 0) is treated as a separate node here: poses and twists are mapped to it,
+forces and blocks back to the node that it shares (see ``nodes.attached_poses``).
 """
 
 from __future__ import annotations
@@ -138,7 +138,7 @@ def add_blocks(
     block: Floats,
     blocks: Floats,
 ) -> None:
-    """Add the blocks (node k, node j) of all lanes to the matrix; of attached nodes, as the shared ones see them."""
+    """Add the blocks (node k, node j) of all lanes to the matrix; attached nodes are mapped to shared ones."""
     for lane in range(count):
         e = element[lane]
         link = links[e, k]
@@ -175,7 +175,7 @@ def add_forces(
     nodal: Floats,
     force: Floats,
 ) -> None:
-    """Add the wrenches ``nodal (1, 6, LANES)`` on nodes k to ``force``; of attached nodes at the shared one."""
+    """Add the wrenches ``nodal (1, 6, LANES)`` on nodes k to ``force``; attached nodes are mapped to shared ones."""
     for lane in range(count):
         e = element[lane]
         n, link = nodes[e, k], links[e, k]

@@ -2,7 +2,7 @@
 
 The element is described in ``strain``; here its section forces are turned into nodal forces, and their derivative is
 assembled into the blocks of a matrix. Gauss points are taken in batches of LANES, so that the formulas of ``lanes``
-and ``tangent_lanes`` run on whole vector registers; only what is in ``gathering`` goes point by point.
+and ``tangent_lanes`` run on whole vector registers; only the functions of ``gathering`` go point by point.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ from viscorod.mechanics.elements.lanes import (
 from viscorod.mechanics.elements.strain import element_poses, gauss_point
 from viscorod.mechanics.elements.tangent_lanes import (
     FLAT_ROWS,
+    add_frame_rotation,
     add_turned_forces,
-    add_turning_frame,
     block_of,
     conjugate_stress,
     follow_twist,
@@ -136,7 +136,7 @@ def assemble(
             ``damped`` False skips D.
         held: marks strains whose section force is the stress ``(sections, 6)``; ``constrained`` False: there are none.
         reference: strains of the unstressed shape ``(elements, points, 6)``.
-        prestress: section forces beside C eps + D eps_t, likewise; no elements if there are none.
+        prestress: section forces in addition to C eps + D eps_t, likewise; no elements if there are none.
         stress: section force used in the geometric stiffness (the mixed iterate) ``(elements, points, 6)``.
         r, q, twist: nodal positions, unit quaternions and body twists; ``moving`` False means that all twists vanish.
         rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``; read only if ``damped and moving``.
@@ -245,7 +245,7 @@ def assemble(
                 for k in range(m):
                     block_of(count, node, maps, k, F, block)
                     if k == j and not apart:
-                        add_turning_frame(count, point, node, maps, k, block)
+                        add_frame_rotation(count, point, node, maps, k, block)
                     add_blocks(
                         count,
                         element,
@@ -271,7 +271,7 @@ def update_stress(
     increment: Floats,
     stress: Floats,
 ) -> None:
-    """Carry the section force of the last iterate along the Newton increment: ``stress = S + A dx``.
+    """Update the section force of the last iterate by the Newton increment: ``stress = S + A dx``.
 
     This is the mixed (stress as an independent iterate) Newton step with the stress eliminated point by point.
     """
@@ -338,7 +338,7 @@ def viscous_loss(
 ) -> float:
     """Return the energy [J] lost between two strain states, ``int d_eps.D d_eps / duration`` (never negative).
 
-    The mean rate of the step stands for the rate: of second order, and blind to ringing of the rates about their mean.
+    The mean rate of the step replaces the rate: of second order, and insensitive to ringing about the mean.
     """
     total = 0.0
     d = np.empty(6)

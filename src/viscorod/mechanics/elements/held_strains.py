@@ -1,7 +1,7 @@
-"""Strains that are held at their reference values (Liu and Wang section 4): no stiffness, a multiplier instead.
+"""Strains that are held at their reference values (Liu and Wang section 4) by a multiplier instead of a stiffness.
 
-The multiplier of a strain component at a Gauss point is its section force times the weight of the point. Being an
-unknown of its own, it needs no compliance: unshearable, inextensible and Kirchhoff rods are the same element.
+The multiplier of a strain component at a Gauss point is its section force times the weight of the point. As a separate
+unknown it needs no compliance: unshearable, inextensible and Kirchhoff rods are the same element.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def give_stress(
     multiplier: Floats,
     stress: Floats,
 ) -> None:
-    """Put the multipliers ``(s, places)`` into the stresses ``(s, e, points, 6)`` of some states."""
+    """Write the multipliers ``(s, places)`` into the stresses ``(s, e, points, 6)`` of some states."""
     for i in range(stress.shape[0]):
         for h in range(element.shape[0]):
             stress[i, element[h], point[h], component[h]] = multiplier[i, place[h]] / weight[h]
@@ -59,7 +59,7 @@ def give_stress(
 def keep_stress(
     element: Integers, point: Integers, component: Integers, stress: Floats, section_force: Floats
 ) -> None:
-    """Let the section forces of held strains be their stresses: no law gives them."""
+    """Set the section forces of held strains to their stresses, since no law gives them."""
     for i in range(stress.shape[0]):
         for h in range(element.shape[0]):
             e, g, c = element[h], point[h], component[h]
@@ -70,7 +70,7 @@ def keep_stress(
 def strain_gaps(
     element: Integers, point: Integers, component: Integers, place: Integers, strain: Floats, gap: Floats
 ) -> None:
-    """Write the held strains ``(s, e, points, 6)`` as what multipliers must undo ``(s, places)``."""
+    """Write the gaps of the held strains ``(s, e, points, 6)`` that the multipliers must close ``(s, places)``."""
     for i in range(strain.shape[0]):
         for h in range(element.shape[0]):
             gap[i, place[h]] = strain[i, element[h], point[h], component[h]]

@@ -1,4 +1,4 @@
-"""Internal forces of elements without their tangent: cheap enough to be evaluated at every stage of a step.
+"""Internal forces of elements without their tangent, at low cost, for every stage of a step.
 
 The formulas are those of ``strain``, applied instead of assembled: with ``p_k = conj(q~) q_k/|q~|^2`` the strain
 rates are
@@ -67,7 +67,7 @@ class GaussStates(NamedTuple):
 
     @classmethod
     def of(cls, elements: Elements, states: int, *, carried: bool = False) -> GaussStates:
-        """Allocate, with the section force as the stress unless this is ``carried`` on its own."""
+        """Allocate the arrays, with the section force as the stress unless this is ``carried`` separately."""
         shape = (states, *elements.reference.shape)
         force = np.zeros(shape)
         return cls(np.zeros(shape), np.zeros(shape), force, np.zeros(shape) if carried else force)
@@ -85,7 +85,7 @@ class ElementWork(NamedTuple):
 
     @classmethod
     def of(cls, order: int) -> ElementWork:
-        """Allocate for elements up to ``order``."""
+        """Allocate the arrays for elements up to ``order``."""
         m = order + 1
         return cls(
             np.empty((m, 3)),
@@ -189,7 +189,7 @@ def internal_forces(
 
     Args:
         r, q, twist: poses and body twists of all nodes ``(s, n, ...)``; force: in their frames.
-        points: outputs but for the stress, which the forces are those of; it may be the array of the section force.
+        points: outputs except the stress, which is the input of the forces; it may be the array of the section force.
         work: scratch.
     """
     orders, nodes, links, link_positions, link_quaternions, shapes, slopes, weights = elements[:8]
@@ -323,13 +323,13 @@ def conserve_energy(
 ) -> None:
     """Change section forces at the middle of a step so that their work is exactly the change of elastic energy.
 
-    With ``d = h eps_t`` of the middle, ``S + alpha C d`` works ``W(end) - W(start)`` over ``d`` for one ``alpha``
-    (Gonzalez 1996, the discrete gradient, point by point); ``alpha`` is of second order in the step. Viscous parts of
-    ``S`` keep their work, ``eps_t.D eps_t``.
+    With ``d = h eps_t`` of the middle, the work of ``S + alpha C d`` over ``d`` is ``W(end) - W(start)`` for one
+    ``alpha`` (Gonzalez 1996, the discrete gradient, point by point); ``alpha`` is of second order in the step. The
+    viscous part of ``S`` keeps its work, ``eps_t.D eps_t``.
 
     Args:
         strain, strain_rate: in the middle ``(1, e, points, 6)``; start, end: strains at the ends of the step, likewise.
-        h: step [s]; others: what the work of other parts of ``S`` lacks ``(e, points)`` [J/m].
+        h: step [s]; others: energy defect of other parts of ``S`` ``(e, points)`` [J/m].
         S: section forces, changed.
     """
     orders, section, C = elements[0], elements[9], elements[10]
@@ -345,7 +345,7 @@ def conserve_energy(
                     work = mean * (end[0, e, g, j] - start[0, e, g, j])
                     lacking += C[of, i, j] * (work - strain[0, e, g, i] * d)
                     square += C[of, i, j] * h * strain_rate[0, e, g, i] * d
-            # where the strain stands still there is no work to correct
+            # where the strain is constant there is no work to correct
             if abs(lacking) < square:
                 for i in range(6):
                     for j in range(6):

@@ -1,16 +1,16 @@
-"""The intrinsic element: strains at the Gauss points are states of their own, moved by the nodal body twists.
+"""The intrinsic element: strains at the Gauss points are states, advanced by the nodal body twists.
 
 Hodges' equations as Artola, Wynn and Palacios write them (AWP 13-14, full Kelvin-Voigt damping; 22-23, linearised).
-Body twists ``x1 = (v, w)`` are interpolated in body components by the basis of order p, strains stand at the p Gauss
-points, and compatibility holds there:
+Body twists ``x1 = (v, w)`` are interpolated in body components by the basis of order p, strains are given at the p
+Gauss points, and compatibility holds there:
 
     eps_t = x1' - E^T x1 + L1(x1)^T eps = b + (kappa x v + gamma x w, kappa x w)     b = x1' + (U0 x v + V0 x w, U0 x w)
 
 Tested with the same interpolation, the section forces give ``f_k = sum_g w_g [N'_k S + N_k (-U x N, -V x N - U x M)]``,
 so ``sum_k f_k . x1_k = sum_g w_g S . eps_t`` holds exactly: the energy balance is exact in space. Linearised damping
-lets the viscous force ``D b`` act through ``U0, V0`` instead of ``U, V``; it dissipates ``b . D b`` (AWP 32).
+applies the viscous force ``D b`` through ``U0, V0`` instead of ``U, V``; it dissipates ``b . D b`` (AWP 32).
 
-No pose enters: rigid rotations are in the twists alone.
+The equations contain no pose: rigid rotations are in the twists alone.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from viscorod.typing import Floats, Integers
 
 
 class StrainMotion(NamedTuple):
-    """Strains as states of their own: what a step knows of them and works with.
+    """Strains as states: their values at the start of a step, and the arrays that the step works with.
 
     Attributes:
         linearised: viscous forces are those of the linearised damping.
@@ -48,7 +48,7 @@ class StrainMotion(NamedTuple):
 
     @classmethod
     def of(cls, elements: Elements, stages: int, *, linearised: bool) -> StrainMotion:
-        """Allocate for a number of stages."""
+        """Allocate the arrays for a number of stages."""
         points, m = elements.reference.shape, elements.nodes.shape[1]
         return cls(
             linearised,
@@ -135,7 +135,7 @@ def gather_twists(
 
 @part
 def viscous_rates(linearised: bool, strain: Floats, twist: Floats, linear_rate: Floats, out: Floats) -> None:
-    """Write the rates that damping acts on at all Gauss points ``(s, e, points, 6)``.
+    """Write the strain rates in the law of damping at all Gauss points ``(s, e, points, 6)``.
 
     They are ``eps_t = b + (kappa x v + gamma x w, kappa x w)``, or ``b`` if linearised.
     """
@@ -164,9 +164,9 @@ def viscous_rates(linearised: bool, strain: Floats, twist: Floats, linear_rate: 
 
 @part
 def solve_stages(matrix: Floats, right: Floats, size: int, factorise: bool) -> None:
-    """Solve ``matrix x = right`` in place by elimination; the matrix is near a constant of the method: no pivoting.
+    """Solve ``matrix x = right`` in place, without pivoting since the matrix is near a constant of the method.
 
-    Without ``factorise`` the matrix holds its factors already.
+    Without ``factorise`` the matrix already contains its factors.
     """
     if factorise:
         for j in range(size):
@@ -280,7 +280,7 @@ def nodal_forces(
 ) -> None:
     """Write the internal forces ``(s, n, 6)`` of section forces ``sigma (s, e, points, 6)``, body components.
 
-    With linearised damping, ``sigma - D b`` works through the strains and ``D b`` through those of the reference shape.
+    With linearised damping, ``sigma - D b`` acts through the strains and ``D b`` through those of the reference shape.
     """
     orders, nodes, links, link_positions, link_quaternions, shapes, slopes, weights = elements[:8]
     half_lengths, section, D, reference = elements[8], elements[9], elements[11], elements[13]
@@ -298,7 +298,7 @@ def nodal_forces(
                 U0, U1, U2 = reference[e, g, 3], reference[e, g, 4], reference[e, g, 5]
                 N0, N1, N2 = sigma[s, e, g, 0], sigma[s, e, g, 1], sigma[s, e, g, 2]
                 M0, M1, M2 = sigma[s, e, g, 3], sigma[s, e, g, 4], sigma[s, e, g, 5]
-                # -(U x N) and -(V x N + U x M): what turns with the reference shape
+                # -(U x N) and -(V x N + U x M): the parts due to the curvature of the reference shape
                 f0, f1, f2 = N1 * U2 - N2 * U1, N2 * U0 - N0 * U2, N0 * U1 - N1 * U0
                 f3 = N1 * V2 - N2 * V1 + M1 * U2 - M2 * U1
                 f4 = N2 * V0 - N0 * V2 + M2 * U0 - M0 * U2
@@ -348,7 +348,8 @@ def forces_at(
 
     Args:
         motion: scratch for one state; twist: of all nodes ``(1, n, 6)``; strain: ``(1, e, points, 6)``.
-        strain_rate: output, what damping acts on; prestress: section forces beside ``C eps + D eps_t (e, points, 6)``.
+        strain_rate: output, the rate in the law of damping; prestress: section forces besides ``C eps + D eps_t``
+            ``(e, points, 6)``.
         section_force: output like the strain; force: output ``(1, n, 6)``.
     """
     linearised, _, at_points, linear_rate, T, F, X, _, _ = motion
@@ -383,7 +384,7 @@ def stage_forces(
     sigma: Floats,
     force: Floats,
 ) -> None:
-    """Write strains, what damping acts on, section forces and the forces of ``sigma`` at all stages of a step ``h``."""
+    """Write strains, the rates of damping, section forces and the forces of ``sigma`` at all stages of a step ``h``."""
     interpolate_twists(elements, twist, T, X, at_points, linear_rate)
     advance_strains(elements, D, h, start, at_points, linear_rate, matrix, right, strain)
     viscous_rates(linearised, strain, at_points, linear_rate, strain_rate)

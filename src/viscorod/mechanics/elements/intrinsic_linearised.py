@@ -1,8 +1,8 @@
 """The intrinsic element linearised at one state: operators of its section forces, stiffness and damping matrices.
 
-A nodal body increment ``d`` moves strains by ``B d`` with ``B_k = N'_k + N_k [[U~, V~], [0, U~]]``: what the strain
-rate is to twists. It holds up to the error of the interpolation (compatibility is integrated, not differentiated): good
-enough for a Jacobian, and of high order in the mesh. With ``dx1 = d' + ad(x1) d``,
+A nodal body increment ``d`` changes strains by ``B d`` with ``B_k = N'_k + N_k [[U~, V~], [0, U~]]``, as twists give
+the strain rate. This holds up to the error of the interpolation (compatibility is integrated, not differentiated):
+good enough for a Jacobian, and of high order in the mesh. With ``dx1 = d' + ad(x1) d``,
 
     d(eps_t) = B d' + (L B + B ad) d     L = [[-w~, -v~], [0, -w~]]
     dS = A d + P d'                      A = C B + D (L B + B ad)     P = D B
@@ -44,13 +44,13 @@ def strain_motion_operator(
 
 
 @part
-def turn_columns(B: Floats, k: int, turning: Floats, out: Floats) -> None:
+def adjoint_columns(B: Floats, k: int, adjoint: Floats, out: Floats) -> None:
     """Write the six columns of node ``k`` of ``B ad(x1)``."""
     for i in range(6):
         for j in range(6):
             total = 0.0
             for a in range(6):
-                total += B[i, 6 * k + a] * turning[a, j]
+                total += B[i, 6 * k + a] * adjoint[a, j]
             out[i, 6 * k + j] = total
 
 
@@ -61,7 +61,7 @@ def linearise_intrinsic(
     strain: Floats,
     point_twist: Floats,
     viscous_rate: Floats,
-    turning: Floats,
+    adjoint: Floats,
     section_force: Floats,
     operators: Operators,
     K: Floats,
@@ -70,10 +70,10 @@ def linearise_intrinsic(
     """Write the operators and add the matrices of all elements to two arrays of blocks.
 
     Args:
-        linearised: whether damping is.
+        linearised: damping is linearised.
         strain, point_twist, viscous_rate, section_force: at the Gauss points ``(e, points, 6)``.
-        turning: ``ad(x1)`` of every node ``(n, 6, 6)``.
-        operators: outputs; K, C: blocks ``(b, 6, 6)`` as in ``geometric.assemble``.
+        adjoint: ``ad(x1)`` of every node ``(n, 6, 6)``.
+        operators: outputs; K, C: blocks ``(b, 6, 6)`` as in ``geometric_element.assemble``.
     """
     most = elements.nodes.shape[1]
     V, U, V0, U0 = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
@@ -139,7 +139,7 @@ def linearise_intrinsic(
             if elements.damped:
                 acting = B0 if linearised else B
                 for k in range(m):
-                    turn_columns(acting, k, turning[elements.nodes[e, k]], turned)
+                    adjoint_columns(acting, k, adjoint[elements.nodes[e, k]], turned)
                 for i in range(3):
                     a, b = (i + 1) % 3, (i + 2) % 3
                     for j in range(size):

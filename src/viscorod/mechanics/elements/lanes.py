@@ -31,7 +31,7 @@ from viscorod.mechanics.rotations.vectors import (
 from viscorod.typing import Floats
 
 LANES = 16
-"""With fewer, the compiler finds it too dear to check that arrays do not overlap; more do not fit into the L1 cache."""
+"""With fewer, the compiler finds the check that arrays do not overlap too expensive; more exceed the L1 cache."""
 
 # rows of ``point`` (1, rows, LANES): r', q~, q~'; V, U, z0, conj(q~)/|q~|^2; flat rates; strain, rate, section force,
 # stress iterate (weighted), weight; forces conjugate to (c, y, b)
@@ -51,7 +51,7 @@ MAP_ROWS = 7
 
 @lane_kernel
 def interpolate(count: int, point: Floats, node: Floats, maps: Floats) -> None:
-    """Strains V, U of all lanes and the maps of all nodes."""
+    """Evaluate the strains V, U of all lanes and the maps of all nodes."""
     for i in range(AT_V):
         for lane in range(count):
             point[0, i, lane] = 0.0
@@ -121,7 +121,7 @@ def nodal_force(
 
 @lane_kernel
 def rates(count: int, point: Floats, node: Floats, maps: Floats) -> None:
-    """Flat rates (c, y, b) of the nodal twists and the strain rate."""
+    """Sum the flat rates (c, y, b) of the nodal twists, and evaluate the strain rate."""
     for i in range(AT_C, AT_STRAIN):
         for lane in range(count):
             point[0, i, lane] = 0.0
@@ -148,13 +148,13 @@ def rates(count: int, point: Floats, node: Floats, maps: Floats) -> None:
 
 @lane_kernel
 def flat_rates(point: Floats, lane: int) -> Flat:
-    """Return what :func:`rates` has summed up."""
+    """Return the flat rates that :func:`rates` has summed."""
     return load(point, 0, AT_C, lane), load4(point, 0, AT_Y, lane), load4(point, 0, AT_B, lane)
 
 
 @lane_kernel
 def section_forces(count: int, coupled: bool, viscous: bool, C: Floats, D: Floats, point: Floats) -> None:
-    """``S = C eps + D eps_t``; rows of ``AT_STRAIN`` come as minus the reference."""
+    """Evaluate ``S = C eps + D eps_t``; on entry the rows of ``AT_STRAIN`` hold minus the reference strain."""
     for i in range(6):
         for lane in range(count):
             point[0, AT_STRAIN + i, lane] += point[0, AT_V + i, lane]
@@ -179,7 +179,7 @@ def section_forces(count: int, coupled: bool, viscous: bool, C: Floats, D: Float
 
 @lane_kernel
 def conjugate_section_forces(count: int, point: Floats) -> None:
-    """Weighted conjugate forces of the section forces."""
+    """Evaluate the weighted conjugate forces of the section forces."""
     for lane in range(count):
         weight = point[0, AT_WEIGHT, lane]
         Fc, Fy, Fb = conjugate_forces(
@@ -196,7 +196,7 @@ def conjugate_section_forces(count: int, point: Floats) -> None:
 
 @lane_kernel
 def forces_on(count: int, point: Floats, node: Floats, maps: Floats, k: int, out: Floats) -> None:
-    """Force and moment of the section forces on one node into ``out`` (6, LANES)."""
+    """Write force and moment of the section forces on one node into ``out`` (6, LANES)."""
     for lane in range(count):
         force, moment = nodal_force(
             node,

@@ -30,7 +30,7 @@ class Operators(NamedTuple):
 
     @classmethod
     def of(cls, elements: Elements) -> Operators:
-        """Allocate."""
+        """Allocate the arrays."""
         count, points, _ = elements.reference.shape
         shape = (count, 6 * points, 6 * (points + 1))
         return cls(np.zeros(shape), np.zeros(shape), np.zeros(shape))
@@ -52,12 +52,12 @@ def collect(
     A: Floats,
     P: Floats,
 ) -> None:
-    """Write the operators of equal-order elements, which ``geometric.assemble`` leaves in lanes, from ``first`` on.
+    """Write the operators of equal-order elements, which ``assemble`` leaves in lanes, from element ``first`` on.
 
     Args:
-        nodes, links, link_positions, link_quaternions, section, damping, damped: as in ``geometric.assemble``.
+        nodes, links, link_positions, link_quaternions, section, damping, damped: as in ``geometric_element.assemble``.
         strain_columns, force_columns: its outputs ``strain_operator`` and ``operator``, by increments of the element's
-            own nodes; here they become ones by increments of the shared nodes.
+            own nodes; here they become those by increments of the shared nodes.
         B, A, P: outputs, see :class:`Operators`.
     """
     points = section.shape[1]
@@ -116,7 +116,7 @@ def carry_stress(
     section_force: Floats,
     stress: Floats,
 ) -> None:
-    """Carry the stress along a change of all poses: ``sigma = S + A d + P d'`` with the frozen operators.
+    """Update the stress by a change of all poses: ``sigma = S + A d + P d'`` with the frozen operators.
 
     Args:
         change, rate: body increments of the nodes at all stages ``(s, n, 6)`` and their rates [1/s].

@@ -6,16 +6,15 @@ Beside the stiffness C, each branch j has a stiffness ``C_j`` (symmetric, positi
     S = C eps + D eps_t + sum_j C_j beta_j      beta_j = eps - alpha_j      tau_j alpha_j' = beta_j
 
 with the strain ``alpha_j`` of the dashpot and ``beta_j`` of the spring. Branches store ``1/2 int beta_j.C_j beta_j``
-and lose ``int beta_j.C_j beta_j/tau_j >= 0`` (the outlook of Linn, Lang and Tuganov 2013; under a strain that is held
+and lose ``int beta_j.C_j beta_j/tau_j >= 0`` (proposed by Linn, Lang and Tuganov 2013; under a constant strain
 the forces are those of a Prony series, ``C + sum C_j exp(-t/tau_j)``).
 
 A collocation method with the matrix ``A`` solves the equations of the dashpots within the step exactly as it solves
 those of motion, and they are linear: ``beta_j = F_j (eps - alpha_j0)`` at the stages, ``F_j = (1 + h/tau_j A)^-1``.
 So the section forces of all stages are ``S_i = ... + sum_k E_ik eps_k - P_i`` with ``E_ik = sum_j (F_j)_ik C_j`` of
-each section and what the past adds, ``P_i``, constant in the iteration: its cost does not grow with the number of
-branches.
-An eigenvector of ``A^-1`` with the eigenvalue ``lambda`` sees the complex modulus at ``s = lambda/h``,
-``sum_j C_j s tau_j/(1 + s tau_j)``, which is what the linear systems of a step contain.
+each section and the contribution of the past, ``P_i``, which is constant in the iteration: its cost does not grow with
+the number of branches. For an eigenvector of ``A^-1`` with the eigenvalue ``lambda`` the branches are the complex
+modulus at ``s = lambda/h``, ``sum_j C_j s tau_j/(1 + s tau_j)``, which the linear systems of a step contain.
 """
 
 from __future__ import annotations
@@ -54,7 +53,7 @@ class MaxwellArrays(NamedTuple):
 
     @classmethod
     def of(cls, elements: Elements, times: Floats, branches: Floats, stages: int) -> MaxwellArrays:
-        """Allocate for a method with ``stages``."""
+        """Allocate the arrays for a method with ``stages``."""
         points, n, s = elements.reference.shape, len(times), stages
         return cls(
             times,
@@ -79,7 +78,7 @@ def remember(
     start: Floats,
     past: Floats,
 ) -> None:
-    """Write what the past takes from the section forces of the stages, ``P_i = sum_j C_j sum_k (F_j)_ik alpha_j0``."""
+    """Write what the past subtracts from the section forces, ``P_i = sum_j C_j sum_k (F_j)_ik alpha_j0``."""
     stages = past.shape[0]
     for e in range(orders.shape[0]):
         for g in range(orders[e]):
@@ -126,7 +125,7 @@ def carry_branches(
     strain_change: Floats,
     stress: Floats,
 ) -> None:
-    """Carry the stress ``(s, e, points, 6)`` of the branches along a change of all poses (see ``linearised``).
+    """Update the stress ``(s, e, points, 6)`` of the branches by a change of all poses (see ``linearised``).
 
     Args:
         B: change of the strains per nodal increment ``(e, 6 points, 6 nodes)``.
@@ -183,7 +182,7 @@ def lacking_work(
     h: float,
     lacking: Floats,
 ) -> None:
-    """Write by how much the work of the branches in a step of the midpoint rule misses what they store and lose.
+    """Write the energy defect of the branches in a step of the midpoint rule: energy stored and lost less work done.
 
     Args:
         spring: in the middle ``(1, n, e, points, 6)``; strain_rate: likewise ``(1, e, points, 6)``.
@@ -217,9 +216,9 @@ def branch_energies(
     dissipated: Floats,
     power: Floats,
 ) -> None:
-    """Add what branches store at the stages to ``elastic (s,)`` [J] and what they lose to ``dissipated (s,)`` [W].
+    """Add the energy stored in branches to ``elastic (s,)`` [J] and the power they lose to ``dissipated (s,)`` [W].
 
-    ``power (s, n)`` [W] is what each branch loses: an output.
+    The output ``power (s, n)`` [W] is the power that each branch loses.
     """
     orders, weights, half_lengths, section = elements[0], elements[7], elements[8], elements[9]
     for i in range(spring.shape[0]):
@@ -253,7 +252,7 @@ def add_branch_error(
     h: float,
     out: Floats,
 ) -> None:
-    """Add the branches to the right side ``(n, 6)`` of the equation of the estimated error.
+    """Add the contribution of the branches to the right side ``(n, 6)`` of the equation of the estimated error.
 
     With ``rho_j = beta_j0/tau_j + sum_i e_i (alpha_ji - alpha_j0)/h``, the estimate for the dashpots, it is
     ``sum_g w_g B^T sum_j C_j tau_j rho_j/(1 + mu tau_j)`` after these are eliminated.

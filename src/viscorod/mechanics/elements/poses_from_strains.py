@@ -44,7 +44,7 @@ def bracket(a: Floats, b: Floats) -> Floats:
 
 
 def along_element(order: int, half_length: Floats, strain: Floats) -> tuple[Floats, Floats]:
-    """Poses of the nodes of elements, seen from their first nodes.
+    """Return the poses of the nodes of elements relative to their first nodes.
 
     Args:
         order: of all elements.
@@ -78,7 +78,7 @@ def along_element(order: int, half_length: Floats, strain: Floats) -> tuple[Floa
 def along_rod(
     order: int, half_length: Floats, strain: Floats, r0: Floats, q0: Floats
 ) -> tuple[Floats, Floats]:
-    """Poses of the nodes of a rod's elements, one after the other, from the pose of its start.
+    """Return the poses of the nodes of a rod's elements, one after the other, from the pose of its start.
 
     Args:
         order, half_length, strain: as in :func:`along_element`, in order of arc length.
@@ -99,7 +99,7 @@ def along_rod(
 
 
 def _through(points: Floats, xi: Floats) -> Floats:
-    """Lagrange polynomials on ``points (g,)`` at ``xi (k,)``: ``(k, g)``."""
+    """Return the Lagrange polynomials on ``points (g,)`` at ``xi (k,)``: ``(k, g)``."""
     values = np.ones((len(xi), len(points)))
     for g, point in enumerate(points):
         for other in np.delete(points, g):

@@ -1,9 +1,8 @@
 """Geometric element: positions and rotations at Gauss-Lobatto nodes, strains at Gauss points.
 
-With ``r = sum N_k r_k`` and ``q~ = sum N_k q_k`` the strains are ``V = R(q~)^T r'`` and ``U = 2 vec(conj(q~)
-q~')/|q~|^2``
-(Lang, Linn and Arnold 2011 for order 1; the element is objective for every order). All derivatives are taken in
-coordinates carried by the Gauss point: with ``p_k = conj(q~) q_k/|q~|^2`` and the flat increments
+With ``r = sum N_k r_k`` and ``q~ = sum N_k q_k`` the strains are ``V = R(q~)^T r'`` and
+``U = 2 vec(conj(q~) q~')/|q~|^2`` (Lang, Linn and Arnold 2011 for order 1; the element is objective for every order).
+All derivatives are taken in the frame of the Gauss point: with ``p_k = conj(q~) q_k/|q~|^2`` and the flat increments
 
     c = R^T dr' = sum N'_k R^T R_k a_k     y = conj(q~) dq~/|q~|^2 = sum N_k L_k th_k     b = sum N'_k L_k th_k
 
@@ -11,8 +10,7 @@ where ``L_k th = p_k (0, th)/2``, the strains vary by (``z = conj(q~) q~'/|q~|^2
 
     dV = c + 2 V x yv          dU = 2 bv - y0 U - 2 z0 yv + U x yv
 
-and to second order by quadratic forms in (c, y, b), see ``variation``. Nodal increments ``(a_k, th_k)``
-and twists
+and to second order by quadratic forms in (c, y, b), see ``variation``. Nodal increments ``(a_k, th_k)`` and twists
 ``(v_k, w_k)`` are in the node's body frame.
 """
 
@@ -67,9 +65,9 @@ def element_poses(
 def gauss_point(
     shape: Floats, slope: Floats, re: Floats, qe: Floats, V: Floats, U: Floats, p: Floats, frame: Floats
 ) -> float:
-    """Strain measures at one Gauss point; ``slope`` is the derivative with respect to arc length.
+    """Write the strain measures at one Gauss point; ``slope`` is the derivative with respect to arc length.
 
-    Writes ``V, U`` (3), ``p`` (nodes, 4) and the unit quaternion ``frame``; returns ``z0``.
+    The outputs are ``V, U`` (3), ``p`` (nodes, 4) and the unit quaternion ``frame``; ``z0`` is returned.
     """
     m = re.shape[0]
     t0 = t1 = t2 = 0.0

@@ -3,7 +3,7 @@
 The columns of node j are six increments; each changes the strain (``B``), the strain rate at constant twist (``E``),
 the section force (``A = C B + D (E + B T)`` with T the rate map) and the forces conjugate to the flat increments
 (``F``: from A, and at constant section force from the second derivatives). The rows of node k are the map of nodal
-forces applied to F, plus the turning of the node's own frame if k = j.
+forces applied to F, plus the effect of the rotation of the node's own frame if k = j.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def rotation(node: Floats, maps: Floats, k: int, j: int, lane: int) -> Flat:
 
 @lane_kernel
 def strain_columns(count: int, point: Floats, node: Floats, maps: Floats, k: int, B: Floats) -> None:
-    """Strain per nodal increment into ``B`` (column, row, lane)."""
+    """Write the strain per nodal increment into ``B`` (column, row, lane)."""
     for j in range(3):
         for lane in range(count):
             store(B, j, 0, lane, translation(node, maps, k, j, lane))
@@ -81,10 +81,10 @@ def strain_columns(count: int, point: Floats, node: Floats, maps: Floats, k: int
 
 @lane_kernel
 def rate_columns(count: int, point: Floats, node: Floats, maps: Floats, k: int, E: Floats) -> None:
-    """Strain rate per nodal increment at constant twist into ``E``.
+    """Write the strain rate per nodal increment at constant twist into ``E``.
 
-    The second derivatives, and the nodal velocities ``R_k v`` and ``q_k w/2``, which turn with the node, through the
-    first ones.
+    It contains the second derivatives, and the first ones of the nodal velocities ``R_k v`` and ``q_k w/2``, which turn
+    with the node.
     """
     for j in range(3):
         for lane in range(count):
@@ -120,7 +120,7 @@ def follow_twist(count: int, B: Floats, T: Floats, E: Floats) -> None:
 
 @lane_kernel
 def section_columns(count: int, coupled: bool, C: Floats, X: Floats, first: bool, A: Floats) -> None:
-    """``A = C X`` if ``first``, else ``A += C X``, for six columns."""
+    """Write ``A = C X`` if ``first``, else ``A += C X``, for six columns."""
     for j in range(6):
         for i in range(6):
             if first:
@@ -139,7 +139,7 @@ def section_columns(count: int, coupled: bool, C: Floats, X: Floats, first: bool
 
 @lane_kernel
 def force_columns(count: int, point: Floats, A: Floats, F: Floats) -> None:
-    """Weighted conjugate forces ``F`` (column, FLAT_ROWS, lane) of the section forces in ``A``."""
+    """Write the weighted conjugate forces ``F`` (column, FLAT_ROWS, lane) of the section forces in ``A``."""
     for j in range(6):
         for lane in range(count):
             weight = point[0, AT_WEIGHT, lane]
@@ -175,7 +175,7 @@ def add_turned_forces(count: int, point: Floats, node: Floats, maps: Floats, k: 
 
 @lane_kernel
 def conjugate_stress(count: int, point: Floats) -> None:
-    """Conjugate forces of the (weighted) stress iterate, in the place of those of the section force."""
+    """Replace the conjugate forces of the section force by those of the (weighted) stress iterate."""
     for lane in range(count):
         Fc, Fy, Fb = conjugate_forces(
             load(point, 0, AT_V, lane),
@@ -191,7 +191,7 @@ def conjugate_stress(count: int, point: Floats) -> None:
 
 @lane_kernel
 def block_of(count: int, node: Floats, maps: Floats, k: int, F: Floats, block: Floats) -> None:
-    """Forces on one node, per increment of another: ``block`` (column, row, lane) from that one's ``F``."""
+    """Write the forces on one node per increment of another: ``block`` (column, row, lane) from that one's ``F``."""
     for j in range(6):
         for lane in range(count):
             force, moment = nodal_force(
@@ -202,8 +202,8 @@ def block_of(count: int, node: Floats, maps: Floats, k: int, F: Floats, block: F
 
 
 @lane_kernel
-def add_turning_frame(count: int, point: Floats, node: Floats, maps: Floats, k: int, block: Floats) -> None:
-    """Add what the turning of a node's frame changes in its own forces (f, m) of the stress iterate.
+def add_frame_rotation(count: int, point: Floats, node: Floats, maps: Floats, k: int, block: Floats) -> None:
+    """Add the change of a node's own forces (f, m) of the stress iterate by the rotation of its frame.
 
     ``f x theta`` and ``m x theta/2 - (g.p) theta/4``: L theta = p (0, theta)/2 turns through ``p (0, theta)/2``.
     """

@@ -6,7 +6,7 @@ With ``z = conj(q~) q~'/|q~|^2 = (z0, U/2)`` and the flat increments (c, y, b) o
 
 and once more, by (c1, y1, b1) of another increment, by the second derivatives in :func:`second_variation`. The
 generalised forces conjugate to (c, y, b) are the adjoint of the first, their change at constant section force that of
-the second. No node enters here: nodes only map their increments to (c, y, b), and forces back (``lanes``).
+the second. These formulas contain no nodes: nodes only map their increments to (c, y, b), and forces back (``lanes``).
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ def conjugate_forces(V: Vector, U: Vector, z0: float, N: Vector, M: Vector) -> F
 
 @lane_kernel
 def turned_forces(V: Vector, U: Vector, z0: float, N: Vector, M: Vector, flat: Flat) -> Flat:
-    """Return how the conjugate forces of constant ``(N, M)`` change: the gradient of ``N.d2V + M.d2U``."""
+    """Return the change of the conjugate forces of constant ``(N, M)``: the gradient of ``N.d2V + M.d2U``."""
     c, (y0, y), (b0, b) = flat
     MU = dot(M, U)
     My = dot(M, y)

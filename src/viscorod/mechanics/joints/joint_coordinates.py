@@ -1,8 +1,8 @@
-"""Coordinates of joints: scalars measured between two nodes, their gradients, and how the gradients turn.
+"""Coordinates of joints: scalars measured between two nodes, their gradients, and the derivatives of the gradients.
 
-A coordinate sees two points ``p = r + R rho`` and axes ``u = R u^`` that are fixed in its nodes a and b (or in the
-ground, whose pose is the identity). Joints hold some of their coordinates at values that may follow functions of time,
-springs and dampers act on others. Kinds:
+A coordinate depends on two points ``p = r + R rho`` and axes ``u = R u^`` that are fixed in its nodes a and b (or in
+the ground, whose pose is the identity). Joints hold some of their coordinates at values that may follow functions of
+time, springs and dampers act on others. Kinds:
 
     TRANSLATION   u . (p_b - p_a), u fixed in a
     ALIGNMENT     u . v, u fixed in a, v in b: 0 keeps the two axes perpendicular
@@ -61,13 +61,13 @@ def own_axes(geometry: Floats, c: int, at: int) -> Quaternion:
 
 
 @lane_kernel
-def back(q: Quaternion, a: Vector) -> Vector:
+def rotated_back(q: Quaternion, a: Vector) -> Vector:
     """Return ``R(q)^T a``."""
     return rotated((q[0], scaled(-1.0, q[1])), a)
 
 
 @lane_kernel
-def put(out: Floats, at: int, factor: float, a: Vector) -> None:
+def add_to(out: Floats, at: int, factor: float, a: Vector) -> None:
     """Add ``factor a`` to three numbers of a vector."""
     out[at] += factor * a[0]
     out[at + 1] += factor * a[1]
@@ -75,7 +75,7 @@ def put(out: Floats, at: int, factor: float, a: Vector) -> None:
 
 
 @lane_kernel
-def put_column(out: Floats, at: int, column: int, factor: float, a: Vector) -> None:
+def add_to_column(out: Floats, at: int, column: int, factor: float, a: Vector) -> None:
     """Add ``factor a`` to three numbers of a column."""
     out[at, column] += factor * a[0]
     out[at + 1, column] += factor * a[1]
@@ -84,7 +84,7 @@ def put_column(out: Floats, at: int, column: int, factor: float, a: Vector) -> N
 
 @lane_kernel
 def relative(c: int, geometry: Floats, qa: Quaternion, qb: Quaternion) -> Vector:
-    """Return the rotation vector of the joint axes of b seen from those of a, the shorter way round."""
+    """Return the rotation vector of the joint axes of b relative to those of a, the shorter way round."""
     own_a, own_b = own_axes(geometry, c, AT_Q_A), own_axes(geometry, c, AT_Q_B)
     a = product(qa, own_a)
     d0, d = product((a[0], scaled(-1.0, a[1])), product(qb, own_b))
@@ -124,9 +124,9 @@ def add_product(
     u: Vector, v: Vector, qa: Quaternion, qb: Quaternion, factor: float, gradient: Floats
 ) -> float:
     """Add ``factor`` times the gradient of ``R_a u . R_b v`` to ``gradient (12,)``; return the product."""
-    m, w = back(qa, rotated(qb, v)), back(qb, rotated(qa, u))
-    put(gradient, 3, factor, cross(u, m))
-    put(gradient, 9, factor, cross(v, w))
+    m, w = rotated_back(qa, rotated(qb, v)), rotated_back(qb, rotated(qa, u))
+    add_to(gradient, 3, factor, cross(u, m))
+    add_to(gradient, 9, factor, cross(v, w))
     return dot(u, m)
 
 
@@ -147,7 +147,7 @@ def coordinate(
     Args:
         kind, geometry: of all coordinates ``(c,)``, ``(c, GEOMETRY)``.
         ra, qa, rb, qb: poses of its nodes.
-        near: an angle comes with the whole turns that bring it nearest to this.
+        near: an angle includes the whole turns that bring it nearest to this.
     """
     for i in range(12):
         gradient[i] = 0.0
@@ -168,46 +168,46 @@ def coordinate(
         component = int(geometry[c, AT_COMPONENT])
         e = unit(component)
         own_a, own_b = own_axes(geometry, c, AT_Q_A), own_axes(geometry, c, AT_Q_B)
-        put(gradient, 3, -1.0, rotated(own_a, pulled(psi, e, -1.0)))
-        put(gradient, 9, 1.0, rotated(own_b, pulled(psi, e, 1.0)))
+        add_to(gradient, 3, -1.0, rotated(own_a, pulled(psi, e, -1.0)))
+        add_to(gradient, 9, 1.0, rotated(own_b, pulled(psi, e, 1.0)))
         return dot(psi, e)
     rho_a, rho_b = vector(geometry, c, AT_RHO_A), vector(geometry, c, AT_RHO_B)
     d = plus(plus(rb, 1.0, rotated(qb, rho_b)), -1.0, plus(ra, 1.0, rotated(qa, rho_a)))
     if which == TRANSLATION:
         u = vector(geometry, c, AT_U1)
-        s, w = back(qa, d), back(qb, rotated(qa, u))
-        put(gradient, 0, -1.0, u)
-        put(gradient, 3, 1.0, cross(u, plus(s, 1.0, rho_a)))
-        put(gradient, 6, 1.0, w)
-        put(gradient, 9, 1.0, cross(rho_b, w))
+        s, w = rotated_back(qa, d), rotated_back(qb, rotated(qa, u))
+        add_to(gradient, 0, -1.0, u)
+        add_to(gradient, 3, 1.0, cross(u, plus(s, 1.0, rho_a)))
+        add_to(gradient, 6, 1.0, w)
+        add_to(gradient, 9, 1.0, cross(rho_b, w))
         return dot(u, s)
     length = math.sqrt(dot(d, d))
     n = scaled(1.0 / max(length, 1e-300), d)
-    na, nb = back(qa, n), back(qb, n)
-    put(gradient, 0, -1.0, na)
-    put(gradient, 3, -1.0, cross(rho_a, na))
-    put(gradient, 6, 1.0, nb)
-    put(gradient, 9, 1.0, cross(rho_b, nb))
+    na, nb = rotated_back(qa, n), rotated_back(qb, n)
+    add_to(gradient, 0, -1.0, na)
+    add_to(gradient, 3, -1.0, cross(rho_a, na))
+    add_to(gradient, 6, 1.0, nb)
+    add_to(gradient, 9, 1.0, cross(rho_b, nb))
     return length
 
 
 @part
-def add_product_turning(
+def add_product_gradient_change(
     u: Vector, v: Vector, qa: Quaternion, qb: Quaternion, factor: float, out: Floats
 ) -> None:
     """Add ``factor`` times the derivative of the gradient of ``R_a u . R_b v`` to ``out (12, 12)``."""
-    m, w = back(qa, rotated(qb, v)), back(qb, rotated(qa, u))
+    m, w = rotated_back(qa, rotated(qb, v)), rotated_back(qb, rotated(qa, u))
     for j in range(3):
         e = unit(j)
         # m turns back with a and forth with b, w the other way round
-        put_column(out, 3, 3 + j, factor, cross(u, cross(m, e)))
-        put_column(out, 3, 9 + j, factor, cross(u, back(qa, rotated(qb, cross(e, v)))))
-        put_column(out, 9, 9 + j, factor, cross(v, cross(w, e)))
-        put_column(out, 9, 3 + j, factor, cross(v, back(qb, rotated(qa, cross(e, u)))))
+        add_to_column(out, 3, 3 + j, factor, cross(u, cross(m, e)))
+        add_to_column(out, 3, 9 + j, factor, cross(u, rotated_back(qa, rotated(qb, cross(e, v)))))
+        add_to_column(out, 9, 9 + j, factor, cross(v, cross(w, e)))
+        add_to_column(out, 9, 3 + j, factor, cross(v, rotated_back(qb, rotated(qa, cross(e, u)))))
 
 
 @part
-def add_turning(
+def add_gradient_change(
     c: int,
     kind: Integers,
     geometry: Floats,
@@ -227,7 +227,9 @@ def add_turning(
     """
     which = kind[c]
     if which == ALIGNMENT:
-        add_product_turning(vector(geometry, c, AT_U1), vector(geometry, c, AT_V1), qa, qb, factor, out)
+        add_product_gradient_change(
+            vector(geometry, c, AT_U1), vector(geometry, c, AT_V1), qa, qb, factor, out
+        )
         return
     if which == ANGLE:
         u1, v1 = vector(geometry, c, AT_U1), vector(geometry, c, AT_V1)
@@ -237,8 +239,8 @@ def add_turning(
         sine = add_product(u1, v1, qa, qb, 1.0, scratch[0])
         cosine = add_product(u2, v2, qa, qb, 1.0, scratch[1])
         square = sine * sine + cosine * cosine
-        add_product_turning(u1, v1, qa, qb, factor * cosine / square, out)
-        add_product_turning(u2, v2, qa, qb, -factor * sine / square, out)
+        add_product_gradient_change(u1, v1, qa, qb, factor * cosine / square, out)
+        add_product_gradient_change(u2, v2, qa, qb, -factor * sine / square, out)
         for i in range(12):
             for j in range(12):
                 ds, dc = scratch[0, j], scratch[1, j]
@@ -254,44 +256,44 @@ def add_turning(
         for j in range(6):
             # T^-1 (increment of b) - T^-T (increment of a), in joint axes
             if j < 3:
-                d = scaled(-1.0, pulled(psi, back(own_a, unit(j)), 1.0))
+                d = scaled(-1.0, pulled(psi, rotated_back(own_a, unit(j)), 1.0))
             else:
-                d = pulled(psi, back(own_b, unit(j - 3)), -1.0)
+                d = pulled(psi, rotated_back(own_b, unit(j - 3)), -1.0)
             column = 3 + j if j < 3 else 6 + j
-            put_column(out, 3, column, -factor, rotated(own_a, pulled_change(psi, d, e, -1.0)))
-            put_column(out, 9, column, factor, rotated(own_b, pulled_change(psi, d, e, 1.0)))
+            add_to_column(out, 3, column, -factor, rotated(own_a, pulled_change(psi, d, e, -1.0)))
+            add_to_column(out, 9, column, factor, rotated(own_b, pulled_change(psi, d, e, 1.0)))
         return
     rho_a, rho_b = vector(geometry, c, AT_RHO_A), vector(geometry, c, AT_RHO_B)
     d = plus(plus(rb, 1.0, rotated(qb, rho_b)), -1.0, plus(ra, 1.0, rotated(qa, rho_a)))
     if which == TRANSLATION:
         u = vector(geometry, c, AT_U1)
-        s, w = back(qa, d), back(qb, rotated(qa, u))
+        s, w = rotated_back(qa, d), rotated_back(qb, rotated(qa, u))
         for j in range(3):
             e = unit(j)
-            put_column(out, 3, j, -factor, cross(u, e))
-            put_column(out, 3, 3 + j, factor, cross(u, plus(cross(s, e), -1.0, cross(e, rho_a))))
-            put_column(out, 3, 6 + j, factor, cross(u, back(qa, rotated(qb, e))))
-            put_column(out, 3, 9 + j, factor, cross(u, back(qa, rotated(qb, cross(e, rho_b)))))
-            turned_a, turned_b = back(qb, rotated(qa, cross(e, u))), cross(w, e)
-            put_column(out, 6, 3 + j, factor, turned_a)
-            put_column(out, 6, 9 + j, factor, turned_b)
-            put_column(out, 9, 3 + j, factor, cross(rho_b, turned_a))
-            put_column(out, 9, 9 + j, factor, cross(rho_b, turned_b))
+            add_to_column(out, 3, j, -factor, cross(u, e))
+            add_to_column(out, 3, 3 + j, factor, cross(u, plus(cross(s, e), -1.0, cross(e, rho_a))))
+            add_to_column(out, 3, 6 + j, factor, cross(u, rotated_back(qa, rotated(qb, e))))
+            add_to_column(out, 3, 9 + j, factor, cross(u, rotated_back(qa, rotated(qb, cross(e, rho_b)))))
+            turned_a, turned_b = rotated_back(qb, rotated(qa, cross(e, u))), cross(w, e)
+            add_to_column(out, 6, 3 + j, factor, turned_a)
+            add_to_column(out, 6, 9 + j, factor, turned_b)
+            add_to_column(out, 9, 3 + j, factor, cross(rho_b, turned_a))
+            add_to_column(out, 9, 9 + j, factor, cross(rho_b, turned_b))
         return
     length = max(math.sqrt(dot(d, d)), 1e-300)
     n = scaled(1.0 / length, d)
-    na, nb = back(qa, n), back(qb, n)
+    na, nb = rotated_back(qa, n), rotated_back(qb, n)
     for j in range(12):
         e = unit(j % 3)
         own = e if j % 6 < 3 else cross(e, rho_a if j < 6 else rho_b)
         change = scaled(-1.0, rotated(qa, own)) if j < 6 else rotated(qb, own)
         dn = scaled(1.0 / length, plus(change, -dot(n, change), n))
-        da, db = back(qa, dn), back(qb, dn)
+        da, db = rotated_back(qa, dn), rotated_back(qb, dn)
         if 3 <= j < 6:
             da = plus(da, 1.0, cross(na, e))
         elif j >= 9:
             db = plus(db, 1.0, cross(nb, e))
-        put_column(out, 0, j, -factor, da)
-        put_column(out, 3, j, -factor, cross(rho_a, da))
-        put_column(out, 6, j, factor, db)
-        put_column(out, 9, j, factor, cross(rho_b, db))
+        add_to_column(out, 0, j, -factor, da)
+        add_to_column(out, 3, j, -factor, cross(rho_a, da))
+        add_to_column(out, 6, j, factor, db)
+        add_to_column(out, 9, j, factor, cross(rho_b, db))

@@ -1,8 +1,8 @@
-"""Joints at work: coordinates that are held by multipliers, and springs and dampers on those that are free.
+"""Forces of joints: coordinates that are held by multipliers, and springs and dampers on those that are free.
 
-A held coordinate has a multiplier ``lambda``, an unknown of its own: ``lambda gradient`` joins the internal forces of
-its nodes, and ``value - target`` is the residual of its row. A free coordinate with a spring and a damper has the force
-``k (value - rest) + c rate`` in its place, or what Python functions return (see ``callback``).
+A held coordinate has a multiplier ``lambda``, a separate unknown: ``lambda gradient`` is added to the internal forces
+of its nodes, and ``value - target`` is the residual of its row. A free coordinate with a spring and a damper has the
+force ``k (value - rest) + c rate`` instead, or the force that Python functions return (see ``callback``).
 Multipliers and rows are measured in a ``scale`` that makes them comparable with the stiffness of the nodes.
 """
 
@@ -46,7 +46,7 @@ class Joints(NamedTuple):
 
     @classmethod
     def none(cls) -> Joints:
-        """Return no coordinates."""
+        """Return an empty set of coordinates."""
         pairs = np.zeros((0, 2), dtype=np.int64)
         whole, real = np.zeros(0, dtype=np.int64), np.zeros(0)
         square = np.zeros((0, 2, 2), dtype=np.int64)
@@ -137,7 +137,7 @@ def joint_forces(
     gap: Floats,
     internal: Floats,
 ) -> None:
-    """Do what :func:`hold_coordinates` does, for Python, with the present forces of springs.
+    """Call :func:`hold_coordinates` from Python, with the present forces of springs.
 
     The values are those of the last state.
     """
@@ -202,13 +202,13 @@ def hold_coordinates(
     gap: Floats,
     internal: Floats,
 ) -> None:
-    """Add the forces of all coordinates to the internal forces of some states, and write what multipliers must undo.
+    """Add the forces of all coordinates to the internal forces of some states, and write the gaps of held ones.
 
     Args:
         address, buffer: of the Python functions, see :func:`obey`.
         near: values ``(c,)`` that angles are to be near; target: of held coordinates ``(s, c)``.
-        multiplier: ``(s, places)``; carried: forces of springs carried along the iteration ``(s, c)``.
-        final: springs act with their present forces instead.
+        multiplier: ``(s, places)``; carried: forces of springs updated along the iteration ``(s, c)``.
+        final: use the present forces of springs instead.
         r, q, twist: ``(s, n, ...)``; gradient: scratch ``(12,)``.
         value: output ``(c,)``, of the last state.
         rate, force: outputs ``(s, c)``; energy, power: outputs ``(s,)``, stored [J] and dissipated [W].
@@ -248,7 +248,7 @@ def add_frozen_springs(
     carried: Floats,
     internal: Floats,
 ) -> None:
-    """Add what the forces of springs exceed the carried ones by, along frozen ``gradients (c, 12)``."""
+    """Add the difference of the springs' forces from the carried ones, along frozen ``gradients (c, 12)``."""
     for i in range(internal.shape[0]):
         for c in range(place.shape[0]):
             if place[c] < 0 and force[i, c] != carried[i, c]:
@@ -266,7 +266,7 @@ def carry_springs(
     force: Floats,
     carried: Floats,
 ) -> None:
-    """Carry the forces of springs along increments ``change (s, n, 6)`` and their rates, with frozen operators."""
+    """Update the forces of springs by increments ``change (s, n, 6)`` and their rates, with frozen operators."""
     for i in range(carried.shape[0]):
         for c in range(place.shape[0]):
             if place[c] < 0:
@@ -276,7 +276,7 @@ def carry_springs(
 
 @part
 def obey(address: int, buffer: Floats, law: int, value: float, rate: float) -> None:
-    """Ask the Python functions of a coordinate.
+    """Evaluate the Python functions of a coordinate.
 
     Args:
         address: of the callback; law: number of the functions; value, rate: of the coordinate.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
-from viscorod.mechanics.joints.joint_coordinates import add_turning, place_of
+from viscorod.mechanics.joints.joint_coordinates import add_gradient_change, place_of
 from viscorod.mechanics.joints.joint_forces import Joints, gradient_of
 from viscorod.typing import Floats, Integers
 
@@ -52,7 +52,7 @@ def add_joint_tangent(
                 turning[i, j] = 0.0
         ra, qa = place_of(r, q, nodes[c, 0])
         rb, qb = place_of(r, q, nodes[c, 1])
-        add_turning(c, kind, geometry, ra, qa, rb, qb, 1.0, scratch, turning)
+        add_gradient_change(c, kind, geometry, ra, qa, rb, qb, 1.0, scratch, turning)
         k = d = 0.0
         if place[c] < 0:
             k, d = stiffness[c], damping[c] if moving else 0.0
@@ -117,7 +117,7 @@ def add_rate_change(
 
 @part
 def scale_of(number: int, gradient: Floats, stiff: float, length: float) -> float:
-    """Return what makes the row of a multiplier as large as those of the stiffest node, as pivoting sees them.
+    """Return the factor that makes the row of a multiplier as large as those of the stiffest node, for pivoting.
 
     Args:
         number: of the multiplier; gradient: of its coordinate, of six motions of every node.
@@ -126,6 +126,6 @@ def scale_of(number: int, gradient: Floats, stiff: float, length: float) -> floa
     largest = 0.0
     for i in range(gradient.shape[0]):
         largest = max(largest, abs(gradient[i]) * (length if i % 6 < 3 else 1.0))
-    # the solver measures every unknown as if it were one of a node
+    # the solver scales every unknown like those of a node
     own = length if number % 6 < 3 else 1.0
     return stiff / (largest * own) if largest > 0.0 else 1.0

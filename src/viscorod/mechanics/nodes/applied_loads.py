@@ -58,7 +58,7 @@ def add_nodal_loads(
             included.
         levers: sums of arms (body axes) times dead forces that act there (global axes) ``(n, 3, 3)`` [N m], or no rows.
         external: ``(n, 6)``, body components, added to.
-        blocks: of the matrix ``(b, 6, 6)`` (see ``geometric.assemble``); diagonal: those of the nodes ``(n,)``.
+        blocks: of the matrix ``(b, 6, 6)`` (see ``geometric_element.assemble``); diagonal: those of the nodes ``(n,)``.
     """
     f = np.empty(3)
     m = np.empty(3)
@@ -110,9 +110,9 @@ def add_station_load(
     """Add one concentrated wrench inside an element to ``external`` and subtract its derivative from the matrix.
 
     The nodal forces are work-conjugate to the interpolated displacement and to the body rotation of the interpolated
-    frame, ``sum N_k A_k theta_k`` with ``A_k = 2 L_k`` (vector rows, see ``strain``). Arguments as in
-    ``geometric.assemble``; ``dead`` (6) global, ``following`` (6) in
-    the section's axes, ``slots (m, m)`` of the element.
+    frame, ``sum N_k A_k theta_k`` with ``A_k = 2 L_k`` (vector rows, see ``strain``). Arguments are those
+    of ``geometric_element.assemble``; ``dead`` (6) is in global axes, ``following`` (6) in the section's axes, and
+    ``slots (m, m)`` are those of the element.
     """
     n = nodes.shape[0]
     re = np.empty((n, 3))

@@ -69,7 +69,7 @@ def add_momentum_rate(
         factor: [1/s]; history: ``(n, 6)`` spatial wrenches known from the past [N, N m].
         rate_map: d(twist)/d(body increment) ``(n, 6, 6)``.
         residual: ``(n, 6)``, added to.
-        blocks: of the matrix ``(b, 6, 6)`` (see ``geometric.assemble``); diagonal: those of the nodes ``(n,)``.
+        blocks: of the matrix ``(b, 6, 6)`` (see ``geometric_element.assemble``); diagonal: those of the nodes ``(n,)``.
     """
     block = np.zeros((6, 6))
     for k in range(r.shape[0]):
@@ -137,7 +137,7 @@ def balance(
     force: Floats,
     residual: Floats,
 ) -> None:
-    """Write what accelerates the nodes, ``f_ext - f_int - L1(x1) M x1``, and the residual ``M x1' - force``.
+    """Write the forces that accelerate the nodes, ``f_ext - f_int - L1(x1) M x1``, and the residual ``M x1' - force``.
 
     Args:
         mass: ``(n, 6, 6)``; twist, acceleration: body twists and their rates at all stages ``(s, n, 6)``, as the rest.

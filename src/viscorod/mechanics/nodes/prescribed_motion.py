@@ -1,4 +1,4 @@
-"""Nodes that are held completely: pose, twist and its rate from six functions of time (see ``supports``)."""
+"""Nodes that are held completely: pose, twist and its rate from six functions of time (see ``support_rows``)."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def prescribed_motion(
     twist: Floats,
     twist_rate: Floats,
 ) -> None:
-    """Pose, body twist and its rate of fully prescribed nodes from their six components and two time derivatives.
+    """Write pose, body twist and its rate of fully prescribed nodes from their six components and two time derivatives.
 
     Args:
         axes, r0, q0: as in :func:`impose`, one row per node; target, rate, acceleration: ``(m, 6)``.

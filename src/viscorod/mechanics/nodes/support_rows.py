@@ -1,15 +1,14 @@
 """Supports: prescribed or fixed displacements and rotations of a node, imposed exactly on the rows of the node.
 
 A support measures, along constant axes ``A = [e1 e2 e3]`` (global), the displacement ``u = A^T (r - r0)`` and the
-rotation
-vector ``eta = A^T R0 psi`` with ``R = R0 exp(psi)``. With ``T`` the tangent of the exponential, body increments change
-them by ``G = [A^T R, A^T R0 T^-1]``; the dual directions are ``Z = [R^T A, T R0^T A]``. Free components keep the
-balance
-projected on their dual direction, the others are replaced by ``G dx = target - value``; reactions are what the
-projected balance leaves. This is Newton's method for the saddle-point system with the reactions eliminated.
+rotation vector ``eta = A^T R0 psi`` with ``R = R0 exp(psi)``. With ``T`` the tangent of the exponential, body
+increments change them by ``G = [A^T R, A^T R0 T^-1]``; the dual directions are ``Z = [R^T A, T R0^T A]``. Free
+components keep the balance projected on their dual direction, the others are replaced by ``G dx = target - value``;
+reactions are the residuals of the projected balance there. This is Newton's method for the saddle-point system with
+the reactions eliminated.
 
-Axes that are all zero stand for those of the moving section, along which velocities are held: then G = Z = 1, there is
-no position to measure, and the target is what the velocities still lack, integrated over the step.
+Axes that are all zero mean those of the moving section, along which velocities are held: then G = Z = 1, there is no
+position to measure, and the target is the error of the velocities, integrated over the step.
 """
 
 from __future__ import annotations
@@ -35,7 +34,7 @@ ROUND_OFF = 1e-9
 
 @part
 def in_body(axes: Floats) -> bool:
-    """Whether a support with these axes ``(3, 3)`` holds velocities along those of the moving section."""
+    """Return whether a support with these axes ``(3, 3)`` holds velocities along those of the moving section."""
     for i in range(3):
         for j in range(3):
             if axes[i, j] != 0.0:
@@ -178,7 +177,7 @@ def impose(
         nodes: supported nodes ``(m,)``; fixed: 1.0 where a component is fixed or prescribed ``(m, 6)``.
         axes: ``(m, 3, 3)`` columns; r0, q0: reference poses; target: prescribed values ``(m, 6)`` [m, rad].
         r, q: present poses of all nodes.
-        residual: ``(n, 6)``; on return free rows hold the projected balance, fixed rows what is to be undone.
+        residual: ``(n, 6)``; on return free rows hold the projected balance, fixed rows the gap to be closed.
         reaction: output ``(m, 6)``, force and moment components along the axes that the support exerts.
         G, Z, psi: outputs of :func:`support_directions`, ``(m, 6, 6), (m, 6, 6), (m, 3)``.
     """
@@ -225,9 +224,9 @@ def impose_tangent(
 
     Args:
         nodes, fixed, axes, G, Z, psi, reaction: as :func:`impose` left them.
-        residual: ``(n, 6)``; blocks: of the matrix ``(b, 6, 6)`` (see ``geometric.assemble``).
-        starts, across, diagonal: where blocks stand: column k has those from ``starts[k]`` to ``starts[k + 1]``, row k
-            those that they are ``across``, both the block ``diagonal[k]``.
+        residual: ``(n, 6)``; blocks: of the matrix ``(b, 6, 6)`` (see ``geometric_element.assemble``).
+        starts, across, diagonal: numbers of the blocks: column k has those from ``starts[k]`` to ``starts[k + 1]``,
+            row k those that are ``across`` from them, and both have the block ``diagonal[k]``.
     """
     old = np.empty((6, 6))
     block = np.empty((6, 6))
@@ -235,7 +234,7 @@ def impose_tangent(
     for s in range(nodes.shape[0]):
         k = nodes[s]
         own = diagonal[k]
-        # constraint rows as large as the balance rows they replace: pivoting then sees no difference in scale; where
+        # constraint rows as large as the balance rows they replace, so that scale does not affect pivoting; where
         # multipliers hold the strains of all elements at the node, its own block is round-off
         weight_move = weight_turn = all_move = all_turn = 0.0
         for transposed in range(starts[k], starts[k + 1]):
@@ -252,8 +251,8 @@ def impose_tangent(
             weight_move = all_move
         if weight_turn < ROUND_OFF * all_turn:
             weight_turn = all_turn
-        turning = in_body(axes[s])
-        complete = not turning
+        in_section_axes = in_body(axes[s])
+        complete = not in_section_axes
         for i in range(6):
             weight[i] = weight_move if i < 3 else weight_turn
             if weight[i] == 0.0:
@@ -262,7 +261,7 @@ def impose_tangent(
                 residual[k, i] *= weight[i]
             else:
                 complete = False
-        if not complete and not turning:
+        if not complete and not in_section_axes:
             reaction_stiffness(G[s], psi[s], reaction[s], block)
             for j in range(6):
                 for i in range(6):
@@ -297,9 +296,10 @@ def reaction_wrenches(
     reaction: Floats,
     out: Floats,
 ) -> None:
-    """Write the forces and moments (global) that the reaction components of :func:`impose` stand for.
+    """Write the forces and moments (global axes) of the reaction components of :func:`impose`.
 
-    All of several states at once, the first index of ``target``, ``r``, ``q``, ``reaction`` and ``out (states, m, 6)``.
+    Several states are handled at once: the first index of ``target``, ``r``, ``q``, ``reaction`` and
+    ``out (states, m, 6)``.
     """
     value = np.empty(6)
     G = np.empty((6, 6))
@@ -330,7 +330,7 @@ def lacking_motion(
     twist: Floats,
     target: Floats,
 ) -> None:
-    """Write the targets of supports in body axes: what their velocities lack, integrated up to every stage.
+    """Write the targets of supports in body axes: the error of their velocities, integrated up to every stage.
 
     Args:
         nodes, fixed, axes: as in :func:`impose`; weights: of the stages in the integrals ``(s, s)``; h: step [s].

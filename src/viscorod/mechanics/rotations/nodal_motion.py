@@ -1,11 +1,9 @@
 """Motion of nodes within a step, in coordinates of the pose at its start.
 
 A node's pose is ``H = H0 exp(X)`` with ``X = (a, theta)`` in the body frame of the start; its twist follows from the
-rate of
-``X`` by the right tangent of the exponential (SE(3) is the dual-number extension of SO(3), so the translation is the
-derivative
-of the rotational formula along ``a``). Nodes that are ``split`` use ``r = r0 + R0 a`` and ``R = R0 exp(theta)``
-instead, in which held displacements are linear.
+rate of ``X`` by the right tangent of the exponential (SE(3) is the dual-number extension of SO(3), so the translation
+is the derivative of the rotational formula along ``a``). Nodes that are ``split`` use ``r = r0 + R0 a`` and
+``R = R0 exp(theta)`` instead, in which held displacements are linear.
 """
 
 from __future__ import annotations
@@ -56,7 +54,7 @@ def moved(
 ) -> Motion:
     """Return translation, rotation (quaternion) and body twist of coordinates ``(a, t)`` that change at ``(da, dt)``.
 
-    Components one by one: this runs for every node at every stage, and views of arrays would cost more than it.
+    Components are written out: this runs for every node at every stage, and views of arrays would cost more than it.
     """
     phi2 = t0 * t0 + t1 * t1 + t2 * t2
     a, b = versine_coefficients(phi2)
@@ -95,7 +93,7 @@ def moved(
 def place(
     r0: Floats, q0: Floats, X: Floats, rate: Floats, split: bool, r: Floats, q: Floats, twist: Floats
 ) -> None:
-    """Pose and body twist of one node from its coordinates ``X (6,)`` and their ``rate (6,)`` [1/s].
+    """Write pose and body twist of one node from its coordinates ``X (6,)`` and their ``rate (6,)`` [1/s].
 
     Args:
         r0, q0: pose at the start of the step; r, q, twist: outputs (3,), (4,), (6,).
@@ -134,7 +132,7 @@ def place_stages(
     twist: Floats,
     acceleration: Floats,
 ) -> None:
-    """Poses, body twists and their rates of all nodes at all stages, from the coordinates there.
+    """Write poses, body twists and their rates of all nodes at all stages, from the coordinates there.
 
     Args:
         r0, q0, twist0: poses and twists at the start of the step.
@@ -283,7 +281,7 @@ def move_stages(X: Floats, change: Floats, split: Floats, held: Floats) -> None:
 
 @kernel
 def coordinates(r0: Floats, q0: Floats, r: Floats, q: Floats, split: bool, X: Floats) -> None:
-    """Write the coordinates ``X (6,)`` of the pose ``(r, q)`` seen from ``(r0, q0)``, less than half a turn away."""
+    """Write the coordinates ``X (6,)`` of the pose ``(r, q)`` relative to ``(r0, q0)``, less than half a turn away."""
     n0 = q0[0] * q[0] + q0[1] * q[1] + q0[2] * q[2] + q0[3] * q[3]
     n1 = q0[0] * q[1] - q0[1] * q[0] - q0[2] * q[3] + q0[3] * q[2]
     n2 = q0[0] * q[2] - q0[2] * q[0] - q0[3] * q[1] + q0[1] * q[3]

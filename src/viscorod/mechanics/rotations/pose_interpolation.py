@@ -15,7 +15,7 @@ def hermite(
 ) -> tuple[float, float]:
     """Return value and derivative at ``t0 + x h`` of the Hermite polynomial of two values and derivatives.
 
-    With ``smooth`` it is of degree 5 and takes second derivatives ``a0, a1`` as well, otherwise of degree 3.
+    With ``smooth`` it is of degree 5 and uses the second derivatives ``a0, a1`` as well, otherwise of degree 3.
     """
     d = y1 - y0
     if smooth:
@@ -53,8 +53,8 @@ def interpolate(
 ) -> None:
     """Write poses and body twists of all nodes at ``parts (k,)`` (0 to 1) of an interval of ``h`` [s].
 
-    The coordinates of ``motion`` are interpolated, so that a steady turn is followed exactly; they turn by less than
-    pi in the interval.
+    The coordinates of ``nodal_motion`` are interpolated, so that a steady rotation is followed exactly; they rotate by
+    less than pi in the interval.
 
     Args:
         r0, q0, twist0, rate0: poses, twists and their rates at the start; the same with 1 at the end.

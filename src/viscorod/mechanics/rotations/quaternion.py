@@ -1,4 +1,4 @@
-"""Unit quaternions (w, x, y, z) of whole arrays: plain NumPy, for use outside the kernels."""
+"""Operations on arrays of unit quaternions (w, x, y, z) in plain NumPy, for use outside the kernels."""
 
 from __future__ import annotations
 

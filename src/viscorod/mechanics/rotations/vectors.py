@@ -74,7 +74,7 @@ def load(records: Floats, k: int, at: int, lane: int) -> Vector:
 
 @lane_kernel
 def store(records: Floats, k: int, at: int, lane: int, a: Vector) -> None:
-    """Write ``a`` where :func:`load` finds it."""
+    """Write ``a`` to the rows that :func:`load` reads."""
     records[k, at, lane] = a[0]
     records[k, at + 1, lane] = a[1]
     records[k, at + 2, lane] = a[2]
@@ -88,6 +88,6 @@ def load4(records: Floats, k: int, at: int, lane: int) -> Quaternion:
 
 @lane_kernel
 def store4(records: Floats, k: int, at: int, lane: int, a: Quaternion) -> None:
-    """Write ``a`` where :func:`load4` finds it."""
+    """Write ``a`` to the rows that :func:`load4` reads."""
     records[k, at, lane] = a[0]
     store(records, k, at + 1, lane, a[1])

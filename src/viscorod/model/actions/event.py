@@ -1,4 +1,4 @@
-"""What a run is watched for: a quantity that crosses a value, a motion that has died down, a steady state."""
+"""Events that a run watches for: a quantity crosses a value, the motion has decayed, a steady state is reached."""
 
 from __future__ import annotations
 
@@ -56,13 +56,13 @@ class Crossing(Definition):
 
     @property
     def label(self) -> str:
-        """What happens, in words."""
+        """The event in words."""
         how = "crosses" if self.direction == "both" else f"crosses, {self.direction},"
         return f"{self.quantity} of {self.at} {how} {self.value:g}"
 
 
 class Decayed(Definition):
-    """The motion has died down: the kinetic energy stays below a part of the largest so far.
+    """The motion has decayed: the kinetic energy stays below a fraction of its largest value so far.
 
     Args:
         amplitude: part of the largest amplitude, 0 to 1; energies are compared with its square.
@@ -79,12 +79,12 @@ class Decayed(Definition):
 
     @property
     def label(self) -> str:
-        """What happens, in words."""
+        """The event in words."""
         return f"the motion has decayed below {self.amplitude:g} of its largest amplitude"
 
 
 class SteadyState(Definition):
-    """Strains stand still, whether the rods rest or go on turning.
+    """Strains are constant, at rest or in a steady rotation.
 
     Args:
         change: part of the largest strains so far, in the norm of the elastic energy, that strains may change by in
@@ -102,7 +102,7 @@ class SteadyState(Definition):
 
     @property
     def label(self) -> str:
-        """What happens, in words."""
+        """The event in words."""
         return f"a steady state: strains change by less than {self.change:g} of the largest"
 
 

@@ -33,7 +33,7 @@ def _strain(value: Any) -> StrainField:
 
 
 class InitialStrain(Definition):
-    """The strain of a rod at t = 0, in place of the equilibrium; the rod leaves its start in the reference pose.
+    """The strain of a rod at t = 0, instead of the equilibrium; the start of the rod has its reference pose.
 
     Args:
         rod: name.
@@ -45,7 +45,7 @@ class InitialStrain(Definition):
     value: Annotated[StrainField, PlainValidator(_strain)] = Field(description="six strains")
 
     def at(self, s: float) -> Floats:
-        """The strains (6,) at the arc length `s`."""
+        """Return the strains (6,) at the arc length `s`."""
         if not callable(self.value):
             return np.array(self.value)
         result = self.value(s)

@@ -46,7 +46,7 @@ class InitialVelocity(Definition):
         return self
 
     def at(self, s: float, position: Floats) -> tuple[Floats, Floats]:
-        """Velocity and angular velocity (3,) at the arc length `s` and the position (3,), global axes."""
+        """Return velocity and angular velocity (3,) at the arc length `s` and the position (3,), global axes."""
         if self.field is None:
             angular = np.array(self.angular)
             return np.array(self.linear) + np.cross(angular, position - np.array(self.about)), angular

@@ -1,7 +1,7 @@
-"""Loads: forces and moments at places, along rods, moving, and gravity; each with a function of time.
+"""Loads: forces and moments at places or along rods, moving forces, and gravity; each with a function of time.
 
 A load acts with ``factor(t) = time(t) * (t < until)``. Dead loads keep their direction (components in the
-global axes); following loads are carried along by the section (components along d1, d2, d3).
+global axes); following loads turn with the section (components along d1, d2, d3).
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ Density: TypeAlias = Sequence[float] | Callable[[float], Sequence[float]]
 
 
 class AnyLoad(Definition):
-    """What all loads have in common: a factor that depends on the time.
+    """Base class of loads: a factor that depends on the time.
 
     Args:
         time: function of time that scales the load; None for 1.
@@ -57,7 +57,7 @@ class AnyLoad(Definition):
     until: OptionalNumber = Field(default=None, kw_only=True)
 
     def factor(self, t: float, before: bool = False) -> float:
-        """The factor at time `t` (the limit from the left if `before`)."""
+        """Return the factor at time `t` (the limit from the left if `before`)."""
         if self.until is not None and not (t < self.until or (before and t == self.until)):
             return 0.0
         return 1.0 if self.time is None else self.time.value(t, before)
@@ -184,7 +184,7 @@ class DistributedMoment(_Distributed):
 
 
 class Gravity(AnyLoad):
-    """Weight of all rods.
+    """The weight of all rods and bodies.
 
     Args:
         acceleration: m/s^2, global axes.
@@ -235,14 +235,14 @@ class MovingForce(AnyLoad):
         return self
 
     def arc_length(self, t: float, before: bool = False) -> float:
-        """Arc length at which the force is at time `t`, m; it acts only if that is on the rod."""
+        """Return the arc length at which the force is at time `t`, m; it acts only if that is on the rod."""
         if self.position is not None:
             return self.position.value(t, before)
         return (self.start or 0.0) + (self.speed or 0.0) * t
 
     @property
     def breakpoints(self) -> tuple[float, ...]:
-        """Those of the factor and of the position."""
+        """Breakpoints of the factor and of the position, s."""
         own = super().breakpoints
         return own if self.position is None else tuple(sorted({*own, *self.position.breakpoints}))
 

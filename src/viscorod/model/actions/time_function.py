@@ -1,6 +1,6 @@
 """Functions of time for loads and prescribed motions.
 
-Every function answers `value(t)`, `rate(t)` and `acceleration(t)`; ``before=True`` gives the limit from the
+Every function has the methods `value(t)`, `rate(t)` and `acceleration(t)`; ``before=True`` gives the limit from the
 left. `breakpoints` are the times at which value, rate or acceleration is not smooth, `jumps` those at which
 the value jumps.
 """
@@ -36,15 +36,15 @@ class TimeFunction(Definition):
 
     @abstractmethod
     def value(self, t: float, before: bool = False) -> float:
-        """The value at time `t` (the limit from the left if `before`)."""
+        """Return the value at time `t` (the limit from the left if `before`)."""
 
     @abstractmethod
     def rate(self, t: float, before: bool = False) -> float:
-        """The first derivative at time `t`, 1/s."""
+        """Return the first derivative at time `t`, 1/s."""
 
     @abstractmethod
     def acceleration(self, t: float, before: bool = False) -> float:
-        """The second derivative at time `t`, 1/s^2."""
+        """Return the second derivative at time `t`, 1/s^2."""
 
     def require_derivatives(self) -> None:
         """Refuse, by an `InputError`, a function without the derivatives that a motion needs."""
@@ -61,17 +61,17 @@ class Constant(TimeFunction):
     level: Number = 1.0
 
     def value(self, t: float, before: bool = False) -> float:
-        """The level."""
+        """Return the level."""
         del t, before
         return self.level
 
     def rate(self, t: float, before: bool = False) -> float:
-        """Zero."""
+        """Return zero."""
         del t, before
         return 0.0
 
     def acceleration(self, t: float, before: bool = False) -> float:
-        """Zero."""
+        """Return zero."""
         del t, before
         return 0.0
 
@@ -99,16 +99,16 @@ class Until(TimeFunction):
         return (self.time,)
 
     def value(self, t: float, before: bool = False) -> float:
-        """The level before the time, zero from then on."""
+        """Return the level before the time, zero from then on."""
         return self.level if t < self.time or (before and t == self.time) else 0.0
 
     def rate(self, t: float, before: bool = False) -> float:
-        """Zero on both sides of the drop."""
+        """Return zero, also on both sides of the drop."""
         del t, before
         return 0.0
 
     def acceleration(self, t: float, before: bool = False) -> float:
-        """Zero on both sides of the drop."""
+        """Return zero, also on both sides of the drop."""
         del t, before
         return 0.0
 
@@ -144,17 +144,17 @@ class Ramp(TimeFunction):
         return (self.start, self.end)
 
     def value(self, t: float, before: bool = False) -> float:
-        """Level times the fraction of the ramp that is over."""
+        """Return the level times the elapsed fraction of the ramp."""
         del before
         return self.level * min(max((t - self.start) / (self.end - self.start), 0.0), 1.0)
 
     def rate(self, t: float, before: bool = False) -> float:
-        """The slope on the ramp, zero elsewhere."""
+        """Return the slope on the ramp, zero elsewhere."""
         inside = self.start < t <= self.end if before else self.start <= t < self.end
         return self.level / (self.end - self.start) if inside else 0.0
 
     def acceleration(self, t: float, before: bool = False) -> float:
-        """Zero on both sides of the corners."""
+        """Return zero, also on both sides of the corners."""
         del t, before
         return 0.0
 
@@ -176,17 +176,17 @@ class Sine(TimeFunction):
     offset: Number = 0.0
 
     def value(self, t: float, before: bool = False) -> float:
-        """The formula of the class."""
+        """Evaluate the formula of the class."""
         del before
         return self.offset + self.amplitude * math.sin(self._omega * t + self.phase)
 
     def rate(self, t: float, before: bool = False) -> float:
-        """Its first derivative."""
+        """Return the first derivative."""
         del before
         return self.amplitude * self._omega * math.cos(self._omega * t + self.phase)
 
     def acceleration(self, t: float, before: bool = False) -> float:
-        """Its second derivative."""
+        """Return the second derivative."""
         del before
         return -self.amplitude * self._omega**2 * math.sin(self._omega * t + self.phase)
 
@@ -217,7 +217,7 @@ class SpinUp(TimeFunction):
         return (0.0, self.duration)
 
     def value(self, t: float, before: bool = False) -> float:
-        """The angle, rad."""
+        """Return the angle, rad."""
         del before
         x = t / self.duration
         if x <= 0.0:
@@ -228,13 +228,13 @@ class SpinUp(TimeFunction):
         return self.speed * self.duration * (x * x / 2.0 + wave)
 
     def rate(self, t: float, before: bool = False) -> float:
-        """The speed, rad/s."""
+        """Return the speed, rad/s."""
         del before
         x = min(max(t / self.duration, 0.0), 1.0)
         return self.speed * (x - math.sin(2.0 * math.pi * x) / (2.0 * math.pi))
 
     def acceleration(self, t: float, before: bool = False) -> float:
-        """The angular acceleration, rad/s^2."""
+        """Return the angular acceleration, rad/s^2."""
         del before
         x = min(max(t / self.duration, 0.0), 1.0)
         return self.speed / self.duration * (1.0 - math.cos(2.0 * math.pi * x))

@@ -27,7 +27,7 @@ def _several(value: Any) -> tuple[float, ...]:
 class TimeTable(TimeFunction):
     """Values at given times, with the first and last held constant outside.
 
-    A time that stands twice is a jump: its first value is the one before, its second the one after.
+    A time that is given twice is a jump: its first value is the one before, its second the one after.
     "linear" joins the values by straight lines, "cubic" by a cubic spline between the jumps (twice
     continuously differentiable; not-a-knot ends).
 
@@ -68,7 +68,7 @@ class TimeTable(TimeFunction):
 
     @cached_property
     def _coefficients(self) -> Floats:
-        """Of the powers 0 to 3 of (t - times[k]), (n - 1, 4); the rows of jumps are not used."""
+        """Coefficients of the powers 0 to 3 of (t - times[k]), (n - 1, 4); the rows of jumps are not used."""
         times, values = np.array(self.times), np.array(self.values)
         coefficients = np.zeros((len(times) - 1, 4))
         coefficients[:, 0] = values[:-1]
@@ -95,7 +95,7 @@ class TimeTable(TimeFunction):
 
     @property
     def jumps(self) -> tuple[float, ...]:
-        """The times that stand twice with different values."""
+        """The times that are given twice with different values."""
         return tuple(
             time
             for (time, after), (low, high) in zip(pairwise(self.times), pairwise(self.values), strict=True)
@@ -118,15 +118,15 @@ class TimeTable(TimeFunction):
         return float(c1 + x * (2.0 * c2 + x * 3.0 * c3) if order == 1 else 2.0 * c2 + x * 6.0 * c3)
 
     def value(self, t: float, before: bool = False) -> float:
-        """The interpolated value."""
+        """Return the interpolated value."""
         return self._derivative(t, before, 0)
 
     def rate(self, t: float, before: bool = False) -> float:
-        """Its first derivative, without the spikes of jumps."""
+        """Return the first derivative, without the spikes of jumps."""
         return self._derivative(t, before, 1)
 
     def acceleration(self, t: float, before: bool = False) -> float:
-        """Its second derivative, without the spikes of jumps and corners."""
+        """Return the second derivative, without the spikes of jumps and corners."""
         return self._derivative(t, before, 2)
 
 
@@ -177,7 +177,7 @@ class FunctionOfTime(TimeFunction):
 
     @property
     def jumps(self) -> tuple[float, ...]:
-        """Those of the given times at which the value before differs from the value after."""
+        """The given times at which the value before differs from the value after."""
         return tuple(
             t
             for t in self.break_times
@@ -185,16 +185,16 @@ class FunctionOfTime(TimeFunction):
         )
 
     def value(self, t: float, before: bool = False) -> float:
-        """What the function returns."""
+        """Call the function."""
         return self._call(self.value_function, t, before)
 
     def rate(self, t: float, before: bool = False) -> float:
-        """What the function `rate` returns."""
+        """Call the function `rate`."""
         self.require_derivatives()
         return self._call(self.rate_function, t, before)
 
     def acceleration(self, t: float, before: bool = False) -> float:
-        """What the function `acceleration` returns."""
+        """Call the function `acceleration`."""
         self.require_derivatives()
         return self._call(self.acceleration_function, t, before)
 
@@ -234,7 +234,7 @@ _from_table = choose("kind", TIME_FUNCTIONS)
 
 
 def time_function(value: Any) -> TimeFunction:
-    """`value` as a function of time: one of the kinds, a plain number (constant) or a Python function."""
+    """Return `value` as a function of time: one of the kinds, a plain number (constant) or a Python function."""
     if isinstance(value, TimeFunction):
         return value
     if isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool):

@@ -76,7 +76,7 @@ class Body(AnyBody):
         axes: Sequence[Point] | None = None,
         points: Named | None = None,
     ) -> Box:
-        """A homogeneous box; see `Box`."""
+        """Make a homogeneous box; see `Box`."""
         given = _given(centre=centre, sides=sides, density=density, mass=mass, axes=axes, points=points)
         return Box(**given)
 
@@ -91,7 +91,7 @@ class Body(AnyBody):
         axes: Sequence[Point] | None = None,
         points: Named | None = None,
     ) -> Sphere:
-        """A homogeneous sphere; see `Sphere`."""
+        """Make a homogeneous sphere; see `Sphere`."""
         given = _given(centre=centre, radius=radius, density=density, mass=mass, axes=axes, points=points)
         return Sphere(**given)
 
@@ -107,21 +107,21 @@ class Body(AnyBody):
         mass: float | None = None,
         points: Named | None = None,
     ) -> Cylinder:
-        """A homogeneous cylinder; see `Cylinder`."""
+        """Make a homogeneous cylinder; see `Cylinder`."""
         given = _given(centre=centre, axis=axis, radius=radius, length=length, density=density, mass=mass)
         return Cylinder(**given, **_given(points=points))
 
     def total_mass(self) -> float:
-        """The given one."""
+        """Return the given value."""
         return self.mass
 
     def inertia_matrix(self) -> Floats:
-        """The given one."""
+        """Return the given value."""
         given = np.array(self.inertia)
         return np.diag(given) if given.ndim == 1 else given
 
     def frame(self) -> Floats:
-        """The given axes."""
+        """Return the given axes."""
         return columns(self.axes)
 
     @model_validator(mode="after")
@@ -156,5 +156,5 @@ one_body = choose("shape", BODIES, default="mass")
 
 
 def _given(**arguments: Any) -> dict[str, Any]:
-    """The arguments that are not None."""
+    """Return the arguments that are not None."""
     return {name: value for name, value in arguments.items() if value is not None}

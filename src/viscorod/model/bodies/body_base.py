@@ -1,4 +1,4 @@
-"""What all rigid bodies have in common."""
+"""Base classes of rigid bodies."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Points: TypeAlias = Mapping[str, Triple]
 
 
 def named_points(value: Any) -> dict[str, Triple]:
-    """A table from names to positions."""
+    """Check a table from names to positions."""
     if not isinstance(value, Mapping):
         raise RefusedError(
             "a table of named points is needed here", "give a table such as { corner = [0.1, 0.0, 0.0] }"
@@ -37,25 +37,25 @@ class AnyBody(Definition):
 
     @abstractmethod
     def total_mass(self) -> float:
-        """Mass, kg."""
+        """Return the mass, kg."""
 
     @abstractmethod
     def inertia_matrix(self) -> Floats:
-        """Inertia (3, 3) about the mass centre along the body's axes, kg m^2."""
+        """Return the inertia (3, 3) about the mass centre along the body's axes, kg m^2."""
 
     def frame(self) -> Floats:
-        """The body's axes (3, 3) in the reference shape, columns, global components."""
+        """Return the body's axes (3, 3) in the reference shape, columns, global components."""
         return np.eye(3)
 
     def mass_matrix(self) -> Floats:
-        """[[m 1, 0], [0, J]] (6, 6) for velocities (m/s, rad/s) along the body's axes; kg, kg m^2."""
+        """Return [[m 1, 0], [0, J]] (6, 6) for velocities (m/s, rad/s) along the body's axes; kg, kg m^2."""
         matrix = np.zeros((6, 6))
         matrix[:3, :3] = self.total_mass() * np.eye(3)
         matrix[3:, 3:] = self.inertia_matrix()
         return matrix
 
     def position(self, point: str | None = None) -> Floats:
-        """Position (3,) of a named point, or of the mass centre, in the reference shape, m."""
+        """Return the position (3,) of a named point, or of the mass centre, in the reference shape, m."""
         return np.array(self.centre if point is None else self.points[point])
 
 
@@ -67,20 +67,20 @@ class Shaped(AnyBody):
 
     @abstractmethod
     def volume(self) -> float:
-        """Volume, m^3."""
+        """Return the volume, m^3."""
 
     @abstractmethod
     def gyration(self) -> Triple:
-        """Inertia about the three axes per mass, m^2."""
+        """Return the inertia about the three axes per mass, m^2."""
 
     def total_mass(self) -> float:
-        """The given one, or that of the volume."""
+        """Return the given mass, or density times volume."""
         if self.mass is not None:
             return self.mass
         return (self.density or 0.0) * self.volume()
 
     def inertia_matrix(self) -> Floats:
-        """The formula of the solid."""
+        """Evaluate the formula of the solid."""
         return np.diag(self.gyration()) * self.total_mass()
 
     @model_validator(mode="after")

@@ -37,17 +37,17 @@ class Box(Shaped):
     axes: OptionalAxes = Field(default=None, kw_only=True)
 
     def volume(self) -> float:
-        """Product of the sides."""
+        """Return the product of the sides."""
         a, b, c = self.sides
         return a * b * c
 
     def gyration(self) -> Triple:
-        """(b^2 + c^2)/12 and so on."""
+        """Return (b^2 + c^2)/12 and its permutations."""
         a, b, c = self.sides
         return (b * b + c * c) / 12.0, (c * c + a * a) / 12.0, (a * a + b * b) / 12.0
 
     def frame(self) -> Floats:
-        """The given axes."""
+        """Return the given axes."""
         return columns(self.axes)
 
 
@@ -68,16 +68,16 @@ class Sphere(Shaped):
     axes: OptionalAxes = Field(default=None, kw_only=True)
 
     def volume(self) -> float:
-        """4/3 pi r^3."""
+        """Return 4/3 pi r^3."""
         return 4.0 / 3.0 * math.pi * self.radius**3
 
     def gyration(self) -> Triple:
-        """2/5 r^2."""
+        """Return 2/5 r^2."""
         value = 0.4 * self.radius**2
         return value, value, value
 
     def frame(self) -> Floats:
-        """The given axes."""
+        """Return the given axes."""
         return columns(self.axes)
 
 
@@ -100,14 +100,14 @@ class Cylinder(Shaped):
     axis: Direction = (0.0, 0.0, 1.0)
 
     def volume(self) -> float:
-        """Pi r^2 l."""
+        """Return pi r^2 l."""
         return math.pi * self.radius**2 * self.length
 
     def gyration(self) -> Triple:
-        """(3 r^2 + l^2)/12 across the axis, r^2/2 about it."""
+        """Return (3 r^2 + l^2)/12 across the axis, r^2/2 about it."""
         across = self.radius**2 / 4.0 + self.length**2 / 12.0
         return across, across, self.radius**2 / 2.0
 
     def frame(self) -> Floats:
-        """The axis as z."""
+        """Return axes with the axis as z."""
         return axes_from(self.axis)[:, [1, 2, 0]]

@@ -39,16 +39,16 @@ class Centreline(Definition):
 
     @abstractmethod
     def bishop(self, s: Floats) -> tuple[Floats, Floats]:
-        """Positions (n, 3) and rotation-minimising frames (n, 3, 3) at `s` (n,), started from any normal."""
+        """Return positions (n, 3) and rotation-minimising frames (n, 3, 3) at `s` (n,), started from any normal."""
 
     @abstractmethod
     def curvature(self, s: Floats) -> Floats:
-        """Curvature vector r'' (n, 3) at `s` (n,), global axes, 1/m."""
+        """Return the curvature vector r'' (n, 3) at `s` (n,), global axes, 1/m."""
 
     def frames(
         self, s: Floats | Sequence[float], d1: Sequence[float] | None = None, twist: Twist = 0.0
     ) -> tuple[Floats, Floats]:
-        """Positions and frames at stations of the rod.
+        """Return positions and frames at stations of the rod.
 
         Args:
             s: arc lengths (n,), m.
@@ -77,7 +77,7 @@ class Centreline(Definition):
         return position, np.stack([first, second, natural[:, :, 2]], axis=2)
 
     def twisted(self, s: Floats, twist: Twist) -> Floats:
-        """Angle (n,) of the section about d3 relative to the rotation-minimising frame at `s`, rad."""
+        """Return the angle (n,) of the section about d3 relative to the rotation-minimising frame at `s`, rad."""
         if callable(twist):
             return np.array([_angle(twist, float(station)) for station in s])
         return twist * s / self.length
@@ -97,13 +97,13 @@ def _angle(twist: Callable[[float], float], s: float) -> float:
 
 
 def cross(a: Floats, b: Floats) -> Floats:
-    """The cross product of two vectors (3,); ``np.cross`` takes ten times as long for one pair."""
+    """Return the cross product of two vectors (3,); ``np.cross`` takes ten times as long for one pair."""
     (a0, a1, a2), (b0, b1, b2) = a.tolist(), b.tolist()
     return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0])
 
 
 def start_axis(tangent: Floats, d1: Sequence[float] | None) -> Floats:
-    """The section's first axis (3,) at the start, for the unit `tangent` (3,); see `Centreline.frames`."""
+    """Return the section's first axis (3,) at the start, for the unit `tangent` (3,); see `Centreline.frames`."""
     if d1 is None:
         upward = np.array([0.0, 0.0, 1.0] if abs(tangent[2]) <= VERTICAL else [0.0, 1.0, 0.0])
         second = upward - (upward @ tangent) * tangent

@@ -51,7 +51,7 @@ class Straight(Centreline):
         return start + s[:, None] * tangent, np.broadcast_to(frame, (len(s), 3, 3))
 
     def curvature(self, s: Floats) -> Floats:
-        """Zero."""
+        """Return zero."""
         return np.zeros((len(s), 3))
 
 
@@ -107,7 +107,7 @@ class Arc(Centreline):
         return position, np.stack([inward, axis, along], axis=2)
 
     def curvature(self, s: Floats) -> Floats:
-        """Towards the centre, 1/radius."""
+        """Return the vector towards the centre, of size 1/radius."""
         tangent, normal = self._axes()
         c, sine = np.cos(s / self.radius)[:, None], np.sin(s / self.radius)[:, None]
         return np.asarray((c * normal - sine * tangent) / self.radius)
@@ -144,7 +144,7 @@ class Helix(Centreline):
         return self.turns * math.hypot(2.0 * math.pi * self.radius, self.pitch)
 
     def _polar(self, s: Floats) -> tuple[Floats, Floats, Floats, float, float]:
-        """Outward and circumferential directions (n, 3), the axis (3,), and the slope's cosine and sine."""
+        """Return outward and circumferential directions (n, 3), the axis (3,), and the slope's cosine and sine."""
         axis = np.array(self.axis)
         seed = np.array([1.0, 0.0, 0.0] if abs(axis[0]) <= VERTICAL else [0.0, 1.0, 0.0])
         e1 = seed - (seed @ axis) * axis
@@ -170,7 +170,7 @@ class Helix(Centreline):
         return position, np.stack([first, second, tangent], axis=2)
 
     def curvature(self, s: Floats) -> Floats:
-        """Towards the axis, R/(R^2 + (pitch/2pi)^2)."""
+        """Return the vector towards the axis, of size R/(R^2 + (pitch/2pi)^2)."""
         outward, _, _, flat, _ = self._polar(s)
         return np.asarray(-outward * flat**2 / self.radius)
 

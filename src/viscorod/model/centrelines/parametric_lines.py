@@ -1,4 +1,4 @@
-"""Centre lines that need a quadrature for their arc length: through points, or any function."""
+"""Centre lines that need a quadrature for their arc length: through points, or by any function."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Arc length and rotation-minimising frames of smooth parametric curves, to round-off.
 
 A curve r(u) is cut into panels on which a Gauss rule integrates speed and turning to round-off. In a panel
-the frame is the one that the smallest rotation takes from the panel's first tangent t0 to the tangent t; it
-turns about t at the rate -t0.(t x t')/(1 + t0.t), so that the opposite angle, a mere quadrature, makes it
+the first frame is rotated by the smallest rotation that takes the panel's first tangent t0 to the tangent t; it
+turns about t at the rate -t0.(t x t')/(1 + t0.t), so that the opposite angle, a quadrature, makes it
 rotation-minimising (compare Bergou et al., Discrete elastic rods, 2008, and the writhe formula of Fuller
 1978).
 """
@@ -43,7 +43,7 @@ class SmoothCurve:
         self._frames = self._panel_frames(turns)
 
     def parameter(self, s: Floats) -> tuple[Floats, Integers]:
-        """Parameters u (n,) and panel numbers (n,) of the arc lengths s (n,)."""
+        """Return parameters u (n,) and panel numbers (n,) of the arc lengths s (n,)."""
         panel: Integers = np.clip(np.searchsorted(self._s, s, side="right") - 1, 0, len(self._starts) - 2)
         first, last = self._starts[panel], self._starts[panel + 1]
         wanted, whole = s - self._s[panel], self._s[panel + 1] - self._s[panel]
@@ -56,7 +56,7 @@ class SmoothCurve:
         return u, panel
 
     def bishop(self, s: Floats) -> tuple[Floats, Floats]:
-        """Positions (n, 3) and rotation-minimising frames (n, 3, 3; tangent last) at s (n,)."""
+        """Return positions (n, 3) and rotation-minimising frames (n, 3, 3; tangent last) at s (n,)."""
         u, panel = self.parameter(s)
         position, first, _ = self._evaluate(u)
         tangent = _unit(first)
@@ -64,7 +64,7 @@ class SmoothCurve:
         return position, _transport(self._frames[panel], tangent, turn)
 
     def curvature(self, s: Floats) -> Floats:
-        """Second derivative of the position by arc length (n, 3), 1/m."""
+        """Return the second derivative of the position by arc length (n, 3), 1/m."""
         _, first, second = self._evaluate(self.parameter(s)[0])
         speed = np.linalg.norm(first, axis=1, keepdims=True)
         tangent = first / speed
@@ -76,7 +76,7 @@ class SmoothCurve:
         return speed
 
     def _integrate(self, first: Floats, last: Floats, pieces: int = 1) -> tuple[Floats, Floats]:
-        """Arc length and turning angle (n,) from `first` to `last` (n,), each pair within one panel.
+        """Return the arc length and turning angle (n,) from `first` to `last` (n,), each pair within one panel.
 
         The rule is applied to each of `pieces` equal parts; the angle is NaN where the tangent turns too far.
         """
@@ -96,7 +96,7 @@ class SmoothCurve:
         return (weight * size * speed).sum(axis=1), (weight * size * turning).sum(axis=1)
 
     def _panels(self, breaks: Floats) -> tuple[Floats, Floats, Floats]:
-        """Starts (n+1,), lengths (n,) and turning angles (n,) of panels fine enough for the quadrature."""
+        """Return starts (n+1,), lengths (n,) and turning angles (n,) of panels fine enough for the quadrature."""
         done: list[tuple[Floats, Floats, Floats]] = []
         first, last = breaks[:-1], breaks[1:]
         total = 0.0
@@ -127,7 +127,7 @@ class SmoothCurve:
         return np.append(starts[order], breaks[-1]), lengths[order], turns[order]
 
     def _panel_frames(self, turns: Floats) -> Floats:
-        """The rotation-minimising frame at the start of every panel (n, 3, 3)."""
+        """Return the rotation-minimising frame at the start of every panel (n, 3, 3)."""
         tangents = _unit(self._evaluate(self._starts)[1])
         seed = np.eye(3)[np.argmin(np.abs(tangents[0]))]
         normal = _unit(seed - (seed @ tangents[0]) * tangents[0])
@@ -145,7 +145,7 @@ def _unit(vectors: Floats) -> Floats:
 
 
 def _transport(frames: Floats, tangents: Floats, turns: Floats) -> Floats:
-    """`frames` (n, 3, 3) taken to `tangents` (n, 3) by the smallest rotations, then turned by `turns`."""
+    """Take `frames` (n, 3, 3) to `tangents` (n, 3) by the smallest rotations, then turn them by `turns`."""
     normal, start = frames[:, :, 0], frames[:, :, 2]
     cosine = (start * tangents).sum(axis=1, keepdims=True)
     normal = normal - (normal * tangents).sum(axis=1, keepdims=True) / (1.0 + cosine) * (start + tangents)
@@ -156,7 +156,7 @@ def _transport(frames: Floats, tangents: Floats, turns: Floats) -> Floats:
 
 
 def chebyshev_curve(function: Callable[[float], Floats], degree: int = 32) -> tuple[Evaluate, Floats]:
-    """A Python function on [0, 1] as piecewise Chebyshev series, resolved to round-off, with two derivatives.
+    """Expand a Python function on [0, 1] in piecewise Chebyshev series, to round-off, with two derivatives.
 
     Args:
         function: u -> r (3,).
@@ -215,7 +215,7 @@ def chebyshev_curve(function: Callable[[float], Floats], degree: int = 32) -> tu
 def _require_smooth_joints(
     starts: Floats, sizes: Floats, coefficients: Floats, derivative: Floats, scale: float
 ) -> None:
-    """Refuse a jump, a corner or a stop exactly between two panels, which no panel notices by itself."""
+    """Refuse a jump, a corner or a stop exactly between two panels, which neither panel shows."""
     first, last = (-1.0) ** np.arange(coefficients.shape[1]), np.ones(coefficients.shape[1])
     gap = np.einsum("k,nki->ni", first, coefficients)[1:] - np.einsum("k,nki->ni", last, coefficients)[:-1]
     right = (np.einsum("k,nki->ni", first[:-1], derivative) * (2.0 / sizes)[:, None])[1:]

@@ -1,1 +1,1 @@
-"""Places on rods and bodies, and what joins or holds them: attachments, joints, springs, supports."""
+"""Places on rods and bodies, and their connections: attachments, joints, springs, supports."""

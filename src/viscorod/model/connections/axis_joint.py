@@ -18,12 +18,12 @@ class _AlongAxis(AnyJoint):
     axis: Direction = Field(description="direction, three numbers")
 
     def frame(self) -> Floats:
-        """The axis as z."""
+        """Return axes with the axis as z."""
         return axes_from(self.axis)[:, [1, 2, 0]]
 
 
 class Revolute(_AlongAxis):
-    """Lets a turn about an axis of b: a hinge.
+    """A hinge: allows rotation about an axis of b.
 
     Args:
         a: place.
@@ -41,12 +41,12 @@ class Revolute(_AlongAxis):
     kind: Literal["revolute"] = Field(default="revolute", kw_only=True, repr=False)
 
     def free_motions(self) -> tuple[str, ...]:
-        """The rotation about the axis."""
+        """Return the rotation about the axis."""
         return ("rz",)
 
 
 class Cylindrical(_AlongAxis):
-    """Lets a turn about and slide along an axis of b.
+    """Allows rotation about an axis of b and sliding along it.
 
     Args:
         a: place.
@@ -64,12 +64,12 @@ class Cylindrical(_AlongAxis):
     kind: Literal["cylindrical"] = Field(default="cylindrical", kw_only=True, repr=False)
 
     def free_motions(self) -> tuple[str, ...]:
-        """The displacement along and the rotation about the axis."""
+        """Return the displacement along and the rotation about the axis."""
         return ("uz", "rz")
 
 
 class Prismatic(_AlongAxis):
-    """Lets a slide along an axis of b.
+    """Allows sliding along an axis of b.
 
     Args:
         a: place.
@@ -87,12 +87,12 @@ class Prismatic(_AlongAxis):
     kind: Literal["prismatic"] = Field(default="prismatic", kw_only=True, repr=False)
 
     def free_motions(self) -> tuple[str, ...]:
-        """The displacement along the axis."""
+        """Return the displacement along the axis."""
         return ("uz",)
 
 
 class Planar(AnyJoint):
-    """Lets a slide in and turn in a plane of b.
+    """Allows sliding and rotation in a plane of b.
 
     Args:
         a: place.
@@ -111,9 +111,9 @@ class Planar(AnyJoint):
     normal: Direction = Field(description="direction, three numbers")
 
     def free_motions(self) -> tuple[str, ...]:
-        """The displacements in the plane and the rotation about its normal."""
+        """Return the displacements in the plane and the rotation about its normal."""
         return ("ux", "uy", "rz")
 
     def frame(self) -> Floats:
-        """The normal as z."""
+        """Return axes with the normal as z."""
         return axes_from(self.normal)[:, [1, 2, 0]]

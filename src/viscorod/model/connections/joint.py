@@ -1,4 +1,4 @@
-"""Joints: which motions of a place relative to another, or to the ground, are held, free, sprung or driven."""
+"""Joints, which hold, free, spring or drive the motions of a place relative to another, or to the ground."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ class Rigid(AnyJoint):
     kind: Literal["rigid"] = Field(default="rigid", kw_only=True, repr=False)
 
     def free_motions(self) -> tuple[str, ...]:
-        """None."""
+        """Return no motion words."""
         return ()
 
 
 class Ball(AnyJoint):
-    """Lets a turn in every direction about a point of b.
+    """Allows rotation about any axis through a point of b.
 
     Args:
         a: place.
@@ -66,16 +66,16 @@ class Ball(AnyJoint):
     axes: OptionalAxes = Field(default=None, kw_only=True)
 
     def free_motions(self) -> tuple[str, ...]:
-        """The rotations."""
+        """Return the rotations."""
         return MOTIONS[3:]
 
     def frame(self) -> Floats:
-        """The given axes."""
+        """Return the given axes."""
         return columns(self.axes)
 
 
 class Universal(AnyJoint):
-    """Lets a turn about two perpendicular directions, x and y of the joint: a cardan joint.
+    """A cardan joint: allows rotation about two perpendicular directions, x and y of the joint.
 
     Args:
         a: place.
@@ -95,11 +95,11 @@ class Universal(AnyJoint):
     axes: TwoDirections = Field(description="two perpendicular directions")
 
     def free_motions(self) -> tuple[str, ...]:
-        """The rotations about the two directions."""
+        """Return the rotations about the two directions."""
         return ("rx", "ry")
 
     def frame(self) -> Floats:
-        """The two directions as x and y."""
+        """Return axes with the two directions as x and y."""
         return columns(self.axes)
 
     @model_validator(mode="after")
@@ -139,11 +139,11 @@ class Joint(AnyJoint):
     axes: OptionalAxes = Field(default=None, kw_only=True)
 
     def free_motions(self) -> tuple[str, ...]:
-        """The given ones."""
+        """Return the given motion words."""
         return self.free
 
     def frame(self) -> Floats:
-        """The given axes."""
+        """Return the given axes."""
         return columns(self.axes)
 
     @model_validator(mode="after")

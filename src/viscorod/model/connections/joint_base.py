@@ -1,4 +1,4 @@
-"""What all joints have in common."""
+"""Base class of joints."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ class ResolvedJoint:
         kind: word of the kind, ``revolute``.
         label: name of the joint.
         a, b: the places; None for the ground, which `a` never is.
-        at_a, at_b: where the joint sits on each side in the reference shape (3,), m, global. At a body without a
-            named point, and at the ground, that is where the other side is.
+        at_a, at_b: position of the joint on each side in the reference shape (3,), m, global. On a body without a
+            named point, and on the ground, it is the position of the other side.
         frame: x, y, z of the joint (3, 3), columns, global, in the reference shape.
         free: motion words that are free, or driven by `motion`, in the order of `MOTIONS`.
         held: the other ones.
@@ -91,7 +91,7 @@ def require_two_ends(first: tuple[str, str], second: tuple[str, str], noun: str)
 
 
 class AnyJoint(Definition):
-    """What all joints have in common: two sides, and what acts along the motions that they leave free."""
+    """Base class of joints: two sides, and springs, dampers and motors along the motions that they leave free."""
 
     tag: ClassVar[str | None] = "kind"
 
@@ -115,25 +115,25 @@ class AnyJoint(Definition):
 
     @property
     def ends(self) -> Ends:
-        """The places whose relative motion is meant, the moving one first: a and b, but the ground always last."""
+        """The places whose relative motion is measured, the moving one first: a and b, but the ground always last."""
         return (self.b, self.a) if self.a == GROUND else (self.a, self.b)
 
     @abstractmethod
     def free_motions(self) -> tuple[str, ...]:
-        """The motion words, along the joint's axes, that the joint leaves free, in the order of `MOTIONS`."""
+        """Return the motion words, along the joint's axes, that the joint leaves free, in the order of `MOTIONS`."""
 
     def held_motions(self) -> tuple[str, ...]:
-        """The other motion words."""
+        """Return the other motion words."""
         return tuple(word for word in MOTIONS if word not in self.free_motions())
 
     def frame(self) -> Floats:
-        """The joint's axes x, y, z in the reference shape (3, 3), columns, global components."""
+        """Return the joint's axes x, y, z in the reference shape (3, 3), columns, global components."""
         return np.eye(3)
 
     def resolve(
         self, path: str, places: tuple[AnyPlace, AnyPlace | None], positions: tuple[Floats, Floats]
     ) -> ResolvedJoint:
-        """The joint with its places, those of `ends` in their order, and where it sits on each side."""
+        """Return the joint with its places, those of `ends` in their order, and its position on each side."""
         (a, b), (at_a, at_b) = places, positions
         return ResolvedJoint(
             path, self.word, self.label, a, b, at_a, at_b, self.frame(), self.free_motions(),

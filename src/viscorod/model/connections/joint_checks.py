@@ -1,4 +1,4 @@
-"""Checks of attachments, joints and springs: what they join, and bodies that nothing joins."""
+"""Checks of attachments, joints and springs, and of bodies that are not connected to anything."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ GAP = 1e-6
 
 
 def wrong_attachments(model: ModelDescription) -> Iterator[Fault]:
-    """Attachments of places that do not meet, of one place, of two bodies, or given twice."""
+    """Find attachments of places that do not meet, of one place, of two bodies, or given twice."""
     seen: set[frozenset[AnyPlace]] = set()
     for index, attachment in enumerate(model.attachments):
         a, b = find(model, attachment.a), find(model, attachment.b)
@@ -88,7 +88,7 @@ def _bodies_in_one(model: ModelDescription) -> Iterator[Fault]:
 
 
 def wrong_joints(model: ModelDescription) -> Iterator[Fault]:
-    """Joints and springs that join what is one already, that do not tell where they are, or that are given twice."""
+    """Find joints and springs within one rigid part, without a position, or given twice."""
     if not model.joints and not model.springs:
         return
     pieces = Pieces(model)
@@ -160,7 +160,7 @@ def _wrong_ends(
 
 
 def names_twice(model: ModelDescription) -> Iterator[Fault]:
-    """Names that two joints or springs share."""
+    """Find names that two joints or springs share."""
     first: dict[str, str] = {}
     named = [(f"joints[{index}]", joint.name) for index, joint in enumerate(model.joints)]
     named += [(f"springs[{index}]", spring.name) for index, spring in enumerate(model.springs)]
@@ -175,7 +175,7 @@ def names_twice(model: ModelDescription) -> Iterator[Fault]:
 
 
 def loose_bodies(model: ModelDescription) -> Iterator[Fault]:
-    """Bodies that nothing joins to anything."""
+    """Find bodies that are not connected to anything."""
     texts = [text for attachment in model.attachments for text in (attachment.a, attachment.b)]
     texts += [text for joint in model.joints for text in joint.ends]
     texts += [text for spring in model.springs for text in spring.ends]
@@ -192,7 +192,7 @@ def loose_bodies(model: ModelDescription) -> Iterator[Fault]:
 
 
 def _named(model: ModelDescription, texts: list[str] | tuple[str, ...]) -> set[str]:
-    """Bodies that texts name."""
+    """Return the bodies that texts name."""
     places = [find(model, text) for text in texts if text != GROUND]
     return {place.body for place in places if isinstance(place, BodyPlace)}
 

@@ -30,7 +30,7 @@ Motion = Mapping[str, TimeFunction]
 
 
 def motion_word(value: Any) -> str:
-    """`value` if it is one of the six motion words."""
+    """Return `value` if it is one of the six motion words."""
     if value not in MOTIONS if isinstance(value, str) else True:
         advice = f"{did_you_mean(value, MOTIONS)}give one of {', '.join(MOTIONS)}"
         raise RefusedError("not a motion", advice, found=show(value))
@@ -38,36 +38,36 @@ def motion_word(value: Any) -> str:
 
 
 def velocity_word(value: Any) -> str:
-    """`value` if it is one of the six velocity words."""
+    """Return `value` if it is one of the six velocity words."""
     if value not in VELOCITIES if isinstance(value, str) else True:
         raise RefusedError("not a velocity", f"give one of {', '.join(VELOCITIES)}", found=show(value))
     return str(value)
 
 
 def fixed_motions(value: Any) -> tuple[str, ...]:
-    """`value` if it is a list of motion words, each once; in their order."""
+    """Return `value` if it is a list of motion words, each once; in their order."""
     return tuple(sorted(different(value, motion_word, "motion"), key=MOTIONS.index))
 
 
 def fixed_velocities(value: Any) -> tuple[str, ...]:
-    """`value` if it is a list of velocity words, each once; in their order."""
+    """Return `value` if it is a list of velocity words, each once; in their order."""
     return tuple(sorted(different(value, velocity_word, "velocity"), key=VELOCITIES.index))
 
 
 def motion_functions(value: Any) -> dict[str, TimeFunction]:
-    """A table from motion words to continuous functions of time, in the order of the words."""
+    """Check a table from motion words to continuous functions of time; return it in the order of the words."""
     return _functions(value, motion_word, MOTIONS, "motion", "rz")
 
 
 def velocity_functions(value: Any) -> dict[str, TimeFunction]:
-    """A table from velocity words to continuous functions of time, in the order of the words."""
+    """Check a table from velocity words to continuous functions of time; return it in the order of the words."""
     return _functions(value, velocity_word, VELOCITIES, "velocity", "v1")
 
 
 def _functions(
     value: Any, check: Callable[[Any], str], known: tuple[str, ...], noun: str, example: str
 ) -> dict[str, TimeFunction]:
-    """A table of functions of time that do not jump and have derivatives, by their words."""
+    """Check a table of functions of time by their words: they must not jump, and must have derivatives."""
     if not isinstance(value, Mapping):
         plural = noun.replace("y", "ie") + "s"
         raise RefusedError(

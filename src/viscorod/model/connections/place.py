@@ -34,7 +34,7 @@ ROUND_OFF = 1e-9
 """Part of a rod's length within which a station counts as the rod's end, or as another station."""
 
 GROUND = "ground"
-"""The word for what stands still, one side of a joint or spring."""
+"""The word for the fixed ground, one side of a joint or spring."""
 
 _NAME = r"[A-Za-z_][\w-]*"
 _FORM = re.compile(rf"(?P<part>{_NAME})(?:\.(?P<point>{_NAME})|@(?P<s>[^@]+))?", flags=re.ASCII)
@@ -73,7 +73,7 @@ AnyPlace: TypeAlias = Place | BodyPlace
 
 
 def place_text(value: Any) -> str:
-    """`value` if it has the form of a place."""
+    """Return `value` if it has the form of a place."""
     parts = _FORM.fullmatch(word(value))
     if parts is None:
         raise RefusedError("this is not a place on a rod or body", _ADVICE)
@@ -85,7 +85,7 @@ def place_text(value: Any) -> str:
 
 
 def end_text(value: Any) -> str:
-    """`value` if it is "ground" or has the form of a place."""
+    """Return `value` if it is "ground" or has the form of a place."""
     if isinstance(value, str) and value == GROUND:
         return value
     try:
@@ -111,7 +111,7 @@ EndField = Annotated[str, PlainValidator(end_text)]
 
 
 def find_rod(name: str, rods: Mapping[str, Rod], bodies: Mapping[str, AnyBody] | None = None) -> Rod:
-    """The rod called `name`.
+    """Return the rod called `name`.
 
     Raises:
         RefusedError: there is none; the nearest name is suggested.
@@ -138,10 +138,10 @@ def find_place(text: str, rods: Mapping[str, Rod], bodies: Mapping[str, AnyBody]
 
 
 def find_place(text: str, rods: Mapping[str, Rod], bodies: Mapping[str, AnyBody] | None = None) -> AnyPlace:
-    """The place that `text` names; stations within round-off of an end of a rod are that end.
+    """Return the place that `text` names; stations within round-off of an end of a rod are that end.
 
     Raises:
-        RefusedError: the text is no place, there is no such rod, body or point, or the station is beyond the
+        RefusedError: the text is not a place, there is no such rod, body or point, or the station is beyond the
             rod's end.
     """
     parts = _FORM.fullmatch(place_text(text))
@@ -164,7 +164,7 @@ def find_place(text: str, rods: Mapping[str, Rod], bodies: Mapping[str, AnyBody]
 
 
 def no_part(name: str, rods: Mapping[str, Rod], bodies: Mapping[str, AnyBody]) -> RefusedError:
-    """The refusal of a name that neither a rod nor a body has."""
+    """Return the error for a name that neither a rod nor a body has."""
     hint = did_you_mean(name, (*rods, *bodies))
     known = f"the rods are {some_of(rods)}; the bodies are {some_of(bodies)}"
     return RefusedError("there is no rod or body of this name", hint + known, found=show(name))
@@ -189,7 +189,7 @@ def _point_of(body: AnyBody, name: str, point: str | None, s: str | None) -> Bod
 
 
 def station_on(rod: Rod, s: float, name: str) -> float:
-    """`s` if it lies on the rod, with stations within round-off of an end moved there."""
+    """Return `s` if it lies on the rod; stations within round-off of an end are moved there."""
     if s > rod.length * (1.0 + ROUND_OFF):
         raise RefusedError(
             f"the rod {name} is only {rod.length:.9g} m long",

@@ -1,4 +1,4 @@
-"""What the places that the parts of a model name are, where they are, and which of them are one node."""
+"""Places named in a model: their positions, and which of them are one node."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ Sides: TypeAlias = tuple[tuple[AnyPlace, AnyPlace | None], tuple[Floats, Floats]
 
 
 def find(model: ModelDescription, text: str) -> AnyPlace:
-    """The place that `text` names.
+    """Return the place that `text` names.
 
     Raises:
         RefusedError: there is none.
@@ -53,7 +53,7 @@ def find(model: ModelDescription, text: str) -> AnyPlace:
 
 
 def position_of(model: ModelDescription, place: AnyPlace) -> tuple[Floats, Floats]:
-    """Position (3,) and frame (3, 3) of a place in the reference shape."""
+    """Return the position (3,) and frame (3, 3) of a place in the reference shape."""
     if isinstance(place, BodyPlace):
         body = model.bodies[place.body]
         return body.position(place.point), body.frame()
@@ -62,17 +62,17 @@ def position_of(model: ModelDescription, place: AnyPlace) -> tuple[Floats, Float
 
 
 def is_located(place: AnyPlace | None) -> bool:
-    """Whether a place tells where a joint is: a body without a named point does not, nor does the ground."""
+    """Return whether a place locates a joint: a body without a named point does not, nor does the ground."""
     return isinstance(place, Place) or (place is not None and place.point is not None)
 
 
 def sides(model: ModelDescription, a: str, b: str) -> Sides:
-    """The two places of a joint or bushing, and where it sits on each side in the reference shape.
+    """Return the two places of a joint or bushing, and its position on each side in the reference shape.
 
-    At a body without a named point, and at the ground, it sits where the other side is.
+    On a body without a named point, and on the ground, it is the position of the other side.
 
     Args:
-        model: what the places belong to.
+        model: of the places.
         a: place.
         b: place, or "ground".
     """
@@ -87,7 +87,7 @@ def sides(model: ModelDescription, a: str, b: str) -> Sides:
 
 
 def resolved_supports(model: ModelDescription) -> list[ResolvedSupport]:
-    """The supports with their places and axes, in order."""
+    """Return the supports with their places and axes, in order."""
     resolved = []
     for index, support in enumerate(model.supports):
         place = find(model, support.at)
@@ -96,7 +96,7 @@ def resolved_supports(model: ModelDescription) -> list[ResolvedSupport]:
 
 
 def resolved_joints(model: ModelDescription) -> list[ResolvedJoint]:
-    """The joints with their places and axes, in order."""
+    """Return the joints with their places and axes, in order."""
     return [
         joint.resolve(f"joints[{index}]", *sides(model, *joint.ends))
         for index, joint in enumerate(model.joints)
@@ -104,7 +104,7 @@ def resolved_joints(model: ModelDescription) -> list[ResolvedJoint]:
 
 
 def resolved_springs(model: ModelDescription) -> list[ResolvedSpring]:
-    """The springs with their places and axes, in order."""
+    """Return the springs with their places and axes, in order."""
     resolved = []
     for index, spring in enumerate(model.springs):
         path = f"springs[{index}]"
@@ -119,19 +119,19 @@ def resolved_springs(model: ModelDescription) -> list[ResolvedSpring]:
 
 
 def joined_places(model: ModelDescription) -> list[tuple[AnyPlace, ...]]:
-    """The groups of places that attachments join into one node each, in the order of their first mention."""
+    """Return the groups of places that attachments join into one node each, in the order of their first mention."""
     return Pieces(model).groups
 
 
 def same(model: ModelDescription, a: AnyPlace, b: AnyPlace) -> bool:
-    """Whether two places are the same station of the same rod, or on the same body."""
+    """Return whether two places are the same station of the same rod, or on the same body."""
     if isinstance(a, BodyPlace) or isinstance(b, BodyPlace):
         return isinstance(a, BodyPlace) and isinstance(b, BodyPlace) and a.body == b.body
     return a.rod == b.rod and abs(a.s - b.s) <= ROUND_OFF * model.rods[a.rod].length
 
 
 def required_breaks(model: ModelDescription) -> list[Place]:
-    """Places at which elements must end, whatever the mesh: supports, attachments, joints, springs."""
+    """Return places at which elements must end, whatever the mesh: supports, attachments, joints, springs."""
     texts = [support.at for support in model.supports]
     texts += [text for attachment in model.attachments for text in (attachment.a, attachment.b)]
     texts += [text for joint in model.joints for text in joint.ends if text != GROUND]
@@ -140,7 +140,7 @@ def required_breaks(model: ModelDescription) -> list[Place]:
 
 
 def required_stations(model: ModelDescription, name: str) -> tuple[float, ...]:
-    """Arc lengths at which an element of the rod must end, increasing, without near-duplicates."""
+    """Return arc lengths at which an element of the rod must end, increasing, without near-duplicates."""
     rod = find_rod(name, model.rods, model.bodies)
     stations = [0.0, rod.length, *rod.section_breaks]
     places: list[AnyPlace] = [*required_breaks(model)]

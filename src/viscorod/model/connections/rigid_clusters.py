@@ -1,4 +1,4 @@
-"""Which places of a model move as one rigid piece."""
+"""Clusters of places of a model that move as one rigid piece."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 __all__ = ["Piece", "Pieces"]
 
 Piece: TypeAlias = tuple[str, float]
-"""What stands for a piece: a body, or the first station that was named of it."""
+"""The representative of a piece: a body, or the first of its stations that was named."""
 
 
 class Pieces:
@@ -40,15 +40,15 @@ class Pieces:
         )
 
     def of(self, place: AnyPlace) -> Piece:
-        """Return what stands for the piece of a place: the same for all of its places, for others another."""
+        """Return a representative of the piece of a place, which is the same for all places of the piece."""
         return self._root(self._own(place))
 
     def has_body(self, place: AnyPlace) -> bool:
-        """Whether a rigid body belongs to the piece of a place."""
+        """Return whether a rigid body belongs to the piece of a place."""
         return isinstance(place, BodyPlace) or self.of(place) in self._bodies
 
     def _own(self, place: AnyPlace) -> Piece:
-        """Return what stands for the place alone; stations within round-off of an earlier one are that one."""
+        """Return a representative of the place alone; stations within round-off of an earlier one are that one."""
         if isinstance(place, BodyPlace):
             return place.body, -1.0
         known = self._stations.setdefault(place.rod, [])

@@ -44,7 +44,7 @@ class ResolvedSpring:
         kind: "bushing" or "line".
         label: name of the spring.
         a, b: the places `at` and `to`; None for the ground.
-        at_a, at_b: where the spring sits on each side in the reference shape (3,), m, global.
+        at_a, at_b: position of the spring on each side in the reference shape (3,), m, global.
         frame: axes (3, 3), columns, global, in the reference shape, carried by `b`; the unit matrix for a line.
         stiffness, damping, rest: of a bushing: by motion words (of `a` relative to `b`, from the reference shape). Of a
             line: under "ux", the force along the line by its elongation (m) from `length`, and by its rate (m/s).
@@ -66,7 +66,7 @@ class ResolvedSpring:
 
 
 class AnySpring(Definition):
-    """What all springs have in common."""
+    """Base class of springs."""
 
     tag: ClassVar[str | None] = "kind"
 
@@ -90,7 +90,7 @@ class AnySpring(Definition):
 
     @abstractmethod
     def resolve(self, path: str, places: Places, positions: tuple[Floats, Floats]) -> ResolvedSpring:
-        """The spring with its places, those of `ends`, and where it sits on each side (3,)."""
+        """Return the spring with its places, those of `ends`, and its position on each side (3,)."""
 
 
 class Spring(AnySpring):
@@ -128,7 +128,7 @@ class Spring(AnySpring):
         )  # fmt: skip
 
     def frame(self) -> Floats:
-        """The axes in the reference shape (3, 3), columns, global components."""
+        """Return the axes in the reference shape (3, 3), columns, global components."""
         return columns(self.axes)
 
     @model_validator(mode="after")

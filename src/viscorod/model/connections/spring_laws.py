@@ -31,12 +31,12 @@ Rest: TypeAlias = Mapping[str, float]
 
 
 def stiffness(value: Any) -> Law:
-    """`value` as a finite number (a negative one is bistable), or as a function of the coordinate."""
+    """Return `value` as a finite number (a negative one is bistable), or as a function of the coordinate."""
     return _checked(value) if callable(value) else number(value)
 
 
 def damping(value: Any) -> Law:
-    """`value` as a number >= 0, or as a function of the rate."""
+    """Return `value` as a number >= 0, or as a function of the rate."""
     if callable(value):
         return _checked(value)
     converted = number(value)
@@ -46,10 +46,10 @@ def damping(value: Any) -> Law:
 
 
 def law_value(law: Law, at: float) -> float:
-    """The force (moment) of a law at a coordinate or rate; N or N m.
+    """Evaluate the force (moment) of a law at a coordinate or rate; N or N m.
 
     Raises:
-        RefusedError: the function returned no finite number.
+        RefusedError: the function did not return a finite number.
     """
     if not callable(law):
         return law * at
@@ -99,8 +99,8 @@ def require_law_words(
     Args:
         stiffness, damping, rest: by motion words.
         free: motion words that may have them.
-        what: "this joint", and what it does with the others.
-        instead: what to give.
+        what: "this joint", and how it treats the others.
+        instead: advice for the message.
     """
     for key, table in (("stiffness", stiffness), ("damping", damping), ("rest", rest)):
         for word in table:

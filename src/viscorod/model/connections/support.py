@@ -1,4 +1,4 @@
-"""Supports: which motions of a place are fixed or prescribed, and in which axes."""
+"""Supports, which fix or prescribe motions of a place along given axes."""
 
 from __future__ import annotations
 
@@ -73,11 +73,11 @@ class Support(AnySupport):
         return self
 
     def held(self) -> tuple[str, ...]:
-        """Those in `fixed` and in `motion`."""
+        """Return the motion words in `fixed` and in `motion`."""
         return tuple(word for word in MOTIONS if word in self.fixed or word in self.motion)
 
     def axes_at(self, node: Floats) -> tuple[Frame, Floats]:
-        """The global axes, the node's or the given ones."""
+        """Return the global axes, the node's or the given ones."""
         if self.frame == "node":
             return "node", node
         if self.axes is None:
@@ -96,7 +96,7 @@ class Clamp(AnySupport):
     kind: Literal["clamp"] = Field(default="clamp", kw_only=True, repr=False)
 
     def held(self) -> tuple[str, ...]:
-        """All six."""
+        """Return all six motion words."""
         return MOTIONS
 
 
@@ -111,12 +111,12 @@ class Pin(AnySupport):
     kind: Literal["pin"] = Field(default="pin", kw_only=True, repr=False)
 
     def held(self) -> tuple[str, ...]:
-        """The displacements."""
+        """Return the displacements."""
         return MOTIONS[:3]
 
 
 class Guide(AnySupport):
-    """Lets the place slide along a fixed direction, x of the support's axes, and holds all other motions.
+    """Allows sliding along a fixed direction, x of the support's axes, and holds all other motions.
 
     Args:
         at: place.
@@ -128,11 +128,11 @@ class Guide(AnySupport):
     along: OptionalDirection = None
 
     def held(self) -> tuple[str, ...]:
-        """All but ux."""
+        """Return all motion words but ux."""
         return MOTIONS[1:]
 
     def axes_at(self, node: Floats) -> tuple[Frame, Floats]:
-        """The direction of sliding first."""
+        """Return axes with the direction of sliding first."""
         return "axes", node[:, [2, 0, 1]] if self.along is None else axes_from(self.along)
 
 
@@ -149,11 +149,11 @@ class Roller(AnySupport):
     normal: Direction = Field(description="direction that is held, three numbers")
 
     def held(self) -> tuple[str, ...]:
-        """The displacement along the normal."""
+        """Return the displacement along the normal."""
         return MOTIONS[:1]
 
     def axes_at(self, node: Floats) -> tuple[Frame, Floats]:
-        """The normal first."""
+        """Return axes with the normal first."""
         del node
         return "axes", axes_from(self.normal)
 

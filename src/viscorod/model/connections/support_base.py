@@ -1,4 +1,4 @@
-"""What all supports have in common."""
+"""Base class of supports."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ MotionField = Annotated[Motion, PlainValidator(motion_functions)]
 
 
 class AnySupport(Definition):
-    """What all supports have in common: a place, and motions that follow functions of time."""
+    """Base class of supports: a place, and motions that follow functions of time."""
 
     tag: ClassVar[str | None] = "kind"
 
@@ -72,19 +72,19 @@ class AnySupport(Definition):
 
     @abstractmethod
     def held(self) -> tuple[str, ...]:
-        """The motion words that are fixed or prescribed."""
+        """Return the motion words that are fixed or prescribed."""
 
     def axes_at(self, node: Floats) -> tuple[Frame, Floats]:
-        """The frame's word and axes (3, 3), columns, for the frame `node` (3, 3) of the rod or body at the place."""
+        """Return the frame's word and axes (3, 3), columns, for the frame `node` (3, 3) of the rod or body there."""
         del node
         return "global", np.eye(3)
 
     def resolve(self, path: str, place: AnyPlace, node: Floats) -> ResolvedSupport:
-        """The support with its axes.
+        """Return the support with its axes.
 
         Args:
             path: key path of the support.
-            place: what `at` names.
+            place: the place that `at` names.
             node: the frame of the rod or body there in the reference shape (3, 3), columns.
         """
         frame, axes = self.axes_at(node)

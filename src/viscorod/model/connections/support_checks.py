@@ -1,4 +1,4 @@
-"""Checks of supports: pairs that hold the same motion, and bodies held elsewhere than at their centres."""
+"""Checks of supports: pairs that hold the same motion, and supports of bodies away from their mass centres."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ APART = 1e-9
 
 
 def off_centre(model: ModelDescription) -> Iterator[Fault]:
-    """Supports at named points of bodies that hold some motions only: what they hold depends on the rotation."""
+    """Find supports at named points of bodies that hold some motions only: the held motions depend on the rotation."""
     for support in resolved_supports(model):
         place = support.place
         if isinstance(place, BodyPlace) and place.point is not None and support.fixed != MOTIONS:
@@ -39,7 +39,7 @@ def off_centre(model: ModelDescription) -> Iterator[Fault]:
 
 
 def clashes(model: ModelDescription) -> Iterator[Fault]:
-    """Pairs of supports that hold the same motion of the same node.
+    """Find pairs of supports that hold the same motion of the same node.
 
     Two supports clash when the directions they hold are linearly dependent, whatever axes they are given in.
     Displacements of different points of one rigid piece do not clash.

@@ -25,34 +25,34 @@ __all__ = ["VelocitySupport"]
 
 
 class _Travelled(TimeFunction):
-    """The motion that belongs to a prescribed velocity of a support that measures no position: only its rate counts."""
+    """The motion of a support that prescribes a velocity and does not measure a position: only its rate is used."""
 
     kind: Literal["travelled"] = Field(default="travelled", kw_only=True, repr=False)
     speed: TimeFunction
 
     @property
     def breakpoints(self) -> tuple[float, ...]:
-        """Those of the velocity."""
+        """Breakpoints of the velocity, s."""
         return self.speed.breakpoints
 
     def value(self, t: float, before: bool = False) -> float:
-        """Zero: there is no position to be at."""
+        """Return zero: no position is prescribed."""
         del t, before
         return 0.0
 
     def rate(self, t: float, before: bool = False) -> float:
-        """The velocity."""
+        """Return the velocity."""
         return self.speed.value(t, before)
 
     def acceleration(self, t: float, before: bool = False) -> float:
-        """Its derivative."""
+        """Return the derivative of the velocity."""
         return self.speed.rate(t, before)
 
 
 class VelocitySupport(AnySupport):
     """Holds velocities of the section along its own moving axes, as in the intrinsic equations of beams.
 
-    What turns with the section is no position: the place may wander. Three zero velocities v1, v2, v3 are a ball joint,
+    The support does not hold a position: the place may drift. Three zero velocities v1, v2, v3 are a ball joint,
     all six a clamp. Total section forces along the other components are following forces and moments.
 
     Args:
@@ -86,7 +86,7 @@ class VelocitySupport(AnySupport):
         return self
 
     def held(self) -> tuple[str, ...]:
-        """None: positions are free."""
+        """Return no motion words: positions are free."""
         return ()
 
     def resolve(self, path: str, place: AnyPlace, node: Floats) -> ResolvedSupport:

@@ -1,4 +1,4 @@
-"""The part of a model that attachments, joints and springs make."""
+"""Methods of a model that add attachments, joints and springs."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Joined"]
 
 
 class Acting(TypedDict, total=False):
-    """What acts along the free motions of a joint, by motion word, and its name; see `AnyJoint`."""
+    """Springs, dampers and motors along the free motions of a joint, by motion word, and its name; see `AnyJoint`."""
 
     name: str | None
     stiffness: Laws | None
@@ -49,27 +49,27 @@ class Joined:
         self.joints.append(Rigid(**given(a=a, b=b, name=name)))
 
     def ball(self, a: str, b: str, *, axes: Sequence[Vector] | None = None, **acting: Unpack[Acting]) -> None:
-        """Let a turn in every direction about a point; see `Ball`."""
+        """Allow rotation about any axis through a point; see `Ball`."""
         self.joints.append(Ball(**given(a=a, b=b, axes=axes, **acting)))
 
     def revolute(self, a: str, b: str, axis: Vector, **acting: Unpack[Acting]) -> None:
-        """Let a turn about an axis; see `Revolute`."""
+        """Allow rotation about an axis; see `Revolute`."""
         self.joints.append(Revolute(**given(a=a, b=b, axis=axis, **acting)))
 
     def universal(self, a: str, b: str, axes: Sequence[Vector], **acting: Unpack[Acting]) -> None:
-        """Let a turn about two perpendicular directions; see `Universal`."""
+        """Allow rotation about two perpendicular directions; see `Universal`."""
         self.joints.append(Universal(**given(a=a, b=b, axes=axes, **acting)))
 
     def cylindrical(self, a: str, b: str, axis: Vector, **acting: Unpack[Acting]) -> None:
-        """Let a turn about and slide along an axis; see `Cylindrical`."""
+        """Allow rotation about an axis and sliding along it; see `Cylindrical`."""
         self.joints.append(Cylindrical(**given(a=a, b=b, axis=axis, **acting)))
 
     def prismatic(self, a: str, b: str, axis: Vector, **acting: Unpack[Acting]) -> None:
-        """Let a slide along an axis; see `Prismatic`."""
+        """Allow sliding along an axis; see `Prismatic`."""
         self.joints.append(Prismatic(**given(a=a, b=b, axis=axis, **acting)))
 
     def planar(self, a: str, b: str, normal: Vector, **acting: Unpack[Acting]) -> None:
-        """Let a slide and turn in a plane; see `Planar`."""
+        """Allow sliding and rotation in a plane; see `Planar`."""
         self.joints.append(Planar(**given(a=a, b=b, normal=normal, **acting)))
 
     def spring(
@@ -83,7 +83,7 @@ class Joined:
         *,
         name: str | None = None,
     ) -> None:
-        """Pull a place towards another, or towards where it was, along some motions; see `Spring`."""
+        """Pull a place towards another, or towards its reference position, along some motions; see `Spring`."""
         laws = given(stiffness=stiffness, damping=damping, rest=rest)
         self.springs.append(Spring(**given(at=at, to=to, axes=axes, name=name), **laws))
 

@@ -19,7 +19,7 @@ __all__ = ["problems"]
 
 
 def problems(model: ModelDescription) -> Iterator[Fault]:
-    """Everything that is wrong with the model as a whole, with key paths."""
+    """Find everything that is wrong with the model as a whole, with key paths."""
     if not model.rods:
         yield Fault("rods", "", "the model has no rod", "add one with add(name, rod), or a table [rods.NAME]")
         return
@@ -96,7 +96,7 @@ def _unknown_rod(
 
 
 def _wrong_velocities(model: ModelDescription) -> Iterator[Fault]:
-    """Initial velocities of what does not exist, or of one part twice; bodies by a function."""
+    """Find initial velocities of unknown parts, or given twice, or of bodies by a function."""
     first: dict[str, int] = {}
     for index, given in enumerate(model.velocities):
         where = f"velocities[{index}]"
@@ -119,7 +119,7 @@ def _wrong_velocities(model: ModelDescription) -> Iterator[Fault]:
 
 
 def _wrong_strains(model: ModelDescription) -> Iterator[Fault]:
-    """Initial strains of what is no rod, or of one rod twice."""
+    """Find initial strains of unknown rods, or given twice."""
     first: dict[str, int] = {}
     for index, given in enumerate(model.strains):
         try:
@@ -145,7 +145,7 @@ def _twice(
 
 
 def _unfit_strains(model: ModelDescription) -> Iterator[Fault]:
-    """Strains of rods whose shape is given elsewhere than at their starts."""
+    """Find initial strains of rods that are held elsewhere than at their starts."""
     places = [(f"attachments[{k}]", text) for k, a in enumerate(model.attachments) for text in (a.a, a.b)]
     places += [(f"joints[{k}]", text) for k, j in enumerate(model.joints) for text in j.ends]
     places += [(f"supports[{k}]", support.at) for k, support in enumerate(model.supports)]
@@ -173,7 +173,7 @@ def _unfit_strains(model: ModelDescription) -> Iterator[Fault]:
 
 
 def _strained(model: ModelDescription, index: int) -> Iterator[bool]:
-    """For the constrained strains of a rod, whether its initial strain differs from zero at its start or middle."""
+    """Return for the constrained strains of a rod whether its initial strain is not zero at its start or middle."""
     strain = model.strains[index]
     rod = model.rods[strain.rod]
     for s in (0.0, rod.length / 2.0):

@@ -1,4 +1,4 @@
-"""The part of a model that loads make."""
+"""Methods of a model that add loads."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Loaded:
     def gravity(
         self, acceleration: Vector = (0.0, 0.0, -9.81), time: Time = None, until: float | None = None
     ) -> None:
-        """Let all rods and bodies have weight; see `Gravity`."""
+        """Add the weight of all rods and bodies; see `Gravity`."""
         self.loads.append(Gravity(**given(acceleration=acceleration, time=time, until=until)))
 
     def moving_force(

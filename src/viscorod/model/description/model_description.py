@@ -1,4 +1,4 @@
-"""The description of a model: rods and bodies by name, what joins them, what holds them, what loads them."""
+"""The description of a model: rods and bodies by name, their connections, supports and loads."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class ModelDescription(Held, Loaded, Joined):
     """Rods and rigid bodies, supports, loads, joints and springs; the same words as in a case file.
 
     Places are written ``"beam.start"``, ``"beam.end"``, ``"beam@0.15"`` (arc length in m), ``"plate"`` (a body's
-    mass centre) and ``"plate.corner"`` (one of its named points). What a method is given is checked at once; how
-    the parts fit together is checked by `validate`.
+    mass centre) and ``"plate.corner"`` (one of its named points). Methods check their arguments at once; `validate`
+    checks that the parts fit together.
 
     Attributes:
         rods, bodies: by name, in the order in which they were added.
@@ -60,7 +60,7 @@ class ModelDescription(Held, Loaded, Joined):
         """Add a rod or a rigid body under a new name (letters, digits, _ and -).
 
         Raises:
-            InputError: the name is taken or not usable, or `part` is neither rod nor body.
+            InputError: the name is taken or not allowed, or `part` is neither rod nor body.
         """
         kind = "bodies" if isinstance(part, AnyBody) else "rods"
         try:
@@ -115,14 +115,14 @@ class ModelDescription(Held, Loaded, Joined):
         """Check that the parts fit together.
 
         Raises:
-            InputError: with everything that is wrong, each with its key path and what to give instead.
+            InputError: with all faults, each with its key path and what to give instead.
         """
         problems = list(checks.problems(self))
         if problems:
             raise InputError(problems)
 
     def place(self, text: str) -> AnyPlace:
-        """The station of a rod, or the point of a body, that `text` names.
+        """Return the station of a rod, or the point of a body, that `text` names.
 
         Raises:
             InputError: there is no such place.
@@ -130,7 +130,7 @@ class ModelDescription(Held, Loaded, Joined):
         return connections.find(self, text)
 
     def position_of(self, place: str) -> Floats:
-        """Position (3,) of a place in the reference shape, m, global axes.
+        """Return the position (3,) of a place in the reference shape, m, global axes.
 
         Raises:
             InputError: there is no such place.
@@ -138,34 +138,34 @@ class ModelDescription(Held, Loaded, Joined):
         return connections.position_of(self, connections.find(self, place))[0]
 
     def resolved_supports(self) -> list[ResolvedSupport]:
-        """The supports with their places and axes, in order."""
+        """Return the supports with their places and axes, in order."""
         return connections.resolved_supports(self)
 
     def resolved_joints(self) -> list[ResolvedJoint]:
-        """The joints with their places and axes, in order."""
+        """Return the joints with their places and axes, in order."""
         return connections.resolved_joints(self)
 
     def resolved_springs(self) -> list[ResolvedSpring]:
-        """The springs with their places and axes, in order."""
+        """Return the springs with their places and axes, in order."""
         return connections.resolved_springs(self)
 
     def nodes(self) -> list[tuple[AnyPlace, ...]]:
-        """The groups of places that attachments join into one node each."""
+        """Return the groups of places that attachments join into one node each."""
         return connections.joined_places(self)
 
     def stations(self, rod: str) -> tuple[float, ...]:
-        """Arc lengths at which an element must end (supports, loads, joints, section jumps), m."""
+        """Return arc lengths at which an element must end (supports, loads, joints, section jumps), m."""
         return connections.required_stations(self, rod)
 
     def to_dict(self) -> dict[str, Any]:
-        """The model as a table of the case file; Python functions appear as a note."""
+        """Return the model as a table of the case file; Python functions appear as a note."""
         plain: dict[str, Any] = {"rods": {name: rod.to_dict() for name, rod in self.rods.items()}}
         return plain | {
             key: plain_value(part) for key, part in self.parts().items() if part and key != "rods"
         }
 
     def parts(self) -> dict[str, Any]:
-        """What :meth:`of` makes another of, such as one of a derived class."""
+        """Return the parts from which :meth:`of` makes another model, such as one of a derived class."""
         return {
             "rods": self.rods,
             "bodies": self.bodies,
@@ -192,7 +192,7 @@ class ModelDescription(Held, Loaded, Joined):
         joints: Iterable[AnyJoint] = (),
         springs: Iterable[AnySpring] = (),
     ) -> Self:
-        """A model from its parts."""
+        """Make a model from its parts."""
         model = cls()
         for name, rod in rods.items():
             model.add(name, rod)

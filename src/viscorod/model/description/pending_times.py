@@ -13,7 +13,7 @@ M = TypeVar("M", bound=ModelDescription)
 
 
 def pending(model: ModelDescription) -> list[Material]:
-    """The materials whose times follow from a mode, each once."""
+    """Return the materials whose times follow from a mode, each once."""
     found: list[Material] = []
     for rod in model.rods.values():
         if rod.material is not None and rod.material.pending and rod.material not in found:
@@ -22,7 +22,7 @@ def pending(model: ModelDescription) -> list[Material]:
 
 
 def without_pending_times(model: M) -> M:
-    """The model with these materials undamped."""
+    """Return the model with these materials undamped."""
     return with_materials(model, {id(m): m.with_damping(None) for m in all_pending(model)})
 
 

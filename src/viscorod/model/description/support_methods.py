@@ -1,4 +1,4 @@
-"""The part of a model that supports make."""
+"""Methods of a model that add supports."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Held:
         self.supports.append(Pin(at, **_moving(motion)))
 
     def guide(self, at: str, along: Vector | None = None, motion: Motion | None = None) -> None:
-        """Let the place slide along one direction only; see `Guide`."""
+        """Allow sliding along one direction only; see `Guide`."""
         given: dict[str, Any] = {"along": along}
         self.supports.append(Guide(at, **given, **_moving(motion)))
 

@@ -55,11 +55,10 @@ class RefusedError(InputError):
 
 
 class FaultyValue:
-    """Stands in for a value that is known to be wrong (a misspelt or missing key, an unknown name).
+    """Placeholder for a value that is known to be wrong (a misspelt or missing key, an unknown name).
 
-    Whatever the validators say of it, the problem reported is the one told here; `replaces` names the
-    missing key that a misspelt one explains; `silent` leaves the problem out because it has been told
-    elsewhere.
+    Whatever the validators find, the fault reported is the one given here; `replaces` names the missing key that a
+    misspelt one explains; `silent` leaves the fault out because it is reported elsewhere.
     """
 
     def __init__(
@@ -87,7 +86,7 @@ class Definition(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
 
-    #: The field that tells the kind of an object in a case file (``shape`` or ``kind``); always written out.
+    #: The field with the kind of an object in a case file (``shape`` or ``kind``); always written out.
     tag: ClassVar[str | None] = None
 
     @base_init
@@ -100,7 +99,7 @@ class Definition(BaseModel):
             raise InputError(p.within(cls.__name__) for p in problems_from(error)) from None
 
     def __eq__(self, other: object) -> bool:
-        """Whether both are of one class and were given the same; what they have worked out since does not count."""
+        """Return whether both are of one class and were given the same; values computed since are ignored."""
         if not isinstance(other, Definition):
             return NotImplemented
         if type(self) is not type(other) or self.__pydantic_private__ != other.__pydantic_private__:
@@ -128,7 +127,7 @@ class Definition(BaseModel):
         return marked
 
     def to_dict(self) -> dict[str, Any]:
-        """The object as plain data in the words of the case file; defaults left out."""
+        """Return the object as plain data in the words of the case file; defaults are left out."""
         plain: dict[str, Any] = {}
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
@@ -140,7 +139,7 @@ class Definition(BaseModel):
 
 
 def plain_value(value: Any) -> Any:
-    """`value` with tuples as lists, described objects as dicts and functions as a note."""
+    """Return `value` with tuples as lists, described objects as dicts and functions as a note."""
     if isinstance(value, Definition):
         return value.to_dict()
     if isinstance(value, Mapping):
@@ -153,27 +152,27 @@ def plain_value(value: Any) -> Any:
 
 
 def nearest(word: str, allowed: Iterable[str]) -> str | None:
-    """The allowed word that looks most like `word`, or None when none does."""
+    """Return the allowed word most similar to `word`, or None if none is similar."""
     words = list(allowed)
     close = difflib.get_close_matches(word.lower(), [w.lower() for w in words], n=1, cutoff=0.6)
     return next((w for w in words if w.lower() == close[0]), None) if close else None
 
 
 def did_you_mean(word: Any, allowed: Iterable[str], text: Callable[[str], str] = repr) -> str:
-    """The beginning of an advice that names the nearest of the allowed words as `text`; empty without one."""
+    """Return the beginning of an advice that names the allowed word nearest to `text`; empty without one."""
     close = nearest(word, allowed) if isinstance(word, str) else None
     return f"did you mean {text(close)}? " if close else ""
 
 
 def some_of(names: Iterable[str]) -> str:
-    """The names that a user gave, for a message: those after the first twelve are counted only."""
+    """Return the names that a user gave, for a message; those after the first twelve are only counted."""
     words = list(names)
     rest = len(words) - _MOST
     return ", ".join(words[:_MOST]) + (f" and {rest} more" if rest > 0 else "")
 
 
 def show(value: Any) -> str:
-    """`value` as short text for a message."""
+    """Return `value` as short text for a message."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int) and value.bit_length() > 1000:
@@ -189,7 +188,7 @@ def show(value: Any) -> str:
 
 @contextmanager
 def inside(key: str | int, value: Any) -> Iterator[None]:
-    """What refuses `value`, which stands under `key`, is told with the key before its path."""
+    """Prefix errors about `value` with `key`."""
     try:
         yield
     except RefusedError as error:
@@ -201,7 +200,7 @@ def inside(key: str | int, value: Any) -> Iterator[None]:
 
 
 def problems_from(error: ValidationError) -> list[Fault]:
-    """Pydantic's errors in the user's words; the missing key that a misspelt one explains is left out."""
+    """Return pydantic's errors in the user's words; the missing key that a misspelt one explains is left out."""
     details = error.errors(include_url=False)
     explained = {
         (*item["loc"][:-1], item["input"].replaces)
@@ -224,7 +223,7 @@ def problems_from(error: ValidationError) -> list[Fault]:
 
 
 def problems_of(error: ValidationError | InputError, value: Any) -> list[Fault]:
-    """The problems that a parser raised when it was given `value`, in the user's words."""
+    """Return the faults that a parser raised when it was given `value`, in the user's words."""
     if isinstance(error, ValidationError):
         return problems_from(error)
     if isinstance(value, FaultyValue):
@@ -235,7 +234,7 @@ def problems_of(error: ValidationError | InputError, value: Any) -> list[Fault]:
 
 
 def path_text(loc: Iterable[str | int]) -> str:
-    """A key path as text: ``("loads", 0, "value")`` -> ``loads[0].value``."""
+    """Return a key path as text: ``("loads", 0, "value")`` -> ``loads[0].value``."""
     text = ""
     for part in loc:
         if isinstance(part, int):
@@ -272,7 +271,7 @@ def _keys(cls: type[Definition]) -> str:
 
 
 def _bind(cls: type[Definition], args: tuple[Any, ...], kwargs: dict[str, Any]) -> dict[str, Any]:
-    """Positional arguments by the names of the fields, in their order."""
+    """Return positional arguments by the names of the fields, in their order."""
     if not args:
         return kwargs
     names = [name for name, field in cls.model_fields.items() if not field.kw_only]

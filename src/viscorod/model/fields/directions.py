@@ -17,7 +17,7 @@ Pair: TypeAlias = tuple[Triple, Triple]
 
 
 def two_directions(value: Any) -> Pair:
-    """`value` as two perpendicular unit vectors, global components."""
+    """Return `value` as two perpendicular unit vectors, global components."""
     items = sequence(value)
     if len(items) != 2:
         raise RefusedError("two directions are needed here", "give [[x, y, z], [x, y, z]], perpendicular")
@@ -32,7 +32,7 @@ def two_directions(value: Any) -> Pair:
 
 
 def axes_of(value: Any) -> Pair:
-    """`value`, two or three perpendicular directions, as the first two; the third must be x cross y."""
+    """Return `value`, two or three perpendicular directions, as the first two; the third must be x cross y."""
     items = sequence(value)
     if len(items) != 3:
         return two_directions(items)
@@ -48,12 +48,12 @@ def axes_of(value: Any) -> Pair:
 
 
 def columns(pair: Pair | None) -> Floats:
-    """Right-handed axes (3, 3), columns, with the two directions as x and y; the global ones for None."""
+    """Return right-handed axes (3, 3), columns, with the two directions as x and y; the global ones for None."""
     return np.eye(3) if pair is None else np.column_stack([*pair, np.cross(*pair)])
 
 
 def axes_from(first: Triple) -> Floats:
-    """Right-handed axes (3, 3), columns, with the unit vector `first` as x."""
+    """Return right-handed axes (3, 3), columns, with the unit vector `first` as x."""
     x = np.array(first)
     y = np.eye(3)[np.argmin(np.abs(x))]
     y = y - (y @ x) * x

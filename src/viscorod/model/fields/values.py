@@ -28,8 +28,10 @@ Triple: TypeAlias = tuple[float, float, float]
 
 
 def number(value: Any) -> float:
-    """`value` as a finite float."""
-    if isinstance(value, np.ndarray) and value.ndim == 0:  # what SciPy's interpolants return for one time
+    """Return `value` as a finite float."""
+    if (
+        isinstance(value, np.ndarray) and value.ndim == 0
+    ):  # SciPy's interpolants return such arrays for one time
         value = value[()]
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
         raise RefusedError("a number is needed here", "give a plain number such as 0.25")
@@ -55,7 +57,7 @@ def _bounded(allowed: str, holds: Callable[[float], bool]) -> Callable[[Any], fl
 
 
 def positive(value: Any) -> float:
-    """`value` as a float > 0 that is not absurdly small."""
+    """Return `value` as a float > 0 that is not absurdly small."""
     converted = number(value)
     if converted <= 0.0:
         raise RefusedError("outside what is allowed", "give a number > 0")
@@ -65,7 +67,7 @@ def positive(value: Any) -> float:
 
 
 def whole_number(low: int, high: int) -> Callable[[Any], int]:
-    """A check for whole numbers from `low` to `high`."""
+    """Return a check for whole numbers from `low` to `high`."""
 
     def check(value: Any) -> int:
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
@@ -76,7 +78,7 @@ def whole_number(low: int, high: int) -> Callable[[Any], int]:
 
 
 def numbers(value: Any, *, count: int | None = None, at_least: int = 1) -> tuple[float, ...]:
-    """`value` (list, tuple, array) as a tuple of finite floats."""
+    """Return `value` (list, tuple, array) as a tuple of finite floats."""
     items = sequence(value)
     if count is not None and len(items) != count:
         raise RefusedError(
@@ -88,7 +90,7 @@ def numbers(value: Any, *, count: int | None = None, at_least: int = 1) -> tuple
 
 
 def frequency_band(value: Any) -> tuple[float, float]:
-    """`value` as a lower and a higher frequency > 0."""
+    """Return `value` as a lower and a higher frequency > 0."""
     low, high = pair(value)
     if not 1.0 / LARGEST <= low < high:
         raise RefusedError(
@@ -98,7 +100,7 @@ def frequency_band(value: Any) -> tuple[float, float]:
 
 
 def sequence(value: Any) -> Sequence[Any]:
-    """`value` if it is a list, tuple or array, as a list or tuple."""
+    """Return `value` if it is a list, tuple or array, as a list or tuple."""
     if isinstance(value, np.ndarray):
         items: list[Any] = value.tolist() if value.ndim else []
         return items
@@ -108,7 +110,7 @@ def sequence(value: Any) -> Sequence[Any]:
 
 
 def each(value: Any, check: Callable[[Any], T]) -> tuple[T, ...]:
-    """What `check` makes of the items of a list; what it refuses is told with its index."""
+    """Apply `check` to the items of a list; errors have the index of their item."""
     items, found = sequence(value), []
     try:
         for item in items:
@@ -121,7 +123,7 @@ def each(value: Any, check: Callable[[Any], T]) -> tuple[T, ...]:
 
 
 def different(value: Any, check: Callable[[Any], str], noun: str) -> tuple[str, ...]:
-    """The words of a list, each once."""
+    """Return the words of a list, each once."""
     words = each(value, check)
     for index, given in enumerate(words):
         if given in words[:index]:
@@ -130,7 +132,7 @@ def different(value: Any, check: Callable[[Any], str], noun: str) -> tuple[str, 
 
 
 def entries(table: Mapping[Any, Any], name: Callable[[Any], str], check: Callable[[Any], T]) -> dict[str, T]:
-    """The keys of a table, checked by `name`, and what `check` makes of their values.
+    """Check the keys of a table by `name` and their values by `check`.
 
     Raises:
         InputError: everything that is wrong with keys and values.
@@ -151,46 +153,46 @@ def entries(table: Mapping[Any, Any], name: Callable[[Any], str], check: Callabl
 
 
 def pair(value: Any) -> tuple[float, float]:
-    """`value` as two finite floats."""
+    """Return `value` as two finite floats."""
     x, y = numbers(value, count=2)
     return x, y
 
 
 def vector(value: Any) -> Triple:
-    """`value` as three finite floats."""
+    """Return `value` as three finite floats."""
     x, y, z = numbers(value, count=3)
     return x, y, z
 
 
 def direction(value: Any) -> Triple:
-    """`value` as three floats scaled to unit length."""
+    """Return `value` as three floats scaled to unit length."""
     x, y, z = vector(value)
     size = math.hypot(x, y, z)
     if size == 0.0 or not math.isfinite(size):
         raise RefusedError(
             "this vector has no direction", "give three numbers that are not all zero, such as [0, 0, 1]"
         )
-    if abs(size - 1.0) <= 4e-16:  # a unit vector read back from a file stays what it is
+    if abs(size - 1.0) <= 4e-16:  # a unit vector read back from a file remains unchanged
         return x, y, z
     return x / size, y / size, z / size
 
 
 def word(value: Any) -> str:
-    """`value` as text."""
+    """Return `value` as text."""
     if not isinstance(value, str):
         raise RefusedError("text is needed here", "give it in quotes")
     return value
 
 
 def name_of_part(value: Any) -> str:
-    """A name of a rod, material or section: letters, digits, _ and -."""
+    """Check a name of a rod, material or section: letters, digits, _ and -."""
     if not re.fullmatch(r"[A-Za-z_][\w-]{0,59}", word(value), flags=re.ASCII):
         raise RefusedError("not usable as a name", "use a letter, then letters, digits, _ or - (60 at most)")
     return str(value)
 
 
 def one_of(*allowed: str) -> PlainValidator:
-    """A check for one of some fixed words."""
+    """Return a check for one of some fixed words."""
 
     def check(value: Any) -> str:
         if value not in allowed if isinstance(value, str) else True:
@@ -204,14 +206,14 @@ def one_of(*allowed: str) -> PlainValidator:
 
 
 def true_or_false(value: Any) -> bool:
-    """`value` if it is a boolean."""
+    """Return `value` if it is a boolean."""
     if not isinstance(value, bool):
         raise RefusedError("neither true nor false", "give true or false")
     return value
 
 
 def function(value: Any) -> Callable[..., Any]:
-    """`value` if it can be called."""
+    """Return `value` if it can be called."""
     if not callable(value):
         raise RefusedError("a Python function is needed here", "this can be given in the Python API only")
     result: Callable[..., Any] = value
@@ -219,14 +221,14 @@ def function(value: Any) -> Callable[..., Any]:
 
 
 def optional(check: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """`check`, with None let through."""
+    """Return `check` with None accepted as well."""
     return lambda value: None if value is None else check(value)
 
 
 def choose(
     tag: str, kinds: Mapping[str, type[Definition]], default: str | None = None
 ) -> Callable[[Any], Definition]:
-    """A parser that lets objects of the given kinds through and reads a table by its key `tag`."""
+    """Return a parser that accepts objects of the given kinds and reads a table by its key `tag`."""
 
     def parse(value: Any) -> Definition:
         if isinstance(value, Definition) and isinstance(value, tuple(kinds.values())):

@@ -149,7 +149,7 @@ def _modulus_table(value: Any) -> ModulusTable:
 class ComplexModuli(ModulusTable, Damping):
     """Damping from storage and loss moduli measured over frequency (dynamic mechanical analysis).
 
-    Young's modulus of the material may be left out; it then comes from the table, at rest or in the band.
+    Young's modulus of the material may be left out; it then follows from the table, at rest or in the band.
 
     Args:
         frequency: Hz.
@@ -219,7 +219,7 @@ class ComplexModuli(ModulusTable, Damping):
         return tables
 
     def _rows(self, strain: str) -> tuple[Floats, Complexes]:
-        """Angular frequencies and complex moduli that count."""
+        """Return the angular frequencies and complex moduli within the band."""
         table = self.tables[strain]
         low, high = self.band or (0.0, math.inf)
         if self.fit == "low_frequency":
@@ -238,7 +238,7 @@ class ComplexModuli(ModulusTable, Damping):
         return table.omega[inside], table.storage[inside] + 1j * table.loss[inside]
 
     def behaviour(self, elastic: Elastic) -> Behaviour:
-        """Times, or branches, of the nearest material; with one table at a constant Poisson's ratio."""
+        """Return times, or branches, of the nearest material; with one table at a constant Poisson's ratio."""
         if len(self.tables) == 2 and math.isnan(elastic.youngs_modulus) != math.isnan(elastic.poissons_ratio):
             raise RefusedError(
                 "tables of extension and shear tell Young's modulus and Poisson's ratio",
@@ -300,7 +300,7 @@ class ComplexModuli(ModulusTable, Damping):
     def _told(
         self, strain: str, fit: Viscous | RelaxationModulus, given: Elastic, found: Elastic
     ) -> list[str]:
-        """What the fit of a strain is, and how far it is from the table."""
+        """Describe the fit of a strain, and its distance from the table."""
         omega, modulus = self._rows(strain)
         storage, loss = (
             100.0 * float(np.max(np.abs(error))) for error in errors(modulus, fit.complex_modulus(omega))
@@ -325,7 +325,7 @@ _CONSTANT = "Poisson's ratio is taken as constant: the same loss factor in exten
 
 
 def _constants(elastic: Elastic, moduli: dict[str, float]) -> Elastic:
-    """Young's modulus and Poisson's ratio: those given, or those of the fits."""
+    """Return Young's modulus and Poisson's ratio: those given, or those of the fits."""
     if not math.isnan(elastic.youngs_modulus):
         return elastic
     if len(moduli) == 1:

@@ -1,4 +1,4 @@
-"""What every description of a material's damping tells: moduli at rest, Kelvin-Voigt times, Maxwell branches."""
+"""The common result of all descriptions of damping: moduli at rest, Kelvin-Voigt times, Maxwell branches."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ class Branch(NamedTuple):
 
     Attributes:
         time: relaxation time, s.
-        youngs_modulus: what it adds to Young's modulus in fast extension, Pa.
-        shear_modulus: what it adds to the shear modulus in fast shear, Pa.
+        youngs_modulus: its contribution to Young's modulus in fast extension, Pa.
+        shear_modulus: its contribution to the shear modulus in fast shear, Pa.
     """
 
     time: float
@@ -52,7 +52,7 @@ class Elastic(NamedTuple):
 
 @dataclass(frozen=True)
 class Behaviour:
-    """How a material behaves: what a :class:`Damping` makes of the given elastic constants.
+    """The behaviour of a material, which a :class:`Damping` derives from the given elastic constants.
 
     Attributes:
         youngs_modulus, poissons_ratio: E (Pa) and nu in equilibrium, after a long time.
@@ -76,7 +76,7 @@ class Behaviour:
     pending: bool = False
 
     def assuming(self, *sentences: str) -> Behaviour:
-        """The same, with more assumptions."""
+        """Return the same behaviour with more assumptions."""
         return replace(self, assumptions=self.assumptions + sentences)
 
 
@@ -85,7 +85,7 @@ class Damping(Definition):
 
     @abstractmethod
     def behaviour(self, elastic: Elastic) -> Behaviour:
-        """What it makes of a material with these elastic constants.
+        """Return the behaviour of a material with these elastic constants.
 
         Raises:
             InputError: the two do not go together.
@@ -95,7 +95,7 @@ class Damping(Definition):
 def bulk_time_of(
     extensional: float, shear: float, nu: float, keys: tuple[str, ...], unit: str = " s"
 ) -> float:
-    """The bulk time that goes with times in extension and shear, s (LLT 4 solved for tau_B).
+    """Return the bulk time that goes with times in extension and shear, s (LLT 4 solved for tau_B).
 
     Loss factors at one frequency go together like times.
 
@@ -103,7 +103,7 @@ def bulk_time_of(
         extensional: retardation time in extension, s.
         shear: retardation time in shear, s.
         nu: Poisson's ratio.
-        keys: where the extensional time was given, for the message.
+        keys: key of the extensional time, for the message.
         unit: of the numbers, for the message.
 
     Raises:

@@ -42,7 +42,7 @@ NAMES = {
     "tan_delta": r"tan ?[(_ ]?(d|delta|δ)\)?|loss factor",
 }
 STRAINS = {"extension": r"e['_]|tensile|young|flexural", "shear": r"g['_]|shear"}
-"""How the name of the storage modulus begins where it tells the strain."""
+"""Beginnings of the name of the storage modulus that show the strain."""
 SEPARATORS = ("\t", ";", ",")
 
 
@@ -53,7 +53,7 @@ class DmaTable:
     Attributes:
         omega: increasing angular frequencies (n,), rad/s.
         storage, loss: moduli (n,), Pa.
-        strain: "shear" or "extension" where the names of the columns tell, else None.
+        strain: "shear" or "extension" where the names of the columns show it, else None.
     """
 
     omega: Floats
@@ -70,11 +70,11 @@ def read_dma_table(
     Args:
         path: of a text file with columns of frequency, storage modulus, and loss modulus or tan delta, separated by
             tabs, semicolons or commas; decimal commas are understood where commas do not separate.
-        frequency_unit: "Hz", "kHz" or "rad/s", where the file does not tell.
-        modulus_unit: "Pa", "kPa", "MPa", "GPa", "N/mm2", "N/m2" or "psi", where the file does not tell.
+        frequency_unit: "Hz", "kHz" or "rad/s", where the file does not state it.
+        modulus_unit: "Pa", "kPa", "MPa", "GPa", "N/mm2", "N/m2" or "psi", where the file does not state it.
 
     Raises:
-        InputError: the file cannot be read, a column or a unit is missing, or a number is no number.
+        InputError: the file cannot be read, a column or a unit is missing, or a text stands in place of a number.
     """
     lines = _text(Path(path)).splitlines()
     start, separator, columns, header = _names(lines)
@@ -122,7 +122,7 @@ def _cells(line: str, separator: str) -> list[str]:
 
 
 def _bare(cell: str) -> tuple[str, str | None]:
-    """Name and unit of a cell such as ``E'/MPa``, ``Storage Modulus (MPa)`` or ``Frequency [Hz]``."""
+    """Return name and unit of a cell such as ``E'/MPa``, ``Storage Modulus (MPa)`` or ``Frequency [Hz]``."""
     text = (
         cell.strip()
         .lstrip("#")
@@ -144,7 +144,7 @@ def _kind(cell: str) -> str | None:
 
 
 def _names(lines: list[str]) -> tuple[int, str, dict[str, int], list[str]]:
-    """The line of the names, the separator, the column of every known name, and the names."""
+    """Return the line of the names, the separator, the column of every known name, and the names."""
     for index, line in enumerate(lines):
         for separator in SEPARATORS:
             cells = _cells(line, separator)
@@ -172,7 +172,7 @@ def _names(lines: list[str]) -> tuple[int, str, dict[str, int], list[str]]:
 def _units(
     lines: list[str], start: int, separator: str, columns: dict[str, int], header: list[str]
 ) -> tuple[dict[str, str], int]:
-    """Units as declared beside the names or in the line below, and the first line that may hold numbers."""
+    """Return the units declared beside the names or in the line below, and the first line that may hold numbers."""
     units = {name: unit for name, column in columns.items() if (unit := _bare(header[column])[1])}
     first = start + 1
     if first < len(lines):
@@ -202,7 +202,7 @@ def _known_unit(name: str, unit: str) -> str:
 
 
 def _declare(units: dict[str, str], name: str, given: str | None, columns: dict[str, int]) -> None:
-    """Take a unit from the file or the keys, and refuse when neither or both tell."""
+    """Take a unit from the file or the keys, and refuse neither or both."""
     if name not in columns:
         return
     key = "frequency_unit" if name == "frequency" else "modulus_unit"
@@ -231,7 +231,7 @@ def _number(cell: str) -> float | None:
 
 
 def _values(lines: list[str], first: int, separator: str, columns: dict[str, int]) -> dict[str, Floats]:
-    """The numbers of the known columns."""
+    """Return the numbers of the known columns."""
     rows: list[list[float]] = []
     seen: dict[float, int] = {}
     marks: set[str] = set()

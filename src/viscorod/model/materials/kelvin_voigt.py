@@ -54,7 +54,7 @@ class KelvinVoigt(Damping):
         return self
 
     def behaviour(self, elastic: Elastic) -> Behaviour:
-        """The two times; a bulk time from that in extension by LLT (4)."""
+        """Return the two times; a bulk time follows from that in extension by LLT (4)."""
         young, nu = elastic
         assumptions: tuple[str, ...] = ()
         if self.shear_viscosity is not None:

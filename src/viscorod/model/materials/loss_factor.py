@@ -39,7 +39,7 @@ class LossFactor(Damping):
         return self
 
     def behaviour(self, elastic: Elastic) -> Behaviour:
-        """The two times; the one that is not given is taken equal."""
+        """Return the two times; the one that is not given is taken equal."""
         omega = 2.0 * math.pi * self.frequency
         known = f"the loss factor is that given at {self.frequency:.6g} Hz only; it grows in proportion to frequency"
         if self.extension is None or self.shear is None:

@@ -106,7 +106,7 @@ class Material(Definition):
 
     @staticmethod
     def _ratio(young: float, shear: float) -> float:
-        """Poisson's ratio from the two moduli."""
+        """Return Poisson's ratio from the two moduli."""
         nu = young / (2.0 * shear) - 1.0
         if not -1.0 < nu <= 0.5 + 1e-12:
             raise RefusedError(
@@ -118,7 +118,7 @@ class Material(Definition):
         return min(nu, 0.5)
 
     def _resolved(self, elastic: Elastic) -> Behaviour:
-        """What the damping makes of the elastic constants."""
+        """Derive the behaviour from the damping and the elastic constants."""
         if self.damping is None:
             return Behaviour(*elastic)
         try:
@@ -144,13 +144,13 @@ class Material(Definition):
         return found
 
     def to_dict(self) -> dict[str, Any]:
-        """The material as it was given, in the words of the case file."""
+        """Return the material as it was given, in the words of the case file."""
         given = {name: plain_value(value) for name, value in self._given.items()}
         return {name: given.get(name, value) for name, value in super().to_dict().items()}
 
     @property
     def pending(self) -> bool:
-        """Whether the damping follows from a mode (`MeasuredDamping`) and is known in a built model only."""
+        """Whether the damping follows from a mode (`MeasuredDamping`) and is known only once a model has been built."""
         return self._behaviour.pending
 
     @property
@@ -167,7 +167,7 @@ class Material(Definition):
         return self._behaviour
 
     def with_damping(self, damping: Damping | None, *assumptions: str) -> Material:
-        """The same material with another damping, and sentences about how it was found.
+        """Return the same material with another damping, and sentences about how it was found.
 
         Raises:
             InputError: the damping does not go with the elastic constants.
@@ -189,11 +189,11 @@ class Material(Definition):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """What was assumed of the damping, one sentence each."""
+        """The assumptions about the damping, one sentence each."""
         return self._behaviour.assumptions
 
     def relaxation(self, strain: str) -> RelaxationModulus | None:
-        """The relaxation modulus of "extension" or "shear"; None where only times are known."""
+        """Return the relaxation modulus of "extension" or "shear"; None where only times are known."""
         return self._behaviour.extension if strain == "extension" else self._behaviour.shear
 
     @property

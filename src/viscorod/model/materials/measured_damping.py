@@ -55,7 +55,7 @@ class MeasuredDamping(Damping):
     """Kelvin-Voigt damping that gives one mode of the unloaded model a measured damping ratio.
 
     The times are found when the model is built: the ratio of a mode, phi.D phi/(2 omega phi.M phi), is linear in them.
-    Exact for a model of one material with equal times; to first order in the ratio otherwise.
+    They are exact for a model of one material with equal times, and of first order in the ratio otherwise.
 
     Args:
         ratio: damping ratio of the mode, above 0 and below 1.
@@ -92,12 +92,12 @@ class MeasuredDamping(Damping):
 
     @property
     def target(self) -> float:
-        """The damping ratio that is wanted."""
+        """The damping ratio that the mode should have."""
         if self.ratio is not None:
             return self.ratio
         decrement = self.logarithmic_decrement or 0.0
         return decrement / math.hypot(2.0 * math.pi, decrement)
 
     def behaviour(self, elastic: Elastic) -> Behaviour:
-        """Elastic constants alone: the times are known when the modes are."""
+        """Return the elastic constants alone: the times follow from the modes."""
         return Behaviour(*elastic, math.nan, math.nan, pending=True)

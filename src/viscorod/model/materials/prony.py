@@ -52,7 +52,7 @@ REFERENCES = ("equilibrium", "instantaneous")
 
 
 class Prony(Damping):
-    """RelaxationModulus of the moduli as Prony series: a Maxwell branch for every term.
+    """Relaxation of the moduli as Prony series, with a Maxwell branch for every term.
 
     G(t) = G_inf + sum G_j exp(-t/tau_j), and the same for the bulk modulus K or for Young's modulus. A modulus of a
     term is given as such or as its ratio to the whole modulus. Abaqus and Ansys give ratios to the *instantaneous*
@@ -127,7 +127,7 @@ class Prony(Damping):
         return self
 
     def _terms(self, strain: str) -> bool:
-        """Whether there are terms for a strain; they must be complete."""
+        """Return whether there are terms for a strain; they must be complete."""
         moduli, ratios, times = (getattr(self, f"{strain}_{word}") for word in ("moduli", "ratios", "times"))
         if moduli is None and ratios is None and times is None:
             return False
@@ -174,7 +174,7 @@ class Prony(Damping):
         )
 
     def behaviour(self, elastic: Elastic) -> Behaviour:
-        """Branches of extension and shear: E* = 9 K* G*/(3 K* + G*) by the correspondence principle."""
+        """Return branches of extension and shear: E* = 9 K* G*/(3 K* + G*) by the correspondence principle."""
         extension, shear, bulk, nu = self._relaxations(elastic)
         given = "instantaneous moduli" if self.moduli == "instantaneous" else "equilibrium moduli"
         assumptions = [f"the elastic constants of the material are its {given}"]
@@ -204,7 +204,7 @@ class Prony(Damping):
     def _relaxations(
         self, elastic: Elastic
     ) -> tuple[RelaxationModulus, RelaxationModulus, RelaxationModulus, float]:
-        """RelaxationModulus of Young's, the shear and the bulk modulus; Poisson's ratio at rest."""
+        """Return the relaxation of Young's, the shear and the bulk modulus, and Poisson's ratio at rest."""
         nu = elastic.poissons_ratio
         if self.extension_times is not None:
             extension = self._series("extension", elastic.youngs_modulus)
@@ -238,7 +238,7 @@ class Prony(Damping):
         return extension, shear, bulk, ratio
 
     def _series(self, strain: str, modulus: float) -> RelaxationModulus:
-        """The relaxation modulus of a strain from its terms and the given modulus."""
+        """Return the relaxation modulus of a strain from its terms and the given modulus."""
         times: Series = getattr(self, f"{strain}_times")
         moduli: Series | None = getattr(self, f"{strain}_moduli")
         ratios: Series = getattr(self, f"{strain}_ratios") or ()
@@ -270,14 +270,14 @@ class Prony(Damping):
 
 
 def _bulk(shear: RelaxationModulus, nu: float) -> RelaxationModulus:
-    """The bulk modulus beside a shear modulus at a constant Poisson's ratio."""
+    """Return the bulk modulus that belongs to a shear modulus at a constant Poisson's ratio."""
     if nu == 0.5:
         return RelaxationModulus(math.inf)
     return shear.scaled(2.0 * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu)))
 
 
 def _nearest(shear: RelaxationModulus, bulk: RelaxationModulus, band: tuple[float, float]) -> Behaviour:
-    """The Kelvin-Voigt material whose shear and bulk moduli are nearest over a band."""
+    """Return the Kelvin-Voigt material whose shear and bulk moduli are nearest over a band."""
     omega = band_of(band)
     fit = nearest_kelvin_voigt(omega, shear.complex_modulus(omega))
     if math.isinf(bulk.equilibrium):
@@ -290,7 +290,7 @@ def _nearest(shear: RelaxationModulus, bulk: RelaxationModulus, band: tuple[floa
 
 
 def _extensional_viscosity(found: Behaviour) -> float:
-    """Viscosity in extension, Pa s (LLT 4)."""
+    """Return the viscosity in extension, Pa s (LLT 4)."""
     nu = found.poissons_ratio
     return (
         found.youngs_modulus
@@ -300,7 +300,7 @@ def _extensional_viscosity(found: Behaviour) -> float:
 
 
 def maxwell_branches(extension: RelaxationModulus, shear: RelaxationModulus) -> tuple[Branch, ...]:
-    """Branches of a rod's material: the times of both, each with what it adds to E and to G."""
+    """Merge branches of extension and shear: the times of both, each with its contribution to E and to G."""
     young = dict(zip(extension.times, extension.moduli, strict=True))
     shearing = dict(zip(shear.times, shear.moduli, strict=True))
     return tuple(

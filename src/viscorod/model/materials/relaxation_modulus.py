@@ -1,4 +1,4 @@
-"""RelaxationModulus moduli as Prony series, and the modulus in extension that follows from shear and volume change.
+"""Relaxation moduli as Prony series, and the modulus in extension that follows from shear and volume change.
 
 A generalised Maxwell solid: a spring beside Maxwell branches. With the moduli M_j and relaxation times tau_j
 
@@ -74,7 +74,7 @@ class RelaxationModulus:
 
     @property
     def viscosity(self) -> float:
-        """That of slow motion, sum M_j tau_j, Pa s."""
+        """The viscosity of slow motion, sum M_j tau_j, Pa s."""
         return math.fsum(m * t for m, t in zip(self.moduli, self.times, strict=True))
 
     @property
@@ -83,7 +83,7 @@ class RelaxationModulus:
         return self.viscosity / self.equilibrium
 
     def complex_modulus(self, omega: Floats | float) -> Complexes:
-        """Storage (real part) and loss modulus (imaginary part) at angular frequencies, Pa.
+        """Return storage (real part) and loss modulus (imaginary part) at angular frequencies, Pa.
 
         Args:
             omega: rad/s, of any shape.
@@ -95,7 +95,7 @@ class RelaxationModulus:
         return total
 
     def relaxation_modulus(self, t: Floats | float) -> Floats:
-        """Stress over strain at the times t >= 0 after a strain was suddenly imposed, Pa.
+        """Return stress over strain at the times t >= 0 after a strain was suddenly imposed, Pa.
 
         Args:
             t: s, of any shape.
@@ -105,7 +105,7 @@ class RelaxationModulus:
         return total
 
     def kelvin_voigt_bound(self, omega: Floats, spectrum: Floats) -> float:
-        """Bound of the stress error, Pa, of the Kelvin-Voigt solid of slow motion for a given strain spectrum.
+        """Return a bound of the stress error, Pa, of the Kelvin-Voigt solid of slow motion for a strain spectrum.
 
         (1/2 pi) int ``|eps^(w)|`` sum M_j (tau_j w)^2/sqrt(1 + (tau_j w)^2) dw over both signs of the frequency (Linn,
         Lang and Tuganov 2013, end of section 2.6), by the trapezoidal rule.
@@ -135,14 +135,14 @@ class RelaxationModulus:
         return float(np.trapezoid(spectrum * weight, omega)) / math.pi
 
     def scaled(self, factor: float) -> RelaxationModulus:
-        """The same relaxation of another modulus: all moduli times a positive factor."""
+        """Return the same relaxation of another modulus: all moduli times a positive factor."""
         return RelaxationModulus(
             self.equilibrium * factor, tuple(m * factor for m in self.moduli), self.times
         )
 
 
 def extension_of(shear: RelaxationModulus, bulk: RelaxationModulus) -> RelaxationModulus:
-    """Young's modulus as a Prony series, from the moduli of shear G and volume change K.
+    """Return Young's modulus as a Prony series, from the moduli of shear G and volume change K.
 
     By the correspondence principle E* = 9 K* G*/(3 K* + G*) at every complex frequency. With x = -1/s the moduli are
     K = K_inf + sum K_j tau_j/(tau_j - x), G likewise, and E has the relaxation times T at which 3 K + G vanishes: one
@@ -185,9 +185,9 @@ def extension_of(shear: RelaxationModulus, bulk: RelaxationModulus) -> Relaxatio
 
 
 def _zero(equilibrium: float, moduli: Floats, times: Floats, index: int) -> tuple[float, float]:
-    """The zero above `times[index]` and below the next of M_inf + sum M_j tau_j/(tau_j - x).
+    """Find the zero above `times[index]` and below the next of M_inf + sum M_j tau_j/(tau_j - x).
 
-    It is told as its distance from the nearer of the two times, so that it keeps all its digits however close to it.
+    It is returned as its distance from the nearer of the two times, so that it keeps all digits however close it is.
     """
     from scipy.optimize import brentq
 
@@ -218,7 +218,7 @@ def _zero(equilibrium: float, moduli: Floats, times: Floats, index: int) -> tupl
 
 
 def _at(modulus: RelaxationModulus, origin: float, offset: float) -> tuple[float, float]:
-    """The modulus at x = origin + offset, and the sum of the sizes of its terms."""
+    """Return the modulus at x = origin + offset, and the sum of the sizes of its terms."""
     times, moduli = np.array(modulus.times), np.array(modulus.moduli)
     terms = moduli * times / ((times - origin) - offset)
     return modulus.equilibrium + float(terms.sum()), modulus.equilibrium + float(np.abs(terms).sum())

@@ -1,1 +1,1 @@
-"""Cross sections and how they change along a rod."""
+"""Cross sections and their variation along a rod."""

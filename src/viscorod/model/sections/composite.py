@@ -121,14 +121,14 @@ def _some_regions(value: Any) -> tuple[Any, ...]:
 
 
 class Composite(AnySection):
-    """A section of several materials that stick together, each with its own elasticity, viscosity and density.
+    """A section of several bonded materials, each with its own elasticity, viscosity and density.
 
-    Needs the package sectionproperties: ``pip install 'viscorod[sections]'``. Stiffness by finite elements of
-    Saint-Venant's torsion and flexure with the moduli of every region. Damping is the power that the strains of the
-    elastic section dissipate: eta_E times what a region takes of extension and bending, eta times what it takes of
-    shear and torsion. In extension, bending and torsion this is the first order of the section's complex stiffness
-    in the frequency, since the elastic energy is stationary in the warping; the shear of flexure keeps the
-    distribution of the elastic section. Maxwell branches are taken in the same way.
+    It needs the package sectionproperties: ``pip install 'viscorod[sections]'``. The stiffness comes from finite
+    elements of Saint-Venant's torsion and flexure with the moduli of every region. The damping is the power that the
+    strains of the elastic section dissipate: eta_E times a region's share in extension and bending, eta times its
+    share in shear and torsion. In extension, bending and torsion this is the first order of the section's complex
+    stiffness in the frequency, since the elastic energy is stationary in the warping; the shear of flexure keeps the
+    distribution of the elastic section. Maxwell branches are treated in the same way.
 
     Args:
         regions: the parts, which share edges and do not overlap.
@@ -174,7 +174,7 @@ class Composite(AnySection):
 
     @property
     def _analysis(self) -> SectionAnalysis:
-        """With Poisson's ratio of the regions, or the mean EA/2GA - 1 where they differ."""
+        """The analysis with Poisson's ratio of the regions, or the mean EA/2GA - 1 where they differ."""
         youngs, shear = self._moduli
         nu = self._materials[0].poissons_ratio if self._one_ratio else self._mean_ratio
         return analysed(self._polygons, youngs, shear, nu, self.mesh_size)
@@ -205,7 +205,7 @@ class Composite(AnySection):
         return reach(self._polygons, self.centres.origin)
 
     def remarks(self) -> tuple[str, ...]:
-        """The mesh and its error; what is neglected where Poisson's ratios differ."""
+        """Describe the mesh and its error, and the neglected effects where Poisson's ratios differ."""
         mesh = meshed_remark(self._analysis)
         if self._one_ratio:
             return (mesh,)
@@ -216,7 +216,7 @@ class Composite(AnySection):
         )
 
     def matrices(self, material: Material | None = None) -> Matrices:
-        """Stiffness C, damping D and inertia M per length, (6, 6) each.
+        """Return stiffness C, damping D and inertia M per length, (6, 6) each.
 
         C = sum E_m C_E,m + G_m C_G,m, D = sum eta_E,m C_E,m + eta_m C_G,m over the regions. A material with Maxwell
         branches adds nothing to D; its viscosity is in the :meth:`branch_matrices`.
@@ -238,7 +238,7 @@ class Composite(AnySection):
         return stiffness, damping, np.tensordot(density, found.inertia, 1)
 
     def branch_matrices(self, material: Material | None = None) -> Branches:
-        """Maxwell branches: times (n,), s, and E_j C_E,m + G_j C_G,m (n, 6, 6) of every material's branches.
+        """Return Maxwell branches: times (n,), s, and E_j C_E,m + G_j C_G,m (n, 6, 6) of every material's branches.
 
         Branches of the same time become one. The strains are those of the section at its equilibrium moduli.
         """

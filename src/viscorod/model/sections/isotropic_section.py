@@ -1,4 +1,4 @@
-"""Cross sections of one isotropic material: what they have in common, and the section given by its numbers.
+"""Cross sections of one isotropic material: their base class, and the section given by its numbers.
 
 The section lies in the plane of d1 and d2, its principal axes; widths are along d1, heights along d2.
 ``I1 = <xi2^2>`` resists bend_1 (about d1), ``I2 = <xi1^2>`` resists bend_2 (about d2).
@@ -25,18 +25,18 @@ class MaterialSection(AnySection):
 
     @abstractmethod
     def moments(self) -> tuple[float, float, float]:
-        """Area A (m^2) and second moments I1 = <xi2^2>, I2 = <xi1^2> (m^4)."""
+        """Return the area A (m^2) and second moments I1 = <xi2^2>, I2 = <xi1^2> (m^4)."""
 
     @abstractmethod
     def torsion(self) -> float:
-        """Saint-Venant's torsion constant J, m^4."""
+        """Return Saint-Venant's torsion constant J, m^4."""
 
     @abstractmethod
     def shear_factors(self, poissons_ratio: float) -> tuple[float, float]:
-        """The factors k1, k2 of the shear stiffnesses k1 G A and k2 G A."""
+        """Return the factors k1, k2 of the shear stiffnesses k1 G A and k2 G A."""
 
     def geometry(self, poissons_ratio: float) -> Matrices:
-        """What the shape alone gives: C_E (m^2, m^4), C_G (likewise) and inertia per density, (6, 6) each.
+        """Return C_E (m^2, m^4), C_G (likewise) and inertia per density, which follow from the shape, (6, 6) each.
 
         C_E = diag(0, 0, A, I1, I2, 0), C_G = diag(k1 A, k2 A, 0, 0, 0, J) and diag(A, A, A, I1, I2, I1 + I2)
         (Linn, Lang and Tuganov 2013, equations 3-5), about the centre of the section and its principal axes.
@@ -49,7 +49,7 @@ class MaterialSection(AnySection):
         return extensional, shearing, inertia
 
     def matrices(self, material: Material | None = None) -> Matrices:
-        """Stiffness C, damping D and inertia M per length, (6, 6) each.
+        """Return stiffness C, damping D and inertia M per length, (6, 6) each.
 
         C = E C_E + G C_G, D = eta_E C_E + eta C_G and M = density times the inertia of the :meth:`geometry`.
         The order is (shear_1, shear_2, stretch, bend_1, bend_2, twist) in C (N, N m^2) and D (N s, N m^2 s),
@@ -68,7 +68,7 @@ class MaterialSection(AnySection):
         return stiffness, damping, material.density * inertia
 
     def branch_matrices(self, material: Material | None = None) -> Branches:
-        """Maxwell branches: relaxation times (n,), s, and their stiffnesses E_j C_E + G_j C_G (n, 6, 6).
+        """Return Maxwell branches: relaxation times (n,), s, and their stiffnesses E_j C_E + G_j C_G (n, 6, 6).
 
         Raises:
             InputError: there is no material.
@@ -82,7 +82,7 @@ class MaterialSection(AnySection):
 
 
 def required(material: Material | None) -> Material:
-    """`material`, or an `InputError` where there is none."""
+    """Return `material`, or raise an `InputError` where there is none."""
     if material is None:
         raise InputError(
             Fault("material", "", "this section needs one for its stiffness and mass", "add material")
@@ -111,14 +111,14 @@ class SectionProperties(MaterialSection):
     shear_factor_2: Positive = 1.0
 
     def moments(self) -> tuple[float, float, float]:
-        """The given area and second moments, m^2 and m^4."""
+        """Return the given area and second moments, m^2 and m^4."""
         return self.area, self.second_moment_1, self.second_moment_2
 
     def torsion(self) -> float:
-        """The given torsion constant, m^4."""
+        """Return the given torsion constant, m^4."""
         return self.torsion_constant
 
     def shear_factors(self, poissons_ratio: float) -> tuple[float, float]:
-        """The given shear factors, whatever Poisson's ratio is."""
+        """Return the given shear factors, whatever Poisson's ratio is."""
         del poissons_ratio
         return self.shear_factor_1, self.shear_factor_2

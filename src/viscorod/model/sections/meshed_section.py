@@ -1,4 +1,4 @@
-"""From the analysis of a section to 6x6 matrices about the line and along the axes that the user wants.
+"""6x6 matrices of an analysed section about the centre line and along the axes that the user wants.
 
 A strain eps' = (Gamma', kappa') taken about the point p of the section and along axes turned by the angle a is the
 same deformation as eps about the origin along the first axes. With R = [d1' d2' d3'] in components of d1, d2, d3,
@@ -39,7 +39,7 @@ class SectionPoints:
     """Points of a section in the coordinates in which its outline was given, m.
 
     Attributes:
-        origin: where the rod's centre line goes through the section.
+        origin: point where the rod's centre line passes through the section.
         tension_centre: where an axial force stretches without bending; the centroid, weighted by E.
         shear_centre: where a shear force bends without twist (Trefftz).
         mass_centre: weighted by density.
@@ -55,7 +55,7 @@ class SectionPoints:
 
 @dataclass(frozen=True)
 class Parts:
-    """What every region of a section gives per modulus or density, (r, 6, 6) each.
+    """The matrices of every region of a section per modulus or density, (r, 6, 6) each.
 
     C = sum (E_m extensional_m + G_m shearing_m), M = sum rho_m inertia_m.
     """
@@ -75,7 +75,7 @@ def parts(
     origin: str,
     axes: str,
 ) -> Parts:
-    """The matrices of every region about the wanted origin and axes.
+    """Return the matrices of every region about the wanted origin and axes.
 
     Args:
         analysis: of regions with these moduli.
@@ -123,7 +123,7 @@ def parts(
 
 
 def moved(matrix: Floats, offset: Floats, angle: float) -> Floats:
-    """C' = X^T C X about the point `offset` (2,), m, along axes turned by `angle`, rad; see the module.
+    """Return C' = X^T C X about the point `offset` (2,), m, along axes turned by `angle`, rad; see the module.
 
     Args:
         matrix: symmetric (..., 6, 6) about the origin: stiffness, damping or inertia.
@@ -141,7 +141,7 @@ def moved(matrix: Floats, offset: Floats, angle: float) -> Floats:
 
 
 def meshed_remark(analysis: SectionAnalysis) -> str:
-    """One sentence on the mesh and its error."""
+    """Return one sentence on the mesh and its error."""
     error = (
         ""
         if math.isnan(analysis.error)
@@ -154,7 +154,7 @@ def meshed_remark(analysis: SectionAnalysis) -> str:
 
 
 def reach(polygons: Sequence[Polygon], origin: Sequence[float]) -> float:
-    """Largest distance of a corner from the origin, m."""
+    """Return the largest distance of a corner from the origin, m."""
     every = np.array([corner for outline, _ in polygons for corner in outline])
     return float(np.hypot(*(every - np.array(origin)).T).max())
 
@@ -169,7 +169,7 @@ def _pair(point: Floats) -> tuple[float, float]:
 
 
 def _extensional(moments: Floats) -> Floats:
-    """Int h h^T with e33 = h.eps, h = (0, 0, 1, y, -x, 0)."""
+    """Return int h h^T with e33 = h.eps, h = (0, 0, 1, y, -x, 0)."""
     area, x, y, xx, yy, xy = moments.T
     matrix = np.zeros((len(moments), 6, 6))
     matrix[:, 2:5, 2:5] = np.moveaxis(np.array([[area, y, -x], [y, yy, -xy], [-x, -xy, xx]]), -1, 0)
@@ -183,7 +183,7 @@ def _shearing(held: Floats) -> Floats:
 
 
 def _inertia(moments: Floats) -> Floats:
-    """Int P^T P with the velocity P (v, w) = v + w x xi of a point."""
+    """Return int P^T P with the velocity P (v, w) = v + w x xi of a point."""
     area, x, y, xx, yy, xy = moments.T
     zero = np.zeros_like(area)
     rows = [

@@ -29,7 +29,7 @@ __all__ = ["PolygonSection"]
 class PolygonSection(MaterialSection):
     """A section with any outline, of one material; torsion and shear by finite elements.
 
-    Needs the package sectionproperties: ``pip install 'viscorod[sections]'``. The shear stiffness is that of the
+    It needs the package sectionproperties: ``pip install 'viscorod[sections]'``. The shear stiffness is that of the
     strain energy of Saint-Venant's flexure, which depends on Poisson's ratio and on the proportions (for nu = 0 it
     agrees with Cowper's factors).
 
@@ -53,7 +53,7 @@ class PolygonSection(MaterialSection):
     def from_geometry(
         cls, geometry: Any, *, origin: str = "centroid", axes: str = "given", mesh_size: float | None = None
     ) -> Self:
-        """The outline of a geometry of the library sectionproperties, such as its steel sections; lengths in m.
+        """Take the outline of a geometry of the library sectionproperties, such as a steel section; lengths in m.
 
         Args:
             geometry: a `sectionproperties.pre.Geometry` of one region.
@@ -96,7 +96,7 @@ class PolygonSection(MaterialSection):
         return (polygon(self.points, self.holes),)
 
     def _analysis(self, nu: float) -> SectionAnalysis:
-        """With G = 1 and E = 2 (1 + nu): only their ratio to other regions would matter."""
+        """Analyse the section with G = 1 and E = 2 (1 + nu): only their ratio to other regions would matter."""
         return analysed(self._polygons, (2.0 * (1.0 + nu),), (1.0,), nu, self.mesh_size)
 
     def _parts(self, nu: float) -> Parts:
@@ -114,27 +114,27 @@ class PolygonSection(MaterialSection):
         return reach(self._polygons, self.centres.origin)
 
     def remarks(self) -> tuple[str, ...]:
-        """The mesh and its error."""
+        """Describe the mesh and its error."""
         return (meshed_remark(self._analysis(0.0)),)
 
     def moments(self) -> tuple[float, float, float]:
-        """Area (m^2) and second moments I1 = <xi2^2>, I2 = <xi1^2> (m^4) about the centre line."""
+        """Return the area (m^2) and second moments I1 = <xi2^2>, I2 = <xi1^2> (m^4) about the centre line."""
         extensional, _, _ = self.geometry(0.0)
         return float(extensional[2, 2]), float(extensional[3, 3]), float(extensional[4, 4])
 
     def torsion(self) -> float:
-        """Saint-Venant's torsion constant J, m^4."""
+        """Return Saint-Venant's torsion constant J, m^4."""
         analysis = self._analysis(0.0)
         return float(1.0 / analysis.strains[0, 2, 2])
 
     def shear_factors(self, poissons_ratio: float) -> tuple[float, float]:
-        """k1, k2 of the shear stiffnesses without twist about the centre line, k1 G A and k2 G A."""
+        """Return k1, k2 of the shear stiffnesses without twist about the centre line, k1 G A and k2 G A."""
         extensional, shearing, _ = self.geometry(poissons_ratio)
         area = extensional[2, 2]
         return float(shearing[0, 0] / area), float(shearing[1, 1] / area)
 
     def geometry(self, poissons_ratio: float) -> Matrices:
-        """What the shape alone gives: C_E (m^2 to m^4), C_G (likewise) and inertia per density, (6, 6) each.
+        """Return C_E (m^2 to m^4), C_G (likewise) and inertia per density, which follow from the shape, (6, 6) each.
 
         About the centre line, with the couplings of a tension centre and a shear centre beside it.
         """

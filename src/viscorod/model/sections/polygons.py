@@ -1,4 +1,4 @@
-"""Outlines of cross sections as polygons: what is accepted, and the polygons of the simple shapes."""
+"""Outlines of cross sections as polygons: their checks, and the polygons of the simple shapes."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ Polygon: TypeAlias = tuple[Ring, tuple[Ring, ...]]
 Points: TypeAlias = Sequence[Sequence[float]]
 
 SIDES = 96
-"""Sides of the polygon that stands for an ellipse: same area, second moments within (2 pi/96)^4/180 < 1e-7."""
+"""Sides of the polygon that approximates an ellipse: same area, second moments within (2 pi/96)^4/180 < 1e-7."""
 
 
 def library() -> tuple[Any, Any]:
-    """The modules shapely and sectionproperties.pre.pre, imported when a section first needs them.
+    """Return the modules shapely and sectionproperties.pre.pre, imported when a section first needs them.
 
     Raises:
         RefusedError: they are not installed.
@@ -58,7 +58,7 @@ def library() -> tuple[Any, Any]:
 
 
 def corners(value: Any) -> Ring:
-    """`value` as the corners of a closed polygon; a last corner that repeats the first is left out."""
+    """Return `value` as the corners of a closed polygon; a last corner that repeats the first is left out."""
     ring = each(value, pair)
     if len(ring) > 1 and ring[0] == ring[-1]:
         ring = ring[:-1]
@@ -76,7 +76,7 @@ def corners(value: Any) -> Ring:
 
 
 def rings(value: Any) -> tuple[Ring, ...]:
-    """`value` as a list of closed polygons."""
+    """Return `value` as a list of closed polygons."""
     return each(value, corners)
 
 
@@ -85,7 +85,7 @@ Holes = Annotated[Sequence[Points], PlainValidator(rings)]
 
 
 def polygon(points: Points, holes: Sequence[Points]) -> Polygon:
-    """Checked corners and holes (fields of the types above hold tuples) as a polygon."""
+    """Return checked corners and holes (fields of the types above hold tuples) as a polygon."""
     return cast(Ring, points), cast(tuple[Ring, ...], holes)
 
 
@@ -93,7 +93,7 @@ def refuse_improper(shape: Polygon) -> None:
     """Refuse outlines and holes that cross themselves, and holes outside the outline or in one another.
 
     Raises:
-        RefusedError: what is wrong and where.
+        RefusedError: with the fault and its position.
     """
     shapely, _ = library()
     outline, holes = shape
@@ -118,7 +118,7 @@ def refuse_improper(shape: Polygon) -> None:
 
 
 def _area(shapely: Any, ring: Ring, name: str, at: tuple[str | int, ...]) -> Any:
-    """The area inside a ring, as the library's polygon, scaled to a size of 1."""
+    """Return the area inside a ring, as the library's polygon, scaled to a size of 1."""
     points = np.array(ring)
     size = float(np.ptp(points, axis=0).max())
     shape = shapely.Polygon((points - points.mean(axis=0)) / size)
@@ -141,7 +141,7 @@ def _area(shapely: Any, ring: Ring, name: str, at: tuple[str | int, ...]) -> Any
 
 
 def polygon_of(shape: AnySection) -> Polygon:
-    """The polygon of a simple shape about its centre.
+    """Return the polygon of a simple shape about its centre.
 
     An ellipse becomes a polygon of 96 sides of the same area. For a regular polygon of n sides and the area of
     the circle the second moment is too large by the fraction (2 pi/n)^4/180 only.
@@ -194,7 +194,7 @@ def _ellipse(a: float, b: float) -> Ring:
 
 
 def placed(shape: Polygon, at: Sequence[float], angle: float) -> Polygon:
-    """The polygon turned by `angle` (rad, from d1 towards d2) about the origin, then moved by `at` (m)."""
+    """Return the polygon turned by `angle` (rad, from d1 towards d2) about the origin, then moved by `at` (m)."""
     turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
 
     def moved(ring: Ring) -> Ring:
@@ -206,7 +206,7 @@ def placed(shape: Polygon, at: Sequence[float], angle: float) -> Polygon:
 
 
 def polygon_area(shape: Polygon) -> float:
-    """Area without the holes, m^2 (the trapezoids under the edges)."""
+    """Return the area without the holes, m^2 (the trapezoids under the edges)."""
 
     def inside(ring: Ring) -> float:
         x, y = np.array(ring).T

@@ -26,8 +26,8 @@ stiffness. K P_m K is the part of the stiffness that material m holds, per its s
 offset is in the couplings. Forces in proportion to their shares (extension, bending: the moments of the regions)
 then give damping and Maxwell branches of the section as sums over its materials.
 
-Why not the library's own warping analysis: it weights shear with Young's modulus and one mean Poisson's ratio, and
-tells the sum over all materials only. For one material both agree (tests/unit/test_composite_sections.py).
+The library's own warping analysis is not used: it weights shear with Young's modulus and one mean Poisson's ratio, and
+returns only the sum over all materials. For one material both agree (tests/unit/test_composite_sections.py).
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ ENOUGH = 10_000
 
 @dataclass(frozen=True)
 class SectionAnalysis:
-    """What the shape and the ratios of the moduli give, about the tension centre and along the given axes.
+    """Results that follow from the shape and the ratios of the moduli, about the tension centre along the given axes.
 
     Attributes:
         centre: tension centre (2,), where an axial force stretches without bending, in the given coordinates, m.
@@ -125,7 +125,7 @@ def _mesh(polygons: tuple[Polygon, ...], side: float) -> SectionMesh:
 
 
 def area_moments(mesh: SectionMesh, about: Floats) -> Floats:
-    """Int of 1, x, y, x^2, y^2, x y over every region (r, 6) about a point (2,)."""
+    """Integrate 1, x, y, x^2, y^2, x y over every region (r, 6) about a point (2,)."""
     rule = _Rule(mesh, about)
     x, y = rule.x, rule.y
     parts = np.stack([np.ones_like(x), x, y, x**2, y**2, x * y], axis=-1)
@@ -135,7 +135,7 @@ def area_moments(mesh: SectionMesh, about: Floats) -> Floats:
 
 
 def shear_shares(mesh: SectionMesh, about: Floats, youngs: Floats, shear: Floats, nu: float) -> Floats:
-    """The strains P of every region (r, 3, 3) under unit forces and torque at the point `about`; see the module.
+    """Return the strains P of every region (r, 3, 3) under unit forces and torque at the point `about`; see the module.
 
     `about` is the tension centre. Lengths are scaled by the size of the section inside, moduli by the largest.
     """
@@ -199,7 +199,7 @@ class _Rule:
 
 
 def _solved(rule: _Rule, modulus: Floats, load: Floats) -> Floats:
-    """Warping (n, k) for the element loads (m, 6, k); one node is held, since a constant warping strains nothing."""
+    """Solve for the warping (n, k) under the element loads (m, 6, k), with one node held against constant warping."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.linalg import splu
 
@@ -215,7 +215,7 @@ def _solved(rule: _Rule, modulus: Floats, load: Floats) -> Floats:
 
 
 def _dunavant() -> tuple[Floats, Floats]:
-    """Six points that integrate polynomials of degree 4 over a triangle (Dunavant 1985), in area coordinates."""
+    """Return six points that integrate polynomials of degree 4 over a triangle (Dunavant 1985), in area coordinates."""
     root = math.sqrt(38.0 - 44.0 * math.sqrt(2.0 / 5.0))
     near, far = ((8.0 - math.sqrt(10.0) + sign * root) / 18.0 for sign in (1.0, -1.0))
     big, small = (
@@ -229,7 +229,7 @@ POINTS, WEIGHTS = _dunavant()
 
 
 def _values(points: Floats) -> Floats:
-    """The quadratic shape functions (q, 6) at points in area coordinates (q, 3)."""
+    """Return the quadratic shape functions (q, 6) at points in area coordinates (q, 3)."""
     a, b, c = points.T
     return np.stack(
         [a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * c * a], axis=-1
@@ -237,7 +237,7 @@ def _values(points: Floats) -> Floats:
 
 
 def _slopes(points: Floats) -> Floats:
-    """Derivatives (q, 6, 3) of the shape functions by the area coordinates."""
+    """Return derivatives (q, 6, 3) of the shape functions by the area coordinates."""
     a, b, c = points.T
     zero = np.zeros_like(a)
     return np.stack(

@@ -1,4 +1,4 @@
-"""What all cross sections have in common: matrices per length, and how far they reach from the centre line."""
+"""Base class of cross sections: matrices per length, and the largest distance from the centre line."""
 
 from __future__ import annotations
 
@@ -49,13 +49,13 @@ class AnySection(Definition):
         return None
 
     def remarks(self) -> tuple[str, ...]:
-        """What the user should know about the formulas used for this section."""
+        """Return remarks about the formulas used for this section."""
         return ()
 
     @abstractmethod
     def matrices(self, material: Material | None = None) -> Matrices:
-        """Stiffness C (N, N m, N m^2), damping D (the same times s) and inertia M (kg/m, kg, kg m), (6, 6) each."""
+        """Return stiffness C (N, N m, N m^2), damping D (the same times s), inertia M (kg/m, kg, kg m), (6, 6) each."""
 
     @abstractmethod
     def branch_matrices(self, material: Material | None = None) -> Branches:
-        """Maxwell branches: relaxation times (n,), s, and their stiffnesses (n, 6, 6)."""
+        """Return Maxwell branches: relaxation times (n,), s, and their stiffnesses (n, 6, 6)."""

@@ -81,10 +81,10 @@ def refuse_misfits(polygons: tuple[Polygon, ...]) -> None:
 
 
 def _expected_triangles(shape: Any) -> float:
-    """Number of well-shaped triangles that the thin places of a region of size 1 need.
+    """Return the number of well-shaped triangles that the thin places of a region of size 1 need.
 
-    A place thinner than 2 d is what an opening by d (shrink, then grow) leaves out; its triangles have an area of
-    about d^2. Summed over halved d until nothing is left out.
+    Places thinner than 2 d are those that an opening by d (shrink, then grow) leaves out; their triangles have an
+    area of about d^2. Their number is summed over halved d until nothing is left out.
     """
     expected, d, style = 0.0, 0.25, {"join_style": "mitre", "mitre_limit": 20.0}
     while d > SNAP / 4.0:
@@ -97,7 +97,7 @@ def _expected_triangles(shape: Any) -> float:
 
 
 def first_size(polygons: tuple[Polygon, ...]) -> float:
-    """Side of the triangles of a first mesh, m: half the thickness 2 A/perimeter, at most a tenth of the root of A."""
+    """Return the triangle side of a first mesh, m: half of 2 A/perimeter, at most a tenth of the root of A."""
     shapely, _ = library()
     joined = _joined(polygons)
     shapes, size = [_shape(shapely, rings, joined.corners) for rings in joined.rings], joined.size
@@ -163,7 +163,7 @@ class _Joined:
 
 
 def _joined(polygons: tuple[Polygon, ...]) -> _Joined:
-    """Make corners that are closer than `SNAP` one, and put corners that lie on an edge of a region into it."""
+    """Merge corners that are closer than `SNAP`, and insert corners that lie on an edge of a region into it."""
     every = np.array([corner for outline, _ in polygons for corner in outline])
     low, high = every.min(axis=0), every.max(axis=0)
     middle, size = (low + high) / 2.0, float((high - low).max())
@@ -188,7 +188,7 @@ def _joined(polygons: tuple[Polygon, ...]) -> _Joined:
 
 
 def _index(corner: Floats, found: list[Floats]) -> int:
-    """The index of the corner among those found so far, to which it is added where it is new."""
+    """Return the index of the corner among those found so far; a new one is added."""
     if found:
         distance = np.abs(np.array(found) - corner).max(axis=1)
         nearest = int(distance.argmin())
@@ -213,7 +213,7 @@ def _with_corners_between(ring: list[int], corners: Floats) -> list[int]:
 
 
 def _shape(shapely: Any, rings: list[list[int]], corners: Floats) -> Any:
-    """The library's polygon of a region; None where less than a triangle is left of a ring."""
+    """Return the library's polygon of a region; None where less than a triangle is left of a ring."""
     if any(len(ring) < 3 for ring in rings):
         return None
     return shapely.Polygon(corners[rings[0]], [corners[ring] for ring in rings[1:]])

@@ -1,4 +1,4 @@
-"""How the section goes along a rod: one section, pieces, a taper, or a function of the arc length."""
+"""Variation of the section along a rod: one section, pieces, a taper, or a function of the arc length."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Piece(Definition):
 
 
 def _as_pieces(value: Any) -> list[Any]:
-    """Pairs (until, section) as tables."""
+    """Turn pairs (until, section) into tables."""
     items = sequence(value)
     if not items:
         raise RefusedError("at least one piece is needed", "give pieces with until and section")
@@ -88,7 +88,7 @@ class Piecewise(Definition):
         return self
 
     def at(self, s: float) -> AnySection:
-        """The section at `s`; at a break, the one that starts there."""
+        """Return the section at `s`; at a break, the one that starts there."""
         return next((piece.section for piece in self.pieces if s < piece.until), self.pieces[-1].section)
 
 
@@ -129,7 +129,7 @@ class Taper(Definition):
         return self
 
     def at(self, fraction: float) -> AnySection:
-        """The section at a fraction (0 to 1) of the length."""
+        """Return the section at a fraction (0 to 1) of the length."""
         mixed: dict[str, Any] = {}
         for name in type(self.start).model_fields:
             first, last = getattr(self.start, name), getattr(self.end, name)
@@ -144,7 +144,7 @@ SectionProfile: TypeAlias = AnySection | Piecewise | Taper | Callable[[float], A
 
 
 def section_profile(value: Any) -> SectionProfile:
-    """`value` as a section, pieces, a taper or a function."""
+    """Return `value` as a section, pieces, a taper or a function."""
     if isinstance(value, Piecewise | Taper):
         return value
     if callable(value) and not isinstance(value, Definition | type):

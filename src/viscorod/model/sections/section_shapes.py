@@ -45,11 +45,11 @@ class Shape(MaterialSection):
         return self.moments()[2]
 
     def torsion(self) -> float:
-        """Saint-Venant's torsion constant J, m^4: the given one or the formula's."""
+        """Return Saint-Venant's torsion constant J, m^4: the given one or the formula's."""
         return self._torsion() if self.torsion_constant is None else self.torsion_constant
 
     def shear_factors(self, poissons_ratio: float) -> tuple[float, float]:
-        """The given shear factors, or Cowper's (1966)."""
+        """Return the given shear factors, or Cowper's (1966)."""
         if self.shear_factor_1 is not None and self.shear_factor_2 is not None:
             return self.shear_factor_1, self.shear_factor_2
         k1, k2 = self._cowper(poissons_ratio)
@@ -79,7 +79,7 @@ class Circle(Shape):
     radius: Positive = Field(description="m")
 
     def moments(self) -> tuple[float, float, float]:
-        """A = pi r^2; I1 = I2 = pi r^4/4."""
+        """Return A = pi r^2; I1 = I2 = pi r^4/4."""
         area = math.pi * self.radius**2
         second_moment = math.pi * self.radius**4 / 4.0
         return area, second_moment, second_moment
@@ -124,7 +124,7 @@ class Annulus(Shape):
         return self
 
     def moments(self) -> tuple[float, float, float]:
-        """A = pi (R^2 - r^2); I1 = I2 = pi (R^4 - r^4)/4."""
+        """Return A = pi (R^2 - r^2); I1 = I2 = pi (R^4 - r^4)/4."""
         area = math.pi * (self.outer_radius - self.inner_radius) * (self.outer_radius + self.inner_radius)
         second_moment = area * (self.outer_radius**2 + self.inner_radius**2) / 4.0
         return area, second_moment, second_moment
@@ -160,7 +160,7 @@ class Rectangle(Shape):
     height: Positive = Field(description="along d2, m")
 
     def moments(self) -> tuple[float, float, float]:
-        """A = width height; I1 = width height^3/12; I2 = height width^3/12."""
+        """Return A = width height; I1 = width height^3/12; I2 = height width^3/12."""
         area = self.width * self.height
         return area, self.width * self.height**3 / 12.0, self.height * self.width**3 / 12.0
 
@@ -170,7 +170,7 @@ class Rectangle(Shape):
         return math.hypot(self.width, self.height) / 2.0
 
     def _torsion(self) -> float:
-        """Timoshenko-Goodier: J = a b^3 [1/3 - 64/pi^5 b/a sum tanh(n pi a/2b)/n^5], a >= b, odd n.
+        """Return J = a b^3 [1/3 - 64/pi^5 b/a sum tanh(n pi a/2b)/n^5], a >= b, odd n (Timoshenko-Goodier).
 
         With tanh(x/2) = 1 - 2 exp(-x)/(1 + exp(-x)) and sum 1/n^5 = 31/32 zeta(5) the remaining sum converges
         like exp(-n pi a/b).
@@ -201,7 +201,7 @@ class Ellipse(Shape):
     semi_axis_2: Positive = Field(description="along d2, m")
 
     def moments(self) -> tuple[float, float, float]:
-        """A = pi a b; I1 = pi a b^3/4 with b along d2; I2 = pi a^3 b/4 with a along d1."""
+        """Return A = pi a b; I1 = pi a b^3/4 with b along d2; I2 = pi a^3 b/4 with a along d1."""
         area = math.pi * self.semi_axis_1 * self.semi_axis_2
         return area, area * self.semi_axis_2**2 / 4.0, area * self.semi_axis_1**2 / 4.0
 
@@ -250,7 +250,7 @@ class SquareTube(Shape):
         return self
 
     def moments(self) -> tuple[float, float, float]:
-        """A = 4 t (w - t); I1 = I2 = (w^4 - h^4)/12 with the hole's width h."""
+        """Return A = 4 t (w - t); I1 = I2 = (w^4 - h^4)/12 with the hole's width h."""
         area = 4.0 * self.thickness * (self.width - self.thickness)
         hole = self.width - 2.0 * self.thickness
         second_moment = area * (self.width**2 + hole**2) / 12.0
@@ -262,7 +262,7 @@ class SquareTube(Shape):
         return self.width / math.sqrt(2.0)
 
     def remarks(self) -> tuple[str, ...]:
-        """A warning for thick walls."""
+        """Warn of thick walls."""
         if self.thickness <= 0.1 * self.width or self.torsion_constant is not None:
             return ()
         return (
@@ -279,5 +279,5 @@ class SquareTube(Shape):
 
 
 def _cowper_ellipse(n: float, nu: float) -> float:
-    """Cowper's factor for shear along the semi-axis a, n = (a/b)^2."""
+    """Return Cowper's factor for shear along the semi-axis a, n = (a/b)^2."""
     return 12.0 * (1.0 + nu) * n * (3.0 * n + 1.0) / ((40.0 + 37.0 * nu) * n**2 + (16.0 + 10.0 * nu) * n + nu)

@@ -35,11 +35,11 @@ PLAIN_WORDS = {
 """The strains for a sentence."""
 
 ROUND_OFF = 1e-12
-"""Relative size below which an eigenvalue of a matrix scaled to a unit diagonal cannot be told from zero."""
+"""Relative size below which an eigenvalue of a matrix scaled to a unit diagonal cannot be distinguished from zero."""
 
 
 def symmetric(value: Any, words: tuple[str, ...]) -> Matrix:
-    """`value`, six numbers (a diagonal) or six rows of six, as a symmetric matrix."""
+    """Return `value`, six numbers (a diagonal) or six rows of six, as a symmetric matrix."""
     rows = sequence(value)
     if len(rows) != 6:
         raise RefusedError(
@@ -75,8 +75,8 @@ def refuse_indefinite(
         matrix: symmetric.
         words: names of its rows.
         zero_allowed: whether a semi-definite matrix is accepted.
-        meaning: what the matrix must do, as the beginning of a sentence.
-        otherwise: what the motions of the eigenvector would do, such as "would create energy".
+        meaning: the requirement on the matrix, as the beginning of a sentence.
+        otherwise: the effect of the motions of the eigenvector, such as "would create energy".
     """
     array = np.array(matrix)
     diagonal = np.diag(array)
@@ -129,7 +129,7 @@ def _in_words(direction: Floats, words: Sequence[str]) -> str:
 
 
 def _plain(words: Sequence[str]) -> str:
-    """The motions as the subject of a sentence: "extension and twist together"."""
+    """Return the motions as the subject of a sentence: "extension and twist together"."""
     names = [PLAIN_WORDS.get(word, word) for word in words]
     if len(names) == 1:
         return f"{names[0]} alone"
@@ -163,7 +163,7 @@ def _damping(value: Any) -> Matrix | None:
 
 
 def _times(value: Any) -> tuple[float, ...] | None:
-    """Six numbers >= 0."""
+    """Check six numbers >= 0."""
     if value is None:
         return None
     times = numbers(value, count=6)
@@ -242,7 +242,7 @@ class StiffnessSection(AnySection):
         return self
 
     def matrices(self, material: Material | None = None) -> Matrices:
-        """Stiffness C, damping D and inertia M per length, (6, 6) each, in the orders of the class.
+        """Return stiffness C, damping D and inertia M per length, (6, 6) each, in the orders of the class.
 
         Raises:
             InputError: there is a material.
@@ -257,7 +257,7 @@ class StiffnessSection(AnySection):
         return stiffness, damping, np.array(self.inertia)
 
     def branch_matrices(self, material: Material | None = None) -> Branches:
-        """Maxwell branches: relaxation times (n,), s, and their stiffnesses (n, 6, 6)."""
+        """Return Maxwell branches: relaxation times (n,), s, and their stiffnesses (n, 6, 6)."""
         del material
         times = np.array([branch.time for branch in self.branches])
         return times, np.array([branch.stiffness for branch in self.branches]).reshape(-1, 6, 6)
