@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -77,8 +76,7 @@ def run_case(
         resume=resume,
         stop=stop,
     )
-    attributes = discrete.attributes | {"doubts": json.dumps(list(doubts))}
-    discrete = replace(discrete, options=options, attributes=attributes, began=time.perf_counter())
+    discrete = discrete.renewed(options, {"doubts": json.dumps(list(doubts))})
     return ANALYSES[type(case.settings)](discrete, case.settings)
 
 

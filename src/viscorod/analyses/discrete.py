@@ -50,6 +50,7 @@ class DiscreteModel:
     Attributes:
         model: that was discretised, with the times of all its materials known.
         problem: its frozen arrays.
+        formulation: its words in ``FORMULATIONS``, with those of its damping.
         system, supports: the formulation and the supports that solvers work on.
         static: finds equilibria.
         attributes: of every result: where it comes from and what its materials are.
@@ -59,6 +60,7 @@ class DiscreteModel:
 
     model: ModelDescription
     problem: Problem
+    formulation: tuple[str, str]
     system: System
     supports: SupportState
     static: StaticSolver
@@ -101,10 +103,30 @@ class DiscreteModel:
             announce_formulation(joint_forces if problem.joints.count else add_held_strains)
         if problem.relaxing:
             announce_formulation(remember)
-        system = FORMULATIONS[formulation or ("geometric", "full")](problem)
-        supports = SupportState(problem)
+        return cls._begun(known, problem, formulation or ("geometric", "full"), attributes, options)
+
+    @classmethod
+    def _begun(
+        cls,
+        model: ModelDescription,
+        problem: Problem,
+        formulation: tuple[str, str],
+        attributes: dict[str, str],
+        options: CallOptions,
+    ) -> DiscreteModel:
+        system, supports = FORMULATIONS[formulation](problem), SupportState(problem)
         static = StaticSolver(system, supports)
-        return cls(known, problem, system, supports, static, attributes, options, time.perf_counter())
+        began = time.perf_counter()
+        return cls(model, problem, formulation, system, supports, static, attributes, options, began)
+
+    def renewed(self, options: CallOptions, attributes: dict[str, str]) -> DiscreteModel:
+        """Return the same problem with solvers that have not been used: they keep stresses from one use to the next.
+
+        Args:
+            options: of the next call.
+            attributes: of its result, beside those that are there.
+        """
+        return self._begun(self.model, self.problem, self.formulation, self.attributes | attributes, options)
 
     def require_independent(self) -> None:
         """Refuse conditions that others imply already: joints, held strains and supports that hold the same.
