@@ -635,7 +635,7 @@ def test_exudyn_itself():
         ratio, frequency, dropped = _exudyn_cantilever(exudyn)
     assert ratio == pytest.approx(math.pi * frequency * TAU_E, rel=0.01)
     assert dropped, (
-        "ObjectBeamGeometricallyExact now keeps dampingMatrix: correct the note in programs/exudyn.py"
+        "ObjectBeamGeometricallyExact now keeps dampingMatrix: correct the note in inputs/damping_matrices.py"
     )
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Self
 
 import numpy as np
 
@@ -14,8 +13,6 @@ from viscorod.programs.inputs.program_inputs import (
     ProgramInputs,
     Recovered,
     SectionData,
-    checked_options,
-    listed,
     number_text,
 )
 from viscorod.typing import Floats
@@ -35,33 +32,24 @@ class PyElastica(ProgramInputs):
     constant: float
     frequency: float
 
-    program: ClassVar[str] = "pyelastica"
-    title: ClassVar[str] = "PyElastica"
-    meaning: ClassVar[str] = (
-        "velocities decay as exp(-constant t), whatever the strains do: damping by the mass"
-    )
-    words: ClassVar[tuple[str, ...]] = ("uniform_damping_constant",)
-    options: ClassVar[tuple[str, ...]] = ("frequency",)
-    sources: ClassVar[tuple[str, ...]] = (
+    program = "pyelastica"
+    title = "PyElastica"
+    meaning = "velocities decay as exp(-constant t), whatever the strains do: damping by the mass"
+    words = ("uniform_damping_constant",)
+    options = ("frequency",)
+    sources = (
         "GazzolaLab/PyElastica: elastica/dissipation.py, AnalyticalLinearDamper (package pyelastica 1.0.0)",
     )
+    notes = (
+        "the older keyword damping_constant turns angular velocities down by exp(-constant m/J t), which depends on "
+        "the unit of length: take uniform_damping_constant",
+    )
 
     @classmethod
-    def from_section(cls, data: SectionData, **options: float) -> Self:
-        """The constant tau omega^2 with the time of bending, so that the ratio constant/(2 omega) is tau omega/2."""
-        (frequency,) = checked_options(cls, options)
-        return cls(float(data.times[3:5].mean()) * (2.0 * math.pi * frequency) ** 2, frequency)
-
-    @classmethod
-    def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
-        """One number."""
-        del data
-        return cls(*listed(cls, numbers), *checked_options(cls, options))
-
-    @property
-    def numbers(self) -> tuple[float, ...]:
-        """The constant."""
-        return (self.constant,)
+    def _numbers(cls, data: SectionData, options: Sequence[float], /) -> Sequence[float]:
+        """Return tau omega^2 with the time of bending, so that the ratio constant/(2 omega) is tau omega/2."""
+        (frequency,) = options
+        return [float(data.times[3:5].mean()) * (2.0 * math.pi * frequency) ** 2]
 
     @property
     def time(self) -> float:
@@ -98,15 +86,6 @@ class PyElastica(ProgramInputs):
             "that frequency has the "
             f"ratio {ratio / 10.0:.3g} instead of {ratio * 10.0:.3g}",
             "the ratio of bending is used; stretch, shear and twist get the same constant",
-        )
-
-    def warnings(self, data: SectionData) -> tuple[str, ...]:
-        """The older keyword."""
-        del data
-        return (
-            "the older keyword damping_constant turns angular velocities down by exp(-constant m/J t), "
-            "which depends on the "
-            "unit of length: take uniform_damping_constant",
         )
 
     def recovered(self, data: SectionData, poissons_ratio: float | None = None) -> Recovered:

@@ -4,19 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.materials.material import Material
-from viscorod.programs.inputs.program_inputs import (
-    ProgramInputs,
-    SectionData,
-    checked_options,
-    listed,
-    number_text,
-)
+from viscorod.programs.inputs.program_inputs import ProgramInputs, SectionData, number_text
 from viscorod.programs.times import symmetric_damping
 from viscorod.typing import Floats
 
@@ -37,36 +31,25 @@ class SoRoSim(ProgramInputs):
     youngs_modulus: float
     shear_modulus: float
 
-    program: ClassVar[str] = "sorosim"
-    title: ClassVar[str] = "SoRoSim"
-    meaning: ClassVar[str] = (
-        "damping matrix Eta diag(Ix, 3 Iy, 3 Iz, 3 A, A, A): extension has 3 Eta, as for nu = 1/2"
-    )
-    words: ClassVar[tuple[str, ...]] = ("Eta",)
-    sources: ClassVar[tuple[str, ...]] = (
+    program = "sorosim"
+    title = "SoRoSim"
+    meaning = "damping matrix Eta diag(Ix, 3 Iy, 3 Iz, 3 A, A, A): extension has 3 Eta, as for nu = 1/2"
+    words = ("Eta",)
+    sources = (
         "Ikhlas-Ben-Hmida/SoRoSim: SoRoSim Live/SorosimTwist files/MEG.m (Ix = Iy + Iz)",
         "SoRoSim/SoRoSim: Differentiable_SoRoSim/SorosimLink_files/SorosimLink.m (Eta, Pa s)",
     )
 
     @classmethod
-    def from_section(cls, data: SectionData, **options: float) -> Self:
-        """Eta = eta_E/3: bending and stretching as they are, since slender rods bend."""
-        checked_options(cls, options)
-        material = _material(cls, data)
-        return cls(material.extensional_viscosity / 3.0, material.youngs_modulus, material.shear_modulus)
+    def _numbers(cls, data: SectionData, _: Sequence[float], /) -> Sequence[float]:
+        """Return Eta = eta_E/3, which keeps bending and stretching as they are, since slender rods bend."""
+        return [_material(cls, data).extensional_viscosity / 3.0]
 
     @classmethod
-    def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
-        """One number."""
-        checked_options(cls, options)
+    def _of(cls, numbers: Sequence[float], data: SectionData, _: Sequence[float], /) -> Self:
         material = _material(cls, data)
-        (eta,) = listed(cls, numbers)
+        (eta,) = numbers
         return cls(eta, material.youngs_modulus, material.shear_modulus)
-
-    @property
-    def numbers(self) -> tuple[float, ...]:
-        """Eta."""
-        return (self.eta,)
 
     @property
     def times(self) -> Floats:
@@ -115,13 +98,11 @@ class SoRoSim(ProgramInputs):
 class SoRoMoX(SoRoSim):
     """The material damping coefficient of a SoRoMoX link; the law is SoRoSim's."""
 
-    program: ClassVar[str] = "soromox"
-    title: ClassVar[str] = "SoRoMoX"
-    meaning: ClassVar[str] = (
-        "damping matrix eta diag(Ix, 3 Iy, 3 Iz, 3 A, A, A): extension has 3 eta, as for nu = 1/2"
-    )
-    words: ClassVar[tuple[str, ...]] = ("material_damping_coefficient",)
-    sources: ClassVar[tuple[str, ...]] = (
+    program = "soromox"
+    title = "SoRoMoX"
+    meaning = "damping matrix eta diag(Ix, 3 Iy, 3 Iz, 3 A, A, A): extension has 3 eta, as for nu = 1/2"
+    words = ("material_damping_coefficient",)
+    sources = (
         "tud-phi/soromox: src/soromox/systems/pcs/pcs.py and gvs/construction.py, damping_operator (package 0.5.0)",
         "tud-phi/soromox: src/soromox/systems/components/cross_sections.py (Ix = Iy + Iz)",
     )
