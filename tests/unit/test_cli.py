@@ -134,7 +134,7 @@ def test_failed_solution_without_anything_to_keep(invoke, solving, tmp_path):
 def test_wrong_input_is_one_message(invoke, command, tmp_path):
     missing = invoke(command, "none.toml")
     assert (missing.exit_code, missing.stderr.count("\n")) == (2, 1)
-    assert missing.stderr.startswith("error: none.toml is no file; name a case file")
+    assert missing.stderr.startswith("error: none.toml is not a file; name a case file")
     (tmp_path / "broken.toml").write_text("rods = [\n")
     broken = invoke(command, "broken.toml")
     assert broken.exit_code == 2

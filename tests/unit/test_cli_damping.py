@@ -191,7 +191,7 @@ def test_beams_of_the_other_program_and_of_cases(invoke, tmp_path):
             ("convert", *MATERIAL, "--shear-time", 1, "--extensional-time", 0.1),
             "the bulk viscosity would be negative",
         ),
-        (("programs", "no.toml"), "no.toml is no file"),
+        (("programs", "no.toml"), "no.toml is not a file"),
         (
             ("programs", "swing.toml", "--rod", "bean"),
             "--rod: bean: the case has no such rod; did you mean beam?",
@@ -204,7 +204,7 @@ def test_beams_of_the_other_program_and_of_cases(invoke, tmp_path):
         (("programs", "swing.toml", "--program", "mujoco"), "segment_length: this program needs it"),
         (
             ("programs", "swing.toml", "--program", "mbdyn", "--segment-length", 0.1),
-            "--segment-length: 0.1: no use for MBDyn; leave it out",
+            "--segment-length: 0.1: not used by MBDyn; leave it out",
         ),
         (
             ("from", "beamdyn", "--numbers", "1,1,1,1,1,1", "--case", "swing.toml", "--frequency", 2),
@@ -221,12 +221,12 @@ def test_beams_of_the_other_program_and_of_cases(invoke, tmp_path):
         ),
         (
             ("from", "pyelastica", "--numbers", "1", "--case", "swing.toml", "--frequency", "1"),
-            "a constant of the mass is no damping of strains",
+            "a mass-proportional constant does not damp strains",
         ),
         (("blade", "blade.dat"), "exactly one of --centreline and --length is needed"),
         (("blade", "blade.dat", "--length", 1, "--centreline", "primary.dat"), "exactly one of --centreline"),
         (("blade", "no.dat", "--length", 1), "the file cannot be read"),
-        (("blade", "swing.toml", "-o", "no/x.json"), "the file cannot be written"),
+        (("blade", "swing.toml", "-o", "no/x.json"), "cannot be written"),
         (("blade", "swing.toml", "-o", "x.dat"), "BeamDyn's blades run along +Z from root to tip"),
     ],
 )

@@ -1,10 +1,9 @@
-"""The commands that compute: run a case, go on with a run that was stopped."""
+"""``viscorod run`` and ``resume``: a case computed, a stopped run continued."""
 
 from __future__ import annotations
 
 import difflib
 import json
-import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -14,7 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from viscorod.cli.terminal import existing, readable_errors
+from viscorod.cli.files import existing, writable
+from viscorod.cli.options import CaseFile, ResultFolder
+from viscorod.cli.terminal import readable_errors
 from viscorod.errors import InputError, SolveError
 
 if TYPE_CHECKING:
@@ -22,29 +23,19 @@ if TYPE_CHECKING:
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
 
-__all__ = ["resume", "run", "writable"]
-
-Output = Annotated[
-    Path | None,
-    typer.Option(
-        "--output", "-o", metavar="DIR", help="Folder for results [default: out/CASE]", show_default=False
-    ),
-]
+__all__ = ["resume", "run"]
 
 
 def run(
-    case: Annotated[
-        Path, typer.Argument(metavar="CASE.toml", help="Case file; `viscorod example` lists some.")
-    ],
-    output: Output = None,
+    case: CaseFile,
+    output: ResultFolder = None,
 ) -> None:
     """Compute a case: print a report, write data and pictures."""
     with readable_errors():
         from viscorod.casefile.case import load_case
 
         loaded = load_case(existing(case))
-        folder = output or Path("out") / case.stem
-        writable(folder)
+        folder = writable(output or Path("out") / case.stem)
         doubts = _doubts(loaded)
         for warning in doubts:
             typer.echo(f"warning: {warning}", err=True)
@@ -52,18 +43,18 @@ def run(
 
 
 def resume(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the run that was stopped.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the stopped run.")],
     case: Annotated[
         Path | None,
         typer.Option(
             "--case",
             metavar="CASE.toml",
-            help="Case file to compare with, if it is elsewhere now",
+            help="Case file to compare with, if it was moved",
             show_default=False,
         ),
     ] = None,
 ) -> None:
-    """Go on with a run that was stopped, where its last checkpoint left it; the result is that of one run."""
+    """Continue a stopped run from its last checkpoint; the result is that of an uninterrupted run."""
     with readable_errors():
         from viscorod.casefile.case import parse_case
         from viscorod.results.files.journal import FOLDER, contents
@@ -89,7 +80,7 @@ def resume(
 
 
 def _require_same(text: str, path: Path) -> None:
-    """Refuse a case file that says something else than the one that the run began with."""
+    """Refuse a case file that differs from the one the run began with."""
     present = path.read_text(encoding="utf-8-sig")
     if present == text:
         return
@@ -133,7 +124,7 @@ def _compute(case: Case, folder: Path, doubts: Sequence[str], *, resume: bool) -
 def _polite_stop() -> Iterator[Callable[[], str]]:
     """Let Ctrl-C, or a request to terminate, end the run after the present step; the second one ends it at once.
 
-    So does the first one where nobody has asked yet: there is no step to finish in an initial equilibrium.
+    So does the first one before the solver has asked: an initial equilibrium has no step to finish.
     """
     reason, listening = "", False
 
@@ -159,17 +150,8 @@ def _polite_stop() -> Iterator[Callable[[], str]]:
             signal.signal(number, handler)
 
 
-def writable(folder: Path) -> None:
-    """Refuse a folder that cannot be written before anything is computed for it."""
-    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
-        raise InputError(
-            f"{folder} cannot be written: {there} is no folder to write in; name another with -o"
-        )
-
-
 def _doubts(case: Case) -> list[str]:
-    """What the user should know before the case is computed."""
+    """Return what the user should know before the case is computed."""
     from viscorod.analyses.check import doubts
     from viscorod.solve.settings import SimulateSettings, SteadySettings
 
@@ -180,7 +162,7 @@ def _doubts(case: Case) -> list[str]:
 
 
 def _write(result: Run | Equilibrium | Steady, folder: Path, doubts: Sequence[str]) -> list[Path]:
-    """Write pictures, and data, with the doubts among its warnings, unless it is there already; returns the files."""
+    """Write pictures, and data with the doubts among its warnings unless it is there already; return the files."""
     from viscorod.results.run import Run
 
     if isinstance(result, Run):

@@ -39,20 +39,20 @@ class Viscous(NamedTuple):
         return self.viscosity / self.modulus
 
     def complex_modulus(self, omega: Floats) -> Complexes:
-        """Storage and loss modulus at angular frequencies [rad/s], Pa."""
+        """Return storage and loss modulus at angular frequencies [rad/s], Pa."""
         total: Complexes = self.modulus + 1j * self.viscosity * np.asarray(omega, dtype=float)
         return total
 
 
 def band_of(band: tuple[float, float]) -> Floats:
-    """Angular frequencies [rad/s] over a band [Hz], evenly spaced in their logarithm, ends included."""
+    """Return angular frequencies [rad/s] over a band [Hz], evenly spaced in their logarithm, ends included."""
     low, high = band
     count = max(2, 1 + math.ceil(PER_DECADE * math.log10(high / low)))
     return 2.0 * math.pi * np.geomspace(low, high, count)
 
 
 def log_weights(omega: Floats) -> Floats:
-    """Weights of increasing frequencies in a mean over their logarithm (trapezoidal rule), with the sum 1."""
+    """Return weights of increasing frequencies in a mean over their logarithm (trapezoidal rule), with the sum 1."""
     if len(omega) == 1:
         return np.ones(1)
     steps = np.diff(np.log(omega))
@@ -64,7 +64,7 @@ def log_weights(omega: Floats) -> Floats:
 
 
 def nearest_kelvin_voigt(omega: Floats, modulus: Complexes) -> Viscous:
-    """The Kelvin-Voigt solid nearest to a complex modulus.
+    """Return the Kelvin-Voigt solid nearest to a complex modulus.
 
     Args:
         omega: increasing angular frequencies (n,), rad/s.
@@ -79,7 +79,7 @@ def nearest_kelvin_voigt(omega: Floats, modulus: Complexes) -> Viscous:
 def nearest_maxwell(
     omega: Floats, modulus: Complexes, per_decade: int, equilibrium: float | None = None
 ) -> RelaxationModulus:
-    """The generalised Maxwell solid nearest to a complex modulus: non-negative least squares over fixed times.
+    """Return the generalised Maxwell solid nearest to a complex modulus: non-negative least squares over fixed times.
 
     The relaxation times go from the inverse of the highest frequency to that of the lowest, half a decade beyond both.
 
@@ -90,7 +90,7 @@ def nearest_maxwell(
         equilibrium: the modulus in equilibrium if it is known, Pa.
 
     Raises:
-        RefusedError: no modulus in equilibrium can be told from the data.
+        RefusedError: the data do not give a modulus in equilibrium.
     """
     from scipy.optimize import nnls
 
@@ -113,7 +113,7 @@ def nearest_maxwell(
         equilibrium, found = float(found[0]), found[1:]
         if equilibrium <= 1e-9 * unit:
             raise RefusedError(
-                "the storage modulus goes on falling with the frequency; no modulus in equilibrium can be told from it",
+                "the storage modulus still falls at the lowest frequencies; it does not give a modulus in equilibrium",
                 "give youngs_modulus, the modulus after a long time (Pa)",
                 found="",
             )
@@ -122,6 +122,9 @@ def nearest_maxwell(
 
 
 def errors(modulus: Complexes, fit: Complexes) -> tuple[Floats, Floats]:
-    """Relative errors of the storage and the loss modulus of a fit; of a vanishing loss modulus over the modulus."""
+    """Return relative errors of the storage and the loss modulus of a fit (n,), (n,).
+
+    That of the loss modulus is over the size of the whole modulus where there is no loss.
+    """
     loss = np.where(modulus.imag > 0.0, modulus.imag, np.abs(modulus))
-    return (fit.real - modulus.real) / modulus.real, (fit.imag - modulus.imag) / loss
+    return fit.real / modulus.real - 1.0, (fit.imag - modulus.imag) / loss

@@ -1,4 +1,4 @@
-"""The damping inputs of other programs, each in a module of its own."""
+"""The damping inputs of other programs, in modules by what the programs take."""
 
 from __future__ import annotations
 
@@ -49,11 +49,11 @@ PROGRAMS: dict[str, type[ProgramInputs]] = {
         PyElastica,
     )
 }
-"""The programs by their word; a new one is one module and one line here."""
+"""The programs by their word; a new one is one class and one line here."""
 
 
 def program(word: str) -> type[ProgramInputs]:
-    """The inputs of a program by its word.
+    """Return the class of inputs of a program by its word.
 
     Raises:
         InputError: there is no such program; the message names the nearest and all of them.

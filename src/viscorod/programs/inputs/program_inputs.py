@@ -1,4 +1,4 @@
-"""What the inputs of every program have in common: a damping law, a text to paste, and what is lost."""
+"""The inputs of a program: its numbers, its damping law, a text to paste, and what is lost."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ UNITS = {"segment_length": "m", "frequency": "Hz"}
 
 @dataclass(frozen=True, eq=False)
 class SectionData:
-    """One section of a rod, as translations need it.
+    """One section of a rod, for translation.
 
     Attributes:
         stiffness: C (6, 6); N, N m, N m^2; strains in viscorod's order.
@@ -54,10 +54,10 @@ class SectionData:
 
     @classmethod
     def of(cls, rod: Rod, s: float = 0.0) -> Self:
-        """The section of a rod at the arc length `s`, m.
+        """Return the section of a rod at the arc length `s`, m.
 
         Raises:
-            InputError: the section has Maxwell branches, which no Kelvin-Voigt law of another program has.
+            InputError: the section has Maxwell branches, which the Kelvin-Voigt laws of other programs do not have.
         """
         refuse_branches(rod, [s])
         section = rod.section_at(s)
@@ -171,7 +171,7 @@ class ProgramInputs(ABC):
         """Return the inputs as the user pastes them."""
 
     def losses(self, data: SectionData) -> tuple[str, ...]:
-        """What is lost when the section's damping becomes these inputs, in sentences with numbers."""
+        """Return what is lost when the section's damping becomes these inputs, in sentences with numbers."""
         law = self.law(data.stiffness)
         out: list[str] = []
         given, taken = data.times, component_times(data.stiffness, law)
@@ -194,7 +194,7 @@ class ProgramInputs(ABC):
         return (*out, *self.always_lost)
 
     def warnings(self, data: SectionData) -> tuple[str, ...]:
-        """What the user must know before running the program with these inputs."""
+        """Return what the user must know before running the program with these inputs."""
         law = self.law(data.stiffness)
         if creates_energy(law, data.stiffness):
             power = least_power(law, data.stiffness)
@@ -202,10 +202,10 @@ class ProgramInputs(ABC):
         return self.notes
 
     def recovered(self, data: SectionData, poissons_ratio: float | None = None) -> Recovered:
-        """The inputs as viscorod's damping of a section with this stiffness.
+        """Return the inputs as viscorod's damping of a section with this stiffness.
 
-        A law that is symmetric and never creates energy is taken as it is. For any other one the symmetric
-        D = T C T with the same six times is taken, and the difference is told.
+        A law that is symmetric and never creates energy is taken as it is. For any other the symmetric
+        D = T C T with the same six times is taken, and the difference is reported.
         """
         law = self.law(data.stiffness)
         times = component_times(data.stiffness, law)
@@ -237,7 +237,7 @@ class ProgramInputs(ABC):
 
 
 def _coupling_difference(law: Floats, data: SectionData) -> float:
-    """Largest off-diagonal difference between a law and D, scaled by sqrt(D_ii D_jj)."""
+    """Return the largest off-diagonal difference between a law and D, scaled by sqrt(D_ii D_jj)."""
     diagonal = np.diag(data.damping)
     difference = by_sizes(law - data.damping, np.where(diagonal > 0.0, diagonal, np.inf))
     np.fill_diagonal(difference, 0.0)
@@ -268,7 +268,7 @@ def listed(program: type[ProgramInputs], numbers: Sequence[float]) -> tuple[floa
 
 
 def matrix_of(program: type[ProgramInputs], numbers: Sequence[float]) -> Floats:
-    """A 6x6 matrix from 6 numbers (a diagonal), 21 (the upper triangle, row by row) or 36 (row by row).
+    """Return a 6x6 matrix from 6 numbers (a diagonal), 21 (the upper triangle, row by row) or 36 (row by row).
 
     Raises:
         InputError: there is another count, or a number is not finite.
@@ -293,7 +293,7 @@ def matrix_of(program: type[ProgramInputs], numbers: Sequence[float]) -> Floats:
 
 
 def _checked_options(program: type[ProgramInputs], options: Mapping[str, float]) -> tuple[float, ...]:
-    """The options of a program in their order, all of them required and positive.
+    """Return the options of a program in their order, all of them required and positive.
 
     Raises:
         InputError: one is missing or not positive, or the program does not take it.
@@ -319,6 +319,6 @@ def _checked_options(program: type[ProgramInputs], options: Mapping[str, float])
 
 
 def number_text(value: float) -> str:
-    """A number as it is pasted: ten digits, always with a point or an exponent, as Fortran and C++ like it."""
+    """Return a number as text to paste: ten digits, always with a point or an exponent, for Fortran and C++."""
     text = f"{value:.10g}"
     return text if any(mark in text for mark in ".en") else f"{text}.0"

@@ -1,4 +1,4 @@
-"""PyElastica: no damping of strains; the nearest mass-proportional constant."""
+"""PyElastica: it does not damp strains; the mass-proportional constant that agrees at one frequency."""
 
 from __future__ import annotations
 
@@ -57,16 +57,16 @@ class PyElastica(ProgramInputs):
         return self.constant / (2.0 * math.pi * self.frequency) ** 2
 
     def ratio(self, frequency: float) -> float:
-        """Damping ratio in PyElastica of a mode with this undamped frequency (Hz), constant/(2 omega)."""
+        """Return the damping ratio in PyElastica of a mode with this undamped frequency (Hz), constant/(2 omega)."""
         return self.constant / (4.0 * math.pi * frequency)
 
     def law(self, stiffness: Floats) -> Floats:
-        """Zero: no force belongs to a strain rate."""
+        """Return zeros: no force depends on strain rates."""
         del stiffness
         return np.zeros((6, 6))
 
     def text(self) -> str:
-        """A Python call."""
+        """Return a Python call."""
         return (
             "simulator.dampen(rod).using(\n"
             "    elastica.AnalyticalLinearDamper,\n"
@@ -75,7 +75,7 @@ class PyElastica(ProgramInputs):
         )
 
     def losses(self, data: SectionData) -> tuple[str, ...]:
-        """Everything but one number."""
+        """Return what is lost: everything but one number."""
         del data
         ratio = self.ratio(self.frequency)
         return (
@@ -89,7 +89,7 @@ class PyElastica(ProgramInputs):
         )
 
     def recovered(self, data: SectionData, poissons_ratio: float | None = None) -> Recovered:
-        """Refused: a constant of the mass is no law of a section.
+        """Refuse: a mass-proportional constant is not a law of a section.
 
         Raises:
             InputError: always.
@@ -99,7 +99,7 @@ class PyElastica(ProgramInputs):
             Fault(
                 self.program,
                 number_text(self.constant),
-                "a constant of the mass is no damping of strains",
+                "a mass-proportional constant does not damp strains",
                 f"a bending mode at {self.frequency:g} Hz has the same ratio with the extensional time "
                 f"{self.time:.6g} s; "
                 "give that to the material",

@@ -45,7 +45,7 @@ class MuJoCo(ProgramInputs):
         "one damping for both bending directions and twist; with other segments it must be scaled by 1/length",
     )
     notes = (
-        "run with mujoco 3.17; mujoco 4.0.0 as installed from the package index knows no composite and finds no "
+        "run with mujoco 3.17; mujoco 4.0.0 as installed from the package index has neither composite nor the "
         "plugin mujoco.elasticity.cable",
     )
 

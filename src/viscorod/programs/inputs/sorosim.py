@@ -58,15 +58,15 @@ class SoRoSim(ProgramInputs):
         return np.array([shear, shear, extension, extension, extension, shear])
 
     def law(self, stiffness: Floats) -> Floats:
-        """The times on the section's own stiffness; the program's shear factors and torsion constant are its own."""
+        """Return T C T on the section's own stiffness; the program has its own shear factors and torsion constant."""
         return symmetric_damping(stiffness, self.times)
 
     def text(self) -> str:
-        """A MATLAB line."""
+        """Return a MATLAB line."""
         return f"Link.Eta = {number_text(self.eta)};  % Pa s"
 
     def losses(self, data: SectionData) -> tuple[str, ...]:
-        """The error of the constants of nu = 1/2, for the choice made and for the other one."""
+        """Return the error of the constants of nu = 1/2, for the choice made and for the other one."""
         material = _material(type(self), data)
         shear, extension = material.shear_viscosity, material.extensional_viscosity
         out = super().losses(data)
@@ -108,7 +108,7 @@ class SoRoMoX(SoRoSim):
     )
 
     def text(self) -> str:
-        """A Python keyword."""
+        """Return a Python keyword."""
         return f"material_damping_coefficient={number_text(self.eta)}  # Pa s"
 
 

@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from viscorod.cli.result_commands.result_options import ResultFile, numbers, opened
+from viscorod.cli.files import opened
+from viscorod.cli.options import ResultFile, range_of
 from viscorod.cli.terminal import readable_errors
 from viscorod.errors import Fault, InputError
 
@@ -90,7 +91,7 @@ def export(
             return
         from viscorod.results.files.paraview import write_paraview
 
-        chosen = None if times is None else numbers("--times", times, "s")
+        chosen = None if times is None else range_of("--times", times, "s")
         if chosen is not None and not isinstance(found, Run):
             raise InputError(
                 Fault("--times", str(times), f"{result} holds no motion over time", "leave --times out")
