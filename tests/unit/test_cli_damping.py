@@ -133,7 +133,10 @@ def test_blade_is_read_and_written(invoke, tmp_path):
         "The rod's D is T C T with the same six times; it differs from BeamDyn's mu S by up to"
         in result.output
     )
-    assert "Note: the product of these times with a stiffness can create energy; not here" in result.output
+    assert (
+        "Note: the product of these times with a stiffness can create energy, but not with this one"
+        in result.output
+    )
     assert "Written: again.dat" in result.output
     blade = vd.read_beamdyn_blade(tmp_path / "again.dat")
     assert blade.stations == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0])
@@ -186,7 +189,10 @@ def test_beams_of_the_other_program_and_of_cases(invoke, tmp_path):
         (("convert", "--time", 1, "--band", "1,2"), "--frequency: it is needed here"),
         (("convert", "--shear-time", 1), "--youngs-modulus: a material needs it"),
         (("convert", *MATERIAL, "--shear-time", 1), "the viscosity needs one complete pair"),
-        (("convert", *MATERIAL, "--extensional-time", 1), "--extensional-time: it stands for the bulk time"),
+        (
+            ("convert", *MATERIAL, "--extensional-time", 1),
+            "--extensional-time: it is given instead of the bulk time",
+        ),
         (
             ("convert", *MATERIAL, "--shear-time", 1, "--extensional-time", 0.1),
             "the bulk viscosity would be negative",

@@ -121,7 +121,7 @@ def test_joints_in_a_table(files):
     [
         (["export", "run.nc"], "nothing to write"),
         (["export", "run.nc", "--csv", "a.csv"], "add --history PLACE, --energy or --joint NAME"),
-        (["export", "run.nc", "--csv", "a.csv", "--quantity", "strain"], "of which place"),
+        (["export", "run.nc", "--csv", "a.csv", "--quantity", "strain"], "no place is named"),
         (["export", "run.nc", "--vtk", "v", "--energy"], "go with --csv"),
         (["export", "run.nc", "--csv", "a.csv", "--energy", "--times", "1"], "goes with --vtk only"),
         (

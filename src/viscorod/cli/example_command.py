@@ -40,7 +40,7 @@ def example(
 def _copied(case: Path, folder: Path) -> Path:
     target = folder / case.name
     if target.exists():
-        raise InputError(f"{target} is there already; move it, or name another folder with -o")
+        raise InputError(f"{target} exists already; move it, or name another folder with -o")
     with writing(target):
         folder.mkdir(parents=True, exist_ok=True)
         target.write_bytes(case.read_bytes())

@@ -71,12 +71,17 @@ def export(
                 )
             )
         if quantity and not history:
-            raise InputError(Fault("--quantity", "", "of which place?", "add --history PLACE"))
+            raise InputError(Fault("--quantity", "", "no place is named", "add --history PLACE"))
         found = opened(result)
         if csv is not None:
             if not (history or energy or joint):
                 raise InputError(
-                    Fault("--csv", str(csv), "of what?", "add --history PLACE, --energy or --joint NAME")
+                    Fault(
+                        "--csv",
+                        str(csv),
+                        "nothing to write is named",
+                        "add --history PLACE, --energy or --joint NAME",
+                    )
                 )
             columns = csv_text.history_columns(found, history or (), quantity or ("position",))
             if energy:

@@ -63,7 +63,7 @@ def resume(
         if not journal.is_dir():
             found = (folder / "run.nc").is_file()
             raise InputError(
-                f"{folder} holds no run that was stopped"
+                f"{folder} does not hold a stopped run"
                 + (": the run in it is complete" if found else "; name the folder that viscorod run wrote to")
             )
         about = contents(journal).attrs
@@ -88,9 +88,9 @@ def _require_same(text: str, path: Path) -> None:
         text.splitlines(), present.splitlines(), "as the run began", str(path), lineterm=""
     )
     raise InputError(
-        f"{path} has changed since the run began, which cannot go on with it:\n"
+        f"{path} has changed since the run began, and the run cannot go on with it:\n"
         + "\n".join(f"  {line}" for line in lines)
-        + "\nPut it back, name another file with --case, or run it anew"
+        + "\nRestore it, name another file with --case, or run the case again"
     )
 
 
@@ -111,7 +111,7 @@ def _compute(case: Case, folder: Path, doubts: Sequence[str], *, resume: bool) -
         typer.echo(f"error: {error}", err=True)
         if error.run is not None:
             written = _write(error.run, folder, doubts)
-            typer.echo(f"up to there: {', '.join(map(str, written))}", err=True)
+            typer.echo(f"written up to there: {', '.join(map(str, written))}", err=True)
             if isinstance(error.run, Run) and error.run.outcome == "interrupted":
                 typer.echo(f"go on with: viscorod resume {folder}", err=True)
         raise typer.Exit(1) from None
@@ -135,7 +135,7 @@ def _polite_stop() -> Iterator[Callable[[], str]]:
         reason = "stopped from the keyboard" if number == signal.SIGINT else "asked to end"
         if not listening:
             raise KeyboardInterrupt(reason)
-        typer.echo("\nfinishing the step; once more ends the run at once", err=True)
+        typer.echo("\nfinishing the step; interrupt again to end at once", err=True)
 
     def stop() -> str:
         nonlocal listening

@@ -19,4 +19,6 @@ def warmup() -> None:
     if done.compiled:
         typer.echo(f"{count} kernels compiled in {done.seconds:.1f} s; machine code is in {folders}")
     else:
-        typer.echo(f"all {count} kernels are there, in {folders}; loading them took {done.seconds:.1f} s")
+        typer.echo(
+            f"all {count} kernels are compiled already, in {folders}; loading them took {done.seconds:.1f} s"
+        )

@@ -69,12 +69,12 @@ class EnergyCheck:
         start = (
             "the product of these times with this stiffness creates energy in some motions:"
             if self.creates_energy
-            else "the product of these times with a stiffness can create energy; not here, but"
+            else "the product of these times with a stiffness can create energy, but not with this one:"
         )
         return (
             f"{start} the coupling of {first.strains[0]} and {first.strains[1]} is {abs(first.correlation):.4g} of "
-            f"sqrt(S_ii S_jj), and from {first.limit:.4g} on this pair alone does; all couplings together do so from "
-            f"{self.factor:.4g} times the given ones"
+            f"sqrt(S_ii S_jj), and this pair alone creates energy above {first.limit:.4g}; all couplings together do "
+            f"above {self.factor:.4g} times the given ones"
         )
 
 

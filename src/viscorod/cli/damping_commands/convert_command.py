@@ -149,7 +149,7 @@ def _material(given: dict[str, float]) -> Material:
             Fault(
                 "--extensional-time",
                 "",
-                "it stands for the bulk time, beside the shear time",
+                "it is given instead of the bulk time, with the shear time",
                 "give --shear-time and --extensional-time only",
             )
         )

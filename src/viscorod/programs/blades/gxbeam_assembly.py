@@ -18,12 +18,11 @@ from typing import Any
 import numpy as np
 
 from viscorod.errors import Fault, InputError
-from viscorod.model.centrelines.line_shapes import Straight
-from viscorod.model.centrelines.parametric_lines import ThroughPoints
 from viscorod.model.rod import Rod
 from viscorod.model.sections.section_profile import Piecewise
 from viscorod.model.sections.stiffness_section import StiffnessSection
 from viscorod.programs.axial_first import from_axial_first, to_axial_first
+from viscorod.programs.blades.beamdyn_line import ReferenceLine
 from viscorod.programs.blades.blade_rod import Law, product_damping
 from viscorod.programs.branches import refuse_branches
 from viscorod.programs.matrices import symmetric_part
@@ -79,14 +78,7 @@ def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "sym
     frames = (
         _per_element(data, "frames", (3, 3), count) if "frames" in data else np.tile(np.eye(3), (count, 1, 1))
     )
-    chord = np.linalg.norm(points[-1] - points[0])
-    away = np.cross(points - points[0], (points[-1] - points[0]) / (chord or 1.0))
-    straight = float(np.abs(away).max()) <= 1e-12 * float(chord)
-    curve = (
-        Straight(tuple(points[0].tolist()), tuple(points[-1].tolist()))
-        if straight
-        else ThroughPoints(tuple(map(tuple, points.tolist())))
-    )
+    curve = ReferenceLine(points, np.zeros(count + 1)).centreline()
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     ends = np.cumsum(lengths) * (curve.length / lengths.sum())
     d1 = tuple(frames[0][:, 1].tolist())

@@ -36,9 +36,7 @@ class ChronoRayleigh(ProgramInputs):
         f"{_COSSERAT}, ChDampingCosseratRayleigh::ComputeStress",
         "projectchrono/chrono: src/chrono/fea/ChBeamSectionEuler.h (default beta 0.01)",
     )
-    notes = (
-        "a ChBeamSectionEuler on which nothing is set has beta = 0.01 s: say so also when you want none",
-    )
+    notes = ("a ChBeamSectionEuler on which nothing is set has beta = 0.01 s: set 0 if you want no damping",)
 
     @classmethod
     def _numbers(cls, data: SectionData, _: Sequence[float], /) -> Sequence[float]:
@@ -126,7 +124,7 @@ class ChronoTapered(ProgramInputs):
         "shear along y shares its coefficient with bending about z, shear along z with bending about y",
     )
     notes = (
-        "the coefficients are square roots of times: 0.01 means a time of 1e-4 s; left alone they are 0.001 (1e-6 s)",
+        "the coefficients are square roots of times: 0.01 means a time of 1e-4 s; their default is 0.001 (1e-6 s)",
     )
 
     @classmethod

@@ -176,7 +176,7 @@ class ProgramInputs(ABC):
         out: list[str] = []
         given, taken = data.times, component_times(data.stiffness, law)
         if self.missing:
-            out.append(f"{self.title} has no {', '.join(STRAINS[k] for k in self.missing)}: held rigid")
+            out.append(f"{self.title} has no {', '.join(STRAINS[k] for k in self.missing)}: these are rigid")
         for place, (word, before, after) in enumerate(zip(STRAINS, given, taken, strict=True)):
             if place in self.missing:
                 continue

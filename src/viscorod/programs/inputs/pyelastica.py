@@ -41,8 +41,8 @@ class PyElastica(ProgramInputs):
         "GazzolaLab/PyElastica: elastica/dissipation.py, AnalyticalLinearDamper (package pyelastica 1.0.0)",
     )
     notes = (
-        "the older keyword damping_constant turns angular velocities down by exp(-constant m/J t), which depends on "
-        "the unit of length: take uniform_damping_constant",
+        "the older keyword damping_constant reduces angular velocities by exp(-constant m/J t), which depends on "
+        "the unit of length: use uniform_damping_constant",
     )
 
     @classmethod
@@ -79,12 +79,10 @@ class PyElastica(ProgramInputs):
         del data
         ratio = self.ratio(self.frequency)
         return (
-            "there is no equivalent: PyElastica damps velocities, not strain rates, so it also brakes "
-            "rigid motions, and its "
-            "ratio falls with the frequency where a material's rises",
-            f"the constant agrees at {self.frequency:.6g} Hz (ratio {ratio:.6g}); a mode at ten times "
-            "that frequency has the "
-            f"ratio {ratio / 10.0:.3g} instead of {ratio * 10.0:.3g}",
+            "there is no equivalent: PyElastica damps velocities, not strain rates, so it also slows rigid "
+            "motions, and its ratio falls with the frequency, whereas a material's rises",
+            f"the constant agrees at {self.frequency:.6g} Hz (ratio {ratio:.6g}); a mode at ten times that "
+            f"frequency has the ratio {ratio / 10.0:.3g} instead of {ratio * 10.0:.3g}",
             "the ratio of bending is used; stretch, shear and twist get the same constant",
         )
 

@@ -81,16 +81,15 @@ class SoRoSim(ProgramInputs):
                 )
         if abs(extension - 3.0 * shear) <= 1e-9 * extension:
             return out or (f"nothing: eta_E = 3 eta for this material (nu = {material.poissons_ratio:g})",)
+        if shear == 0.0:
+            return (*out, "the material has no shear viscosity, but the program gives shear and twist one")
+        (word,) = self.words
         return (
             *out,
             f"eta_E = 3 eta holds for nu = 1/2; here nu = {material.poissons_ratio:g} and eta_E/eta = "
-            f"{extension / shear:.4g}. "
-            f"{self.words[0]} = eta_E/3 = {number_text(extension / 3.0)} Pa s keeps bending and stretching; "
-            f"{self.words[0]} = eta = {number_text(shear)} Pa s would keep shear and twist, and make the "
-            "times of bending "
-            f"and stretching wrong by {3.0 * shear / extension - 1.0:+.1%}"
-            if shear > 0.0
-            else "the material has no shear viscosity, but the program gives shear and twist one",
+            f"{extension / shear:.4g}. {word} = eta_E/3 = {number_text(extension / 3.0)} Pa s keeps bending and "
+            f"stretching; {word} = eta = {number_text(shear)} Pa s would keep shear and twist, and make the times of "
+            f"bending and stretching wrong by {3.0 * shear / extension - 1.0:+.1%}",
         )
 
 
@@ -118,7 +117,7 @@ def _material(program: type[ProgramInputs], data: SectionData) -> Material:
             Fault(
                 program.program,
                 "a section given by its stiffness",
-                "one viscosity belongs to a material, and this section has none",
+                "the viscosity is that of a material, and this section has none",
                 "give a section by its shape and a material",
             )
         )
