@@ -189,7 +189,7 @@ def test_example_lists_and_copies(invoke, tmp_path):
     assert target.read_bytes() == shipped_case("cantilever_swing").read_bytes()
     again = invoke("example", "cantilever_swing", "-o", "mine")
     assert again.exit_code == 2
-    assert "there already" in again.stderr
+    assert "exists already" in again.stderr
     unknown = invoke("example", "cantilever_swim")
     assert unknown.exit_code == 2
     assert "cantilever_swing" in unknown.stderr
