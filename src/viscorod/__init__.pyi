@@ -2,7 +2,8 @@
 
 from . import programs as programs
 from .analyses.co_simulation import CoSimulation as CoSimulation
-from .analyses.material_fit import kelvin_voigt_fit as kelvin_voigt_fit
+from .analyses.kelvin_voigt_fit import KelvinVoigtFit as KelvinVoigtFit
+from .analyses.kelvin_voigt_fit import kelvin_voigt_fit as kelvin_voigt_fit
 from .analyses.model import Model as Model
 from .analyses.sweep import sweep as sweep
 from .casefile.case import load_case as load_case
@@ -77,7 +78,6 @@ from .pictures.viewer import view as view
 from .results.decrement import Decrement as Decrement
 from .results.energy import Energy as Energy
 from .results.files.storage import load as load
-from .results.kelvin_voigt_fit import KelvinVoigtFit as KelvinVoigtFit
 from .results.run import Equilibrium as Equilibrium
 from .results.run import Run as Run
 from .results.steady_result import Steady as Steady

@@ -9,7 +9,7 @@ from viscorod.casefile.case import case_from_dict, load_case, parse_case
 from viscorod.casefile.json_schema import case_schema
 from viscorod.casefile.unit_conversion import converted
 from viscorod.casefile.units import si_value
-from viscorod.cli.app import _column
+from viscorod.cli.sweep_command import _column
 from viscorod.errors import InputError
 
 PLAIN = """

@@ -141,7 +141,7 @@ def test_failed_solution_without_anything_to_keep(invoke, solving, tmp_path):
 def test_wrong_input_is_one_message(invoke, command, tmp_path):
     missing = invoke(command, "none.toml")
     assert (missing.exit_code, missing.stderr.count("\n")) == (2, 1)
-    assert missing.stderr.startswith("error: none.toml is no file; name a case file")
+    assert missing.stderr.startswith("error: none.toml is not a file; name a case file")
     (tmp_path / "broken.toml").write_text("rods = [\n")
     broken = invoke(command, "broken.toml")
     assert broken.exit_code == 2
@@ -196,7 +196,7 @@ def test_example_lists_and_copies(invoke, tmp_path):
     assert target.read_bytes() == shipped_case("cantilever_swing").read_bytes()
     again = invoke("example", "cantilever_swing", "-o", "mine")
     assert again.exit_code == 2
-    assert "there already" in again.stderr
+    assert "exists already" in again.stderr
     unknown = invoke("example", "cantilever_swim")
     assert unknown.exit_code == 2
     assert "cantilever_swing" in unknown.stderr

@@ -133,7 +133,10 @@ def test_blade_is_read_and_written(invoke, tmp_path):
         "The rod's D is T C T with the same six times; it differs from BeamDyn's mu S by up to"
         in result.output
     )
-    assert "Note: the product of these times with a stiffness can create energy; not here" in result.output
+    assert (
+        "Note: the product of these times with a stiffness can create energy, but not with this one"
+        in result.output
+    )
     assert "Written: again.dat" in result.output
     blade = vd.read_beamdyn_blade(tmp_path / "again.dat")
     assert blade.stations == pytest.approx([0.0, 0.25, 0.5, 0.75, 1.0])
@@ -186,12 +189,15 @@ def test_beams_of_the_other_program_and_of_cases(invoke, tmp_path):
         (("convert", "--time", 1, "--band", "1,2"), "--frequency: it is needed here"),
         (("convert", "--shear-time", 1), "--youngs-modulus: a material needs it"),
         (("convert", *MATERIAL, "--shear-time", 1), "the viscosity needs one complete pair"),
-        (("convert", *MATERIAL, "--extensional-time", 1), "--extensional-time: it stands for the bulk time"),
+        (
+            ("convert", *MATERIAL, "--extensional-time", 1),
+            "--extensional-time: it is given instead of the bulk time",
+        ),
         (
             ("convert", *MATERIAL, "--shear-time", 1, "--extensional-time", 0.1),
             "the bulk viscosity would be negative",
         ),
-        (("programs", "no.toml"), "no.toml is no file"),
+        (("programs", "no.toml"), "no.toml is not a file"),
         (
             ("programs", "swing.toml", "--rod", "bean"),
             "--rod: bean: the case has no such rod; did you mean beam?",
@@ -204,7 +210,7 @@ def test_beams_of_the_other_program_and_of_cases(invoke, tmp_path):
         (("programs", "swing.toml", "--program", "mujoco"), "segment_length: this program needs it"),
         (
             ("programs", "swing.toml", "--program", "mbdyn", "--segment-length", 0.1),
-            "--segment-length: 0.1: no use for MBDyn; leave it out",
+            "--segment-length: 0.1: not used by MBDyn; leave it out",
         ),
         (
             ("from", "beamdyn", "--numbers", "1,1,1,1,1,1", "--case", "swing.toml", "--frequency", 2),
@@ -221,12 +227,12 @@ def test_beams_of_the_other_program_and_of_cases(invoke, tmp_path):
         ),
         (
             ("from", "pyelastica", "--numbers", "1", "--case", "swing.toml", "--frequency", "1"),
-            "a constant of the mass is no damping of strains",
+            "a mass-proportional constant does not damp strains",
         ),
         (("blade", "blade.dat"), "exactly one of --centreline and --length is needed"),
         (("blade", "blade.dat", "--length", 1, "--centreline", "primary.dat"), "exactly one of --centreline"),
         (("blade", "no.dat", "--length", 1), "the file cannot be read"),
-        (("blade", "swing.toml", "-o", "no/x.json"), "the file cannot be written"),
+        (("blade", "swing.toml", "-o", "no/x.json"), "cannot be written"),
         (("blade", "swing.toml", "-o", "x.dat"), "BeamDyn's blades run along +Z from root to tip"),
     ],
 )

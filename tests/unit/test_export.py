@@ -121,7 +121,7 @@ def test_joints_in_a_table(files):
     [
         (["export", "run.nc"], "nothing to write"),
         (["export", "run.nc", "--csv", "a.csv"], "add --history PLACE, --energy or --joint NAME"),
-        (["export", "run.nc", "--csv", "a.csv", "--quantity", "strain"], "of which place"),
+        (["export", "run.nc", "--csv", "a.csv", "--quantity", "strain"], "no place is named"),
         (["export", "run.nc", "--vtk", "v", "--energy"], "go with --csv"),
         (["export", "run.nc", "--csv", "a.csv", "--energy", "--times", "1"], "goes with --vtk only"),
         (
@@ -129,9 +129,9 @@ def test_joints_in_a_table(files):
             "quantity = 'speed'",
         ),
         (["export", "run.nc", "--csv", "a.csv", "--joint", "hub"], "this result has no joints"),
-        (["probe", "run.nc", "rod.end", "--times", "0:1"], "--times: 0:1: no numbers in s"),
-        (["probe", "run.nc", "rod.end", "--times", "0:1:0"], "no numbers in s"),
-        (["probe", "run.nc", "rod.end", "--times", "nan"], "no numbers in s"),
+        (["probe", "run.nc", "rod.end", "--times", "0:1"], "--times: 0:1: these are not numbers in s"),
+        (["probe", "run.nc", "rod.end", "--times", "0:1:0"], "these are not numbers in s"),
+        (["probe", "run.nc", "rod.end", "--times", "nan"], "these are not numbers in s"),
         (["probe", "run.nc", "rod.end", "rod.start", "--s", "0.1"], "arc lengths go with one rod"),
         (["probe", "arc.nc", "beam.end", "--times", "0.5"], "holds no motion over time"),
         (["export", "arc.nc", "--vtk", "v", "--times", "0.5"], "holds no motion over time"),

@@ -146,7 +146,7 @@ def test_picture_and_words(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"material": 3}, "this is no material"),
+        ({"material": 3}, "this is not a material"),
         ({"material": vr.Material(1e6, 0.3, 1.0)}, "no damping: this material is Kelvin-Voigt or elastic"),
         (
             {"material": vr.Material(1e6, 0.3, 1.0, damping=vr.KelvinVoigt(1.0, 1.0))},

@@ -186,7 +186,7 @@ def test_modes_of_the_model_in_a_result(tmp_path):
         (["run.nc", "--what", "energy", "--place", "beam.end"], "--place: beam.end: goes with tip and phase"),
         (["run.nc", "--what", "phase", "--count", "3"], "--count: 3: goes with modes"),
         (["arc.nc", "--what", "tip"], "--what tip needs a motion over time"),
-        (["run.nc", "--what", "modes"], "cannot be built again"),
+        (["run.nc", "--what", "modes"], "cannot be rebuilt for its modes"),
         (["run.nc", "--what", "tip", "-o", "tip.doc"], "is no picture format"),
     ],
 )

@@ -24,5 +24,5 @@ def test_everything_is_compiled_once(tmp_path):
     assert f"{count}.0 of {count} kernels" in first.stderr
     assert output("-c", CHECK).stdout.strip() == "", "a kernel that the warm-up does not reach"
     second = output("-m", "viscorod", "warmup")
-    assert second.stdout.startswith(f"all {count} kernels are there, in {tmp_path}")
+    assert second.stdout.startswith(f"all {count} kernels are compiled already, in {tmp_path}")
     assert "compil" not in second.stderr

@@ -1,4 +1,4 @@
-"""How far a solution is: a bar on a terminal, a few plain lines elsewhere."""
+"""Show the progress of a solution: a bar on a terminal, a few plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def reporting(total: float, *, static: bool) -> Iterator[Progress]:
 
 @contextmanager
 def counting(total: int, noun: str) -> Iterator[Callable[[float], None]]:
-    """Show how many of ``total`` things are done, fractions included; ``noun`` says what they are."""
+    """Show how many of ``total`` things are done, fractions included; ``noun`` names them."""
     if sys.stderr.isatty():
         from rich.console import Console
         from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -84,7 +84,9 @@ def _bar(total: float, *, static: bool) -> Iterator[Progress]:
 def _lines(total: float, *, static: bool) -> Progress:
     unit, name = ("", "load") if static else (" s", "t")
     shown = 0
-    first: tuple[float, float] | None = None  # when and where the first step ended; before it was preparation
+    first: tuple[float, float] | None = (
+        None  # when and where the first step ended; the time before it was preparation
+    )
 
     def update(reached: float, step: float) -> None:
         nonlocal shown, first

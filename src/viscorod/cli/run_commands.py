@@ -1,10 +1,9 @@
-"""The commands that compute: run a case, go on with a run that was stopped."""
+"""``viscorod run`` and ``resume``: a case computed, a stopped run continued."""
 
 from __future__ import annotations
 
 import difflib
 import json
-import os
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -14,7 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from viscorod.cli.terminal import existing, readable_errors
+from viscorod.cli.files import existing, writable
+from viscorod.cli.options import CaseFile, ResultFolder
+from viscorod.cli.terminal import readable_errors
 from viscorod.errors import InputError, SolveError
 
 if TYPE_CHECKING:
@@ -23,32 +24,21 @@ if TYPE_CHECKING:
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
 
-__all__ = ["resume", "run", "writable"]
-
-Output = Annotated[
-    Path | None,
-    typer.Option(
-        "--output", "-o", metavar="DIR", help="Folder for results [default: out/CASE]", show_default=False
-    ),
-]
+__all__ = ["resume", "run"]
 
 
 def run(
-    case: Annotated[
-        Path, typer.Argument(metavar="CASE.toml", help="Case file; `viscorod example` lists some.")
-    ],
-    output: Output = None,
+    case: CaseFile,
+    output: ResultFolder = None,
 ) -> None:
     """Compute a case: print a report, write data and pictures."""
     with readable_errors():
+        from viscorod.analyses.case_run import discretised_case
+        from viscorod.analyses.check import doubts
         from viscorod.casefile.case import load_case
 
         loaded = load_case(existing(case))
-        folder = output or Path("out") / case.stem
-        writable(folder)
-        from viscorod.analyses.case_run import discretised_case
-        from viscorod.analyses.check import doubts
-
+        folder = writable(output or Path("out") / case.stem)
         discrete = discretised_case(loaded)
         warnings = doubts(discrete, loaded.settings)
         for warning in warnings:
@@ -57,18 +47,18 @@ def run(
 
 
 def resume(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the run that was stopped.")],
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the stopped run.")],
     case: Annotated[
         Path | None,
         typer.Option(
             "--case",
             metavar="CASE.toml",
-            help="Case file to compare with, if it is elsewhere now",
+            help="Case file to compare with, if it was moved",
             show_default=False,
         ),
     ] = None,
 ) -> None:
-    """Go on with a run that was stopped, where its last checkpoint left it; the result is that of one run."""
+    """Continue a stopped run from its last checkpoint; the result is that of an uninterrupted run."""
     with readable_errors():
         from viscorod.casefile.case import parse_case
         from viscorod.results.files.journal import FOLDER, contents
@@ -77,7 +67,7 @@ def resume(
         if not journal.is_dir():
             found = (folder / "run.nc").is_file()
             raise InputError(
-                f"{folder} holds no run that was stopped"
+                f"{folder} does not hold a stopped run"
                 + (": the run in it is complete" if found else "; name the folder that viscorod run wrote to")
             )
         about = contents(journal).attrs
@@ -94,7 +84,7 @@ def resume(
 
 
 def _require_same(text: str, path: Path) -> None:
-    """Refuse a case file that says something else than the one that the run began with."""
+    """Refuse a case file that differs from the one the run began with."""
     present = path.read_text(encoding="utf-8-sig")
     if present == text:
         return
@@ -102,9 +92,9 @@ def _require_same(text: str, path: Path) -> None:
         text.splitlines(), present.splitlines(), "as the run began", str(path), lineterm=""
     )
     raise InputError(
-        f"{path} has changed since the run began, which cannot go on with it:\n"
+        f"{path} has changed since the run began, and the run cannot go on with it:\n"
         + "\n".join(f"  {line}" for line in lines)
-        + "\nPut it back, name another file with --case, or run it anew"
+        + "\nRestore it, name another file with --case, or run the case again"
     )
 
 
@@ -134,7 +124,7 @@ def _compute(case: Case, folder: Path, doubts: Sequence[str], discrete: Discrete
         typer.echo(f"error: {error}", err=True)
         if error.run is not None:
             written = _write(error.run, folder, doubts)
-            typer.echo(f"up to there: {', '.join(map(str, written))}", err=True)
+            typer.echo(f"written up to there: {', '.join(map(str, written))}", err=True)
             if isinstance(error.run, Run) and error.run.outcome == "interrupted":
                 typer.echo(f"go on with: viscorod resume {folder}", err=True)
         raise typer.Exit(1) from None
@@ -147,7 +137,7 @@ def _compute(case: Case, folder: Path, doubts: Sequence[str], discrete: Discrete
 def _polite_stop() -> Iterator[Callable[[], str]]:
     """Let Ctrl-C, or a request to terminate, end the run after the present step; the second one ends it at once.
 
-    So does the first one where nobody has asked yet: there is no step to finish in an initial equilibrium.
+    So does the first one before the solver has asked: an initial equilibrium has no step to finish.
     """
     reason, listening = "", False
 
@@ -158,7 +148,7 @@ def _polite_stop() -> Iterator[Callable[[], str]]:
         reason = "stopped from the keyboard" if number == signal.SIGINT else "asked to end"
         if not listening:
             raise KeyboardInterrupt(reason)
-        typer.echo("\nfinishing the step; once more ends the run at once", err=True)
+        typer.echo("\nfinishing the step; interrupt again to end at once", err=True)
 
     def stop() -> str:
         nonlocal listening
@@ -173,17 +163,8 @@ def _polite_stop() -> Iterator[Callable[[], str]]:
             signal.signal(number, handler)
 
 
-def writable(folder: Path) -> None:
-    """Refuse a folder that cannot be written before anything is computed for it."""
-    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
-    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
-        raise InputError(
-            f"{folder} cannot be written: {there} is no folder to write in; name another with -o"
-        )
-
-
 def _write(result: Run | Equilibrium | Steady, folder: Path, doubts: Sequence[str]) -> list[Path]:
-    """Write pictures, and data, with the doubts among its warnings, unless it is there already; returns the files."""
+    """Write pictures, and data with the doubts among its warnings unless it is there already; return the files."""
     from viscorod.results.run import Run
 
     if isinstance(result, Run):

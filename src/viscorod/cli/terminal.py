@@ -1,22 +1,21 @@
-"""What the commands share: errors as one message, tables that fit the terminal."""
+"""What the commands print: errors as one message, notes, tables that fit the terminal."""
 
 from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 
 import typer
 
 from viscorod.errors import InputError, SolveError
 
-__all__ = ["cell", "existing", "readable_errors", "rows_text"]
+__all__ = ["cell", "notes", "readable_errors", "rows_text"]
 
 
 @contextmanager
 def readable_errors() -> Iterator[None]:
-    """Turn wrong input into one message and exit code 2, what cannot be computed into one and exit code 1."""
+    """Turn wrong input into one message and exit code 2, a failed computation into one and exit code 1."""
     try:
         yield
     except InputError as error:
@@ -27,19 +26,14 @@ def readable_errors() -> Iterator[None]:
         raise typer.Exit(1) from None
 
 
-def existing(case: Path) -> Path:
-    """The path of a case file that is there.
-
-    Raises:
-        InputError: there is no such file.
-    """
-    if not case.is_file():
-        raise InputError(f"{case} is no file; name a case file, or copy one with: viscorod example NAME")
-    return case
+def notes(sentences: Sequence[str]) -> None:
+    """Print sentences as notes."""
+    if sentences:
+        typer.echo("\n".join(["", *(f"Note: {sentence}" for sentence in sentences)]))
 
 
 def rows_text(title: str, rows: Sequence[Mapping[str, object]]) -> str:
-    """A table of rows; turned on its side where it would be wider than the terminal."""
+    """Return a table of rows, transposed where it would be wider than the terminal."""
     from viscorod.results.text_table import table
 
     if not rows:
@@ -54,5 +48,5 @@ def rows_text(title: str, rows: Sequence[Mapping[str, object]]) -> str:
 
 
 def cell(value: object) -> str:
-    """A value of a table."""
+    """Return a value as text for a table."""
     return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.options import output_option
 from viscorod.cli.terminal import readable_errors
 
 __all__ = ["view"]
@@ -16,13 +17,7 @@ def view(
     result: Annotated[Path, typer.Argument(metavar="RUN.nc", help="Written by viscorod run.")],
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE.html",
-            help="File to write [default: beside the result]",
-            show_default=False,
-        ),
+        output_option("FILE.html", "File to write [default: beside the result]"),
     ] = None,
     frames: Annotated[
         int | None,
@@ -34,7 +29,7 @@ def view(
 ) -> None:
     """Make one HTML file that plays a motion in 3D beside its histories, energy account and damping ratios.
 
-    It needs no server and no network. Time and stations are thinned out where there are many; the page says so.
+    It needs no server and no network. Long runs are shown with fewer times and stations; the page says so.
     """
     with readable_errors():
         from viscorod.pictures.viewer import view as write

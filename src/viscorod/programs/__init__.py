@@ -1,10 +1,10 @@
-"""Damping in other words: one number from the other, and the inputs of other programs.
+"""Convert damping: one number into another, and a rod's damping into the inputs of other programs and back.
 
 * `conversions` and `rayleigh`: times, viscosities, loss factors, damping ratios, decrements, Q, Rayleigh constants.
-* `times` and `creation`: six times of a section, the symmetric damping matrix, the two times of a material, and
-  where products of times with a stiffness create energy.
-* `programs`: the damping inputs of other programs, from a section and back.
-* `beamdyn_blade`, `blade_rod` and `gxbeam_assembly`: blades and beams of BeamDyn and GXBeam as rods, and back.
+* `times` and `energy_creation`: six times of a section, the symmetric damping matrix, the two times of a material,
+  and where products of times with a stiffness create energy.
+* `inputs`: the damping inputs of other programs, from a section and back.
+* `blades`: blades and beams of BeamDyn and GXBeam as rods, and back.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The order of the six strains in programs whose beam axis is x.
 
 They count (axial, shear y, shear z | torsion, bend y, bend z). Their x is viscorod's d3, y its d1 and z its d2,
-which is a right-handed relabelling: components change their places and never their signs.
+which is a right-handed relabelling: components change places but not signs.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ _BACK = np.argsort(AXIAL_FIRST)
 
 
 def to_axial_first(values: Floats) -> Floats:
-    """Six numbers (6,) or a section matrix (6, 6) in the order of a program whose beam axis is x."""
+    """Return six numbers (6,) or a section matrix (6, 6) in the order of a program whose beam axis is x."""
     return _placed(values, AXIAL_FIRST)
 
 
 def from_axial_first(values: Floats) -> Floats:
-    """Six numbers (6,) or a section matrix (6, 6) of such a program in viscorod's order."""
+    """Return six numbers (6,) or a section matrix (6, 6) of such a program in viscorod's order."""
     return _placed(values, _BACK)
 
 

@@ -1,4 +1,4 @@
-"""Rods that other programs cannot have."""
+"""Refuse rods that other programs cannot represent."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def refuse_branches(rod: Rod, stations: Floats | Sequence[float]) -> None:
                 Fault(
                     "rod",
                     "",
-                    f"its section at {s:.4g} m has Maxwell branches, and the other programs know Kelvin-Voigt "
+                    f"its section at {s:.4g} m has Maxwell branches, and the other programs have Kelvin-Voigt "
                     "damping only",
                     'a Prony series with law = "kelvin_voigt" has the viscosity of slow motion instead',
                 )

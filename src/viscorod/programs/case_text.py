@@ -1,4 +1,4 @@
-"""A rod as the text of a case file: one section per piece, so that a blade read from another program can be run."""
+"""Write a rod as a case file: one section per piece, so that a blade read from another program can be run."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["case_text"]
 
 
 def case_text(rod: Rod, pieces: int = 40, *, title: str = "Blade") -> str:
-    """A case file with the rod clamped at its start, under gravity, in equilibrium.
+    """Return a case file with the rod clamped at its start, under gravity, in equilibrium.
 
     Sections are those at the middle of equal pieces, so results approach those of the rod with the square of their
     number. Their matrices are turned to the rotation-minimising frame that starts as the rod's, which changes nothing

@@ -1,4 +1,4 @@
-"""The numbers that stand for damping, one from the other: pure functions of plain numbers.
+"""Convert between the numbers that stand for damping: pure functions of plain numbers.
 
 A Kelvin-Voigt law ``S = C (eps + tau eps_t)`` has one time tau, a Rayleigh law the beta = tau of its
 stiffness-proportional part. A vibration at the angular frequency ``omega = 2 pi f`` has the complex stiffness
@@ -33,7 +33,7 @@ __all__ = [
 
 
 def _checked(name: str, value: float, *, positive: bool = False, below: float = math.inf) -> float:
-    """`value` when it is finite, non-negative (or positive) and below the bound."""
+    """Return `value` if it is finite, non-negative (or positive) and below the bound."""
     low = value > 0.0 if positive else value >= 0.0
     if not (math.isfinite(value) and low and value < below):
         bound = f" and < {below:g}" if math.isfinite(below) else ""
@@ -49,43 +49,43 @@ def _checked(name: str, value: float, *, positive: bool = False, below: float = 
 
 
 def viscosity(time: float, modulus: float) -> float:
-    """Viscosity (Pa s) of a retardation time (s) and the modulus (Pa) it belongs to: eta = G tau_S (LLT 3)."""
+    """Return the viscosity (Pa s) of a retardation time (s) and its modulus (Pa): eta = G tau_S (LLT 3)."""
     return _checked("time", time) * _checked("modulus", modulus, positive=True)
 
 
 def loss_factor(time: float, frequency: float) -> float:
-    """Loss factor d = 2 pi f tau of a retardation time (s) at a frequency (Hz)."""
+    """Return the loss factor d = 2 pi f tau of a retardation time (s) at a frequency (Hz)."""
     return 2.0 * math.pi * _checked("frequency", frequency, positive=True) * _checked("time", time)
 
 
 def time_from_loss_factor(factor: float, frequency: float) -> float:
-    """Retardation time tau = d/(2 pi f), s, of a loss factor at a frequency (Hz)."""
+    """Return the retardation time tau = d/(2 pi f), s, of a loss factor at a frequency (Hz)."""
     return _checked("loss_factor", factor) / (2.0 * math.pi * _checked("frequency", frequency, positive=True))
 
 
 def damping_ratio(time: float, frequency: float) -> float:
-    """Damping ratio zeta = pi f tau of a mode whose undamped frequency (Hz) is given."""
+    """Return the damping ratio zeta = pi f tau of a mode whose undamped frequency (Hz) is given."""
     return loss_factor(time, frequency) / 2.0
 
 
 def time_from_damping_ratio(ratio: float, frequency: float) -> float:
-    """Retardation time tau = zeta/(pi f), s, of a mode's damping ratio and undamped frequency (Hz)."""
+    """Return the retardation time tau = zeta/(pi f), s, of a mode's damping ratio and undamped frequency (Hz)."""
     return time_from_loss_factor(2.0 * _checked("damping_ratio", ratio), frequency)
 
 
 def critical_frequency(time: float) -> float:
-    """Undamped frequency (Hz) above which modes creep back instead of swinging: 1/(pi tau)."""
+    """Return the undamped frequency (Hz) above which modes creep back instead of swinging: 1/(pi tau)."""
     return 1.0 / (math.pi * _checked("time", time, positive=True))
 
 
 def damped_frequency(frequency: float, ratio: float) -> float:
-    """Frequency (Hz) of the decaying swing, f sqrt(1 - zeta^2); zero for an overdamped mode."""
+    """Return the frequency (Hz) of the decaying swing, f sqrt(1 - zeta^2); zero for an overdamped mode."""
     _checked("frequency", frequency, positive=True)
     return frequency * math.sqrt(max(1.0 - _checked("damping_ratio", ratio) ** 2, 0.0))
 
 
 def log_decrement(ratio: float) -> float:
-    """Logarithmic decrement of successive maxima, delta = 2 pi zeta / sqrt(1 - zeta^2).
+    """Return the logarithmic decrement of successive maxima, delta = 2 pi zeta / sqrt(1 - zeta^2).
 
     Raises:
         InputError: the ratio is 1 or more: such a mode has no successive maxima.
@@ -95,12 +95,12 @@ def log_decrement(ratio: float) -> float:
 
 
 def ratio_from_log_decrement(decrement: float) -> float:
-    """Damping ratio of a logarithmic decrement, zeta = delta / sqrt(4 pi^2 + delta^2)."""
+    """Return the damping ratio of a logarithmic decrement, zeta = delta / sqrt(4 pi^2 + delta^2)."""
     return _checked("log_decrement", decrement) / math.hypot(2.0 * math.pi, decrement)
 
 
 def quality_factor(ratio: float) -> float:
-    """Quality factor Q = 1/(2 zeta); infinite without damping.
+    """Return the quality factor Q = 1/(2 zeta); infinite without damping.
 
     It is f/(f2 - f1) exactly, for any damping, when f1 and f2 are where the amplitude of the *velocity* under
     a force of constant amplitude is 1/sqrt(2) of its maximum, and f the undamped frequency. For the amplitude
@@ -110,15 +110,15 @@ def quality_factor(ratio: float) -> float:
 
 
 def ratio_from_quality_factor(quality: float) -> float:
-    """Damping ratio of a quality factor, zeta = 1/(2 Q)."""
+    """Return the damping ratio of a quality factor, zeta = 1/(2 Q)."""
     return 1.0 / (2.0 * _checked("quality_factor", quality, positive=True))
 
 
 def half_power_points(ratio: float) -> tuple[float, float]:
-    """Where the *displacement* under a force of constant amplitude is 1/sqrt(2) of its maximum, in parts of f.
+    """Return where the *displacement* amplitude under a force of constant amplitude is 1/sqrt(2) of its maximum.
 
-    r^2 = 1 - 2 zeta^2 -+ 2 zeta sqrt(1 - zeta^2). Their distance is 2 zeta (1 + zeta^2 ...), so a Q read from
-    the displacement is too small, by 1 % at zeta = 0.1.
+    The two frequencies are r times the undamped one, r^2 = 1 - 2 zeta^2 -+ 2 zeta sqrt(1 - zeta^2). Their distance
+    is 2 zeta (1 + zeta^2 ...), so a Q read from the displacement is too small, by 1 % at zeta = 0.1.
 
     Raises:
         InputError: the ratio is above 0.382: the lower point does not exist.
@@ -130,7 +130,7 @@ def half_power_points(ratio: float) -> tuple[float, float]:
 
 
 def bulk_time(extensional_time: float, shear_time: float, poissons_ratio: float) -> float:
-    """Retardation time in volume change that gives a time in extension (bending, stretching), s.
+    """Return the retardation time in volume change that gives a time in extension (bending, stretching), s.
 
     tau_B = [3 tau_E - 2 (1 + nu) tau_S] / (1 - 2 nu), LLT (4) solved for tau_B. With it, a damping ratio
     measured in bending and one measured in torsion give a material.

@@ -1,4 +1,4 @@
-"""Where a damping law creates energy: products of six times with a stiffness that has couplings.
+"""Find where a damping law creates energy: products of six times with a stiffness that has couplings.
 
 Several programs multiply the section stiffness S by a diagonal of six times mu, as mu S or S mu. The power that
 such a law takes from the motion is ``eps_t . sym(mu S) eps_t`` for either order, since one is the transpose of
@@ -22,7 +22,7 @@ from viscorod.typing import Floats
 __all__ = ["CouplingLimit", "EnergyCheck", "check_product", "creates_energy", "least_power"]
 
 ROUND_OFF = 1e-12
-"""Relative size below which an eigenvalue of a matrix scaled to a unit diagonal cannot be told from zero."""
+"""Relative size below which an eigenvalue of a matrix scaled to a unit diagonal counts as zero."""
 
 
 @dataclass(frozen=True)
@@ -62,19 +62,19 @@ class EnergyCheck:
         return self.factor < 1.0 - ROUND_OFF
 
     def text(self) -> str:
-        """A sentence for the user: whether, where and from which coupling on energy is created."""
+        """Return a sentence: whether, where and from which coupling on energy is created."""
         if not np.isfinite(self.factor):
             return "the product of the times with the stiffness never creates energy here"
         first = self.couplings[0]
         start = (
             "the product of these times with this stiffness creates energy in some motions:"
             if self.creates_energy
-            else "the product of these times with a stiffness can create energy; not here, but"
+            else "the product of these times with a stiffness can create energy, but not with this one:"
         )
         return (
             f"{start} the coupling of {first.strains[0]} and {first.strains[1]} is {abs(first.correlation):.4g} of "
-            f"sqrt(S_ii S_jj), and from {first.limit:.4g} on this pair alone does; all couplings together do so from "
-            f"{self.factor:.4g} times the given ones"
+            f"sqrt(S_ii S_jj), and this pair alone creates energy above {first.limit:.4g}; all couplings together do "
+            f"above {self.factor:.4g} times the given ones"
         )
 
 
@@ -100,7 +100,7 @@ def check_product(stiffness: Floats, times: Sequence[float] | Floats) -> EnergyC
 
 
 def _smallest_factor(correlation: Floats, mu: Floats) -> tuple[float, Floats]:
-    """The factor on the couplings at which energy is created, and the strain rate scaled by the sizes."""
+    """Return the factor on the couplings at which energy is created, and the strain rate scaled by the sizes."""
     mean = (mu[:, None] + mu[None, :]) / 2.0
     couplings = mean * correlation
     np.fill_diagonal(couplings, 0.0)
@@ -115,7 +115,7 @@ def _smallest_factor(correlation: Floats, mu: Floats) -> tuple[float, Floats]:
     if not active.any():
         return np.inf, np.zeros(6)
     values, vectors = np.linalg.eigh(by_sizes(couplings[np.ix_(active, active)], mu[active]))
-    # equal times: the factor at which the stiffness itself stops being definite, no fault of the product
+    # equal times: the factor at which the stiffness itself stops being definite, not a fault of the product
     own = np.linalg.eigvalsh(np.where(np.eye(6, dtype=bool), 0.0, correlation)[np.ix_(active, active)])[0]
     if values[0] >= own - ROUND_OFF:
         return np.inf, np.zeros(6)
@@ -125,7 +125,7 @@ def _smallest_factor(correlation: Floats, mu: Floats) -> tuple[float, Floats]:
 
 
 def least_power(law: Floats, stiffness: Floats) -> float:
-    """Least power that a damping law (6, 6) takes, per unit of the scaled strain rate and of its largest.
+    """Return the least power that a damping law (6, 6) takes, per unit of the scaled strain rate and of its largest.
 
     Strain rates are scaled by sqrt(C_ii); the result is in parts of the largest eigenvalue in size, so it lies
     between -1 and 1 and is negative where the law creates energy. 0 for a law without damping.
@@ -136,5 +136,5 @@ def least_power(law: Floats, stiffness: Floats) -> float:
 
 
 def creates_energy(law: Floats, stiffness: Floats) -> bool:
-    """Whether a damping law S_visc = P eps_t, P (6, 6) of any symmetry, creates energy in some motion."""
+    """Return whether a damping law S_visc = P eps_t, P (6, 6) of any symmetry, creates energy in some motion."""
     return least_power(law, stiffness) < -ROUND_OFF

@@ -10,11 +10,11 @@ __all__ = ["by_sizes", "symmetric_part"]
 
 
 def symmetric_part(matrix: Floats) -> Floats:
-    """Half the sum of a matrix and its transpose."""
+    """Return half the sum of a matrix and its transpose."""
     return np.asarray((matrix + matrix.T) / 2.0)
 
 
 def by_sizes(matrix: Floats, squares: Floats) -> Floats:
-    """Entries over sqrt(squares_i squares_j): of the stiffness and its diagonal, its correlations."""
+    """Return entries over sqrt(squares_i squares_j); for a stiffness and its diagonal, the correlations."""
     size = np.sqrt(squares)
     return np.asarray(matrix / size[:, None] / size[None, :])

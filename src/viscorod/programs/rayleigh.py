@@ -1,4 +1,4 @@
-"""Rayleigh damping ``alpha M + beta K`` over a band of frequencies, from and to Kelvin-Voigt times.
+"""Convert Rayleigh damping ``alpha M + beta K`` over a band of frequencies from and to Kelvin-Voigt times.
 
 A mode with the angular frequency w has the ratio ``alpha/(2 w) + beta w/2``. Fits minimise the integral of the
 squared difference of the ratios over the band, which has closed forms.
@@ -36,7 +36,7 @@ class Rayleigh:
     largest_error: float
 
     def ratio(self, frequency: float | Floats) -> Floats:
-        """Damping ratio of modes with the undamped frequencies (Hz), any shape."""
+        """Return damping ratios of modes with the undamped frequencies (Hz), in an array of the same shape."""
         omega = 2.0 * math.pi * np.asarray(frequency, dtype=np.float64)
         return np.asarray(self.alpha / (2.0 * omega) + self.beta * omega / 2.0)
 
@@ -55,13 +55,13 @@ def _band(low: float, high: float) -> tuple[float, float]:
 
 
 def rayleigh_from_time(time: float, low: float, high: float) -> Rayleigh:
-    """The constants of a Kelvin-Voigt time (s): alpha = 0 and beta = tau, exactly and over any band (Hz)."""
+    """Return the constants of a Kelvin-Voigt time (s): alpha = 0 and beta = tau, exactly and over any band (Hz)."""
     _band(low, high)
     return Rayleigh(0.0, time, low, high, 0.0)
 
 
 def rayleigh_for_constant_ratio(ratio: float, low: float, high: float) -> Rayleigh:
-    """The constants closest to the same damping ratio everywhere in a band (Hz).
+    """Return the constants closest to the same damping ratio everywhere in a band (Hz).
 
     Normal equations with a = 1/w1 - 1/w2, b = w2 - w1, c = (w2^3 - w1^3)/3:
     a alpha + b beta = 2 zeta ln(w2/w1) and b alpha + c beta = zeta (w2^2 - w1^2).
@@ -84,7 +84,7 @@ def rayleigh_for_constant_ratio(ratio: float, low: float, high: float) -> Raylei
 
 
 def time_from_rayleigh(alpha: float, beta: float, low: float, high: float) -> tuple[float, float]:
-    """The Kelvin-Voigt time closest to two Rayleigh constants in a band (Hz).
+    """Return the Kelvin-Voigt time closest to two Rayleigh constants in a band (Hz).
 
     tau = beta + 3 alpha/(w1^2 + w1 w2 + w2^2).
 

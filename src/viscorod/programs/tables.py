@@ -20,7 +20,7 @@ Row: TypeAlias = dict[str, object]
 
 
 def law_row(word: str, time: float, frequency: float | None, viscosity: float | None = None) -> Row:
-    """Everything that a time means: viscosity where it is known, and the numbers at a frequency (Hz)."""
+    """Return all numbers of a time: the viscosity where it is known, and the numbers at a frequency (Hz)."""
     ratio = damping_ratio(time, 1.0 if frequency is None else frequency)
     row: Row = {"law": word, "time [s]": time}
     if viscosity is not None:
@@ -37,7 +37,7 @@ def law_row(word: str, time: float, frequency: float | None, viscosity: float | 
 
 
 def material_rows(material: Material, frequency: float | None) -> list[Row]:
-    """Rows for shear (and twist), extension (and bending), and volume change."""
+    """Return rows for shear (and twist), extension (and bending), and volume change."""
     return [
         law_row("shear, twist", material.shear_time, frequency, material.shear_viscosity),
         law_row("stretch, bending", material.extensional_time, frequency, material.extensional_viscosity),
@@ -46,7 +46,7 @@ def material_rows(material: Material, frequency: float | None) -> list[Row]:
 
 
 def rayleigh_rows(time: float, frequency: float, band: tuple[float, float]) -> list[Row]:
-    """Rayleigh constants over a band (Hz) of a Kelvin-Voigt law, and of its ratio at the frequency kept constant."""
+    """Return Rayleigh constants over a band (Hz) for a Kelvin-Voigt law, and for its ratio kept constant."""
     ratio = damping_ratio(time, frequency)
     constant = rayleigh_for_constant_ratio(ratio, *band)
     return [

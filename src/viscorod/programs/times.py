@@ -1,4 +1,4 @@
-"""From section matrices to times and back: six times, the symmetric damping matrix, the two times of a material.
+"""Convert section matrices to times and back: six times, the symmetric damping matrix, the times of a material.
 
 The order of strains is (shear_1, shear_2, stretch, bend_1, bend_2, twist).
 """
@@ -22,7 +22,7 @@ IN_SHEAR = np.array([True, True, False, False, False, True])
 
 
 def six_times(values: Sequence[float] | Floats, name: str = "times") -> Floats:
-    """Six finite, non-negative numbers as an array (6,).
+    """Return six finite, non-negative numbers as an array (6,).
 
     Raises:
         InputError: there are not six, or one is negative or not finite; the message names its strain.
@@ -46,12 +46,12 @@ def six_times(values: Sequence[float] | Floats, name: str = "times") -> Floats:
 
 
 def component_times(stiffness: Floats, damping: Floats) -> Floats:
-    """Six times tau_i = D_ii/C_ii (6,), s, of two section matrices (6, 6)."""
+    """Return six times tau_i = D_ii/C_ii (6,), s, of two section matrices (6, 6)."""
     return np.asarray(np.diag(damping) / np.diag(stiffness))
 
 
 def symmetric_damping(stiffness: Floats, times: Sequence[float] | Floats) -> Floats:
-    """D = T C T with T = diag(sqrt(tau_i)), (6, 6): symmetric, and never creating energy.
+    """Return D = T C T with T = diag(sqrt(tau_i)), (6, 6), which is symmetric and never creates energy.
 
     It is the product tau C where C has no couplings or the coupled strains have the same time. A congruence
     keeps the signs of the eigenvalues (Sylvester), so D is positive semi-definite like C.

@@ -1,4 +1,4 @@
-"""The command ``viscorod damping``: damping in other words, and in those of other programs."""
+"""The command ``viscorod damping``: damping in other numbers, and as inputs of other programs."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from viscorod.cli.damping_commands.program_commands import from_program, program
 __all__ = ["app"]
 
 app = typer.Typer(
-    help="Damping in other words: other numbers, and the inputs of other programs.",
+    help="Convert damping into other numbers and into the inputs of other programs.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )

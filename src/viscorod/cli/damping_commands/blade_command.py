@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from viscorod.cli.damping_commands.damping_options import OptionalNumber, RodName, notes, rod_of
-from viscorod.cli.terminal import readable_errors, rows_text
-from viscorod.errors import Fault, InputError
+from viscorod.cli.files import rod_of
+from viscorod.cli.options import OptionalNumber, RodName, output_option
+from viscorod.cli.terminal import notes, readable_errors, rows_text
+from viscorod.errors import Fault, InputError, writing
 
 if TYPE_CHECKING:
     from viscorod.model.rod import Rod
@@ -35,12 +36,7 @@ def blade(
     rod: RodName = None,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="OUT",
-            help="Write a case (.toml), GXBeam's .json, or BeamDyn's blade file.",
-        ),
+        output_option("OUT", "Write a case (.toml), GXBeam's .json, or BeamDyn's blade file."),
     ] = None,
     stations: Annotated[
         int | None,
@@ -52,7 +48,7 @@ def blade(
         int, typer.Option(min=1, help="Elements of a GXBeam description, pieces of a case.")
     ] = 40,
 ) -> None:
-    """Read a blade or a beam, say what its damping does to energy, and write it for the other program."""
+    """Read a blade or a beam, check whether its damping creates energy, and write it for another program."""
     with readable_errors():
         import json
 
@@ -98,7 +94,8 @@ def blade(
                 if output.suffix == ".toml"
                 else json.dumps(gxbeam_from_rod(chosen, elements), indent=1) + "\n"
             )
-            _write(output, text)
+            with writing(output):
+                output.write_text(text, encoding="utf-8")
             typer.echo(f"\nWritten: {output}, with {elements} sections")
             return
         points = key_points(chosen, found.stations)
@@ -113,7 +110,7 @@ def blade(
 def _any_rod(
     source: Path, centreline: Path | None, length: float | None, same_power: bool, rod: str | None
 ) -> Rod:
-    """The rod of a case file, a GXBeam-style description or a BeamDyn blade file."""
+    """Return the rod of a case file, a GXBeam-style description or a BeamDyn blade file."""
     import tomllib
 
     from viscorod.programs.blades.blade_rod import Law, rod_from_blade
@@ -140,12 +137,3 @@ def _any_rod(
         )
     line = centreline if centreline is not None else [[0.0, 0.0, 0.0], [0.0, 0.0, length or 0.0]]
     return rod_from_blade(source, line, law=law)
-
-
-def _write(path: Path, text: str) -> None:
-    try:
-        path.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            Fault(str(path), "", f"the file cannot be written ({error.strerror})", "name another folder")
-        ) from None

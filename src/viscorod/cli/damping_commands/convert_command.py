@@ -1,12 +1,12 @@
-"""``viscorod damping convert``: one number that stands for damping from the other."""
+"""``viscorod damping convert``: one number for damping from another."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import typer
 
-from viscorod.cli.damping_commands.damping_options import Frequency, OptionalNumber, needed, pair_of
+from viscorod.cli.options import Frequency, OptionalNumber, numbers_of
 from viscorod.cli.terminal import readable_errors, rows_text
 from viscorod.errors import Fault, InputError
 
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from viscorod.model.materials.material import Material
 
 __all__ = ["convert"]
+
+T = TypeVar("T")
 
 
 def convert(
@@ -39,7 +41,7 @@ def convert(
     frequency: Frequency = None,
     band: Annotated[str | None, typer.Option(metavar="LOW,HIGH", help="For Rayleigh constants, Hz.")] = None,
 ) -> None:
-    """Print every number that stands for the damping of one law, or of a material.
+    """Print all numbers for the damping of one law, or of a material.
 
     One law: --time 0.02, or --damping-ratio 0.036 --frequency 0.57. A material: --youngs-modulus 1e6
     --poissons-ratio 0.3 --shear-time 0.02 --bulk-time 0.02. With --frequency also what it means at that frequency.
@@ -49,7 +51,7 @@ def convert(
         from viscorod.programs.rayleigh import time_from_rayleigh
         from viscorod.programs.tables import law_row, material_rows, rayleigh_rows
 
-        limits = None if band is None else pair_of("--band", band)
+        limits = None if band is None else _pair("--band", band)
         laws = {
             "--time": time,
             "--loss-factor": loss_factor,
@@ -85,8 +87,8 @@ def convert(
             tau = float(str(rows[1]["time [s]"]))
         else:
             if rayleigh is not None:
-                alpha, beta = pair_of("--rayleigh", rayleigh)
-                low, high = needed("--band", limits, "LOW,HIGH, Hz")
+                alpha, beta = _pair("--rayleigh", rayleigh)
+                low, high = _needed("--band", limits, "LOW,HIGH, Hz")
                 tau, error = time_from_rayleigh(alpha, beta, low, high)
                 typer.echo(
                     f"The closest Kelvin-Voigt law from {low:g} to {high:g} Hz; its damping ratio differs by up "
@@ -95,7 +97,7 @@ def convert(
             elif time is not None:
                 tau = time
             else:
-                at = needed("--frequency", frequency, "of the mode, Hz")
+                at = _needed("--frequency", frequency, "of the mode, Hz")
                 if loss_factor is not None:
                     tau = c.time_from_loss_factor(loss_factor, at)
                 elif damping_ratio is not None:
@@ -108,13 +110,28 @@ def convert(
         where = "" if frequency is None else f" at {frequency:g} Hz"
         typer.echo(_turned(f"Damping{where}", rows))
         if limits is not None and rayleigh is None:
-            at = needed("--frequency", frequency, "where the ratio is taken, Hz")
+            at = _needed("--frequency", frequency, "where the ratio is taken, Hz")
             title = f"Rayleigh constants from {limits[0]:g} to {limits[1]:g} Hz (stretch, bending)"
             typer.echo("\n" + rows_text(title, rayleigh_rows(tau, at, limits)))
 
 
+def _pair(flag: str, text: str) -> tuple[float, float]:
+    """Return two numbers separated by a comma."""
+    values = numbers_of(flag, text)
+    if len(values) != 2:
+        raise InputError(Fault(flag, text, "two numbers are needed here", f"give {flag} 0.1,10"))
+    return values[0], values[1]
+
+
+def _needed(flag: str, value: T | None, what: str) -> T:
+    """Return a value that must be given here."""
+    if value is None:
+        raise InputError(Fault(flag, "", "it is needed here", f"give {flag} ({what})"))
+    return value
+
+
 def _material(given: dict[str, float]) -> Material:
-    """A material of density one from its moduli and a pair of times or viscosities."""
+    """Return a material of density one from its moduli and a pair of times or viscosities."""
     from viscorod.model.materials.material import KelvinVoigt, Material
     from viscorod.programs.conversions import bulk_time
 
@@ -132,7 +149,7 @@ def _material(given: dict[str, float]) -> Material:
             Fault(
                 "--extensional-time",
                 "",
-                "it stands for the bulk time, beside the shear time",
+                "it is given instead of the bulk time, with the shear time",
                 "give --shear-time and --extensional-time only",
             )
         )
@@ -140,7 +157,7 @@ def _material(given: dict[str, float]) -> Material:
 
 
 def _turned(title: str, rows: list[dict[str, object]]) -> str:
-    """A table with one column per row of data: many numbers of few things."""
+    """Return a table with one column per row of data, for many numbers of few things."""
     from viscorod.cli.terminal import cell
     from viscorod.results.text_table import table
 

@@ -7,23 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from viscorod.cli.damping_commands.damping_options import (
-    Frequency,
-    OptionalNumber,
-    RodName,
-    SegmentLength,
-    Station,
-    notes,
-    numbers_of,
-    options_of,
-    rod_of,
-    section_of,
-)
-from viscorod.cli.terminal import readable_errors, rows_text
+from viscorod.cli.files import rod_of
+from viscorod.cli.options import Frequency, OptionalNumber, RodName, SegmentLength, Station, numbers_of
+from viscorod.cli.terminal import notes, readable_errors, rows_text
 from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
-    from viscorod.programs.inputs.program_inputs import ProgramInputs, SectionData
+    from viscorod.model.rod import Rod
+    from viscorod.programs.inputs import ProgramInputs, SectionData
 
 __all__ = ["from_program", "programs"]
 
@@ -38,14 +29,14 @@ def programs(
     frequency: Frequency = None,
     at: Station = 0.0,
 ) -> None:
-    """Print the damping of a case's rod as inputs of other programs, ready to paste, with what is lost."""
+    """Print the damping of a rod as inputs of other programs, ready to paste, and what is lost."""
     with readable_errors():
         from viscorod.programs.inputs import PROGRAMS
         from viscorod.programs.inputs import program as find
 
         name, chosen = rod_of(case, rod)
-        data = section_of(chosen, at)
-        options = options_of(segment_length, frequency)
+        data = _section(chosen, at)
+        options = _given(segment_length, frequency)
         kinds = list(PROGRAMS.values()) if program is None else [find(word) for word in program]
         _refuse_unread(options, kinds)
         typer.echo(f"Rod {name}, section at {at:g} m")
@@ -77,22 +68,22 @@ def from_program(
     ],
     rod: RodName = None,
     poissons_ratio: Annotated[
-        OptionalNumber, typer.Option(help="Of the material that is sought; by default the rod's.")
+        OptionalNumber, typer.Option(help="Of the material to find; by default the rod's.")
     ] = None,
     segment_length: SegmentLength = None,
     frequency: Frequency = None,
     at: Station = 0.0,
 ) -> None:
-    """Print what another program's damping numbers mean for a rod: six times, and the closest material."""
+    """Print what another program's damping means for a rod: six times, and the closest material."""
     with readable_errors():
         from viscorod.model.sections.stiffness_section import STRAINS
         from viscorod.programs.inputs import program as find
 
         kind = find(program)
         name, chosen = rod_of(case, rod)
-        data = section_of(chosen, at)
+        data = _section(chosen, at)
         inputs = kind.from_numbers(
-            numbers_of("--numbers", numbers), data, **options_of(segment_length, frequency)
+            numbers_of("--numbers", numbers), data, **_given(segment_length, frequency)
         )
         found = inputs.recovered(data, poissons_ratio)
         typer.echo(f"{kind.title}: {kind.meaning}\n")
@@ -113,12 +104,29 @@ def from_program(
         notes(found.warnings)
 
 
+def _section(rod: Rod, at: float) -> SectionData:
+    """Return the section of a rod at an arc length, m."""
+    from viscorod.programs.inputs import SectionData
+
+    if not 0.0 <= at <= rod.length:
+        raise InputError(
+            Fault("--at", f"{at:g}", "outside the rod", f"give an arc length from 0 to {rod.length:g} m")
+        )
+    return SectionData.of(rod, at)
+
+
+def _given(segment_length: float | None, frequency: float | None) -> dict[str, float]:
+    """Return the options of programs that were given."""
+    options = {"segment_length": segment_length, "frequency": frequency}
+    return {word: value for word, value in options.items() if value is not None}
+
+
 def _refuse_unread(options: dict[str, float], kinds: list[type[ProgramInputs]]) -> None:
     for word, value in options.items():
         if not any(word in kind.options for kind in kinds):
             titles = ", ".join(kind.title for kind in kinds)
             flag = f"--{word.replace('_', '-')}"
-            raise InputError(Fault(flag, f"{value:g}", f"no use for {titles}", "leave it out"))
+            raise InputError(Fault(flag, f"{value:g}", f"not used by {titles}", "leave it out"))
 
 
 def _program_text(inputs: ProgramInputs, data: SectionData) -> str:

@@ -90,7 +90,7 @@ def nearest_maxwell(
         equilibrium: the modulus in equilibrium if it is known, Pa.
 
     Raises:
-        RefusedError: the data do not determine a modulus in equilibrium.
+        RefusedError: the data do not give a modulus in equilibrium.
     """
     from scipy.optimize import nnls
 
@@ -113,7 +113,7 @@ def nearest_maxwell(
         equilibrium, found = float(found[0]), found[1:]
         if equilibrium <= 1e-9 * unit:
             raise RefusedError(
-                "the storage modulus goes on falling with the frequency; no modulus in equilibrium can be told from it",
+                "the storage modulus still falls at the lowest frequencies; it does not give a modulus in equilibrium",
                 "give youngs_modulus, the modulus after a long time (Pa)",
                 found="",
             )
@@ -122,6 +122,9 @@ def nearest_maxwell(
 
 
 def errors(modulus: Complexes, fit: Complexes) -> tuple[Floats, Floats]:
-    """Return relative errors of storage and loss modulus of a fit; of a vanishing loss modulus over the modulus."""
+    """Return relative errors of the storage and the loss modulus of a fit (n,), (n,).
+
+    That of the loss modulus is over the size of the whole modulus where there is no loss.
+    """
     loss = np.where(modulus.imag > 0.0, modulus.imag, np.abs(modulus))
-    return (fit.real - modulus.real) / modulus.real, (fit.imag - modulus.imag) / loss
+    return fit.real / modulus.real - 1.0, (fit.imag - modulus.imag) / loss

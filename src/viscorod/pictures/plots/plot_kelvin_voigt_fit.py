@@ -12,7 +12,7 @@ from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, TEXT, clean, figure
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from viscorod.results.kelvin_voigt_fit import KelvinVoigtFit
+    from viscorod.analyses.kelvin_voigt_fit import KelvinVoigtFit
 
 __all__ = ["draw_fit"]
 

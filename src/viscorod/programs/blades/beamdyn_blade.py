@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, writing
 from viscorod.programs.blades.blade_text import Lines
 from viscorod.programs.energy_creation import EnergyCheck, check_product
 from viscorod.programs.matrices import symmetric_part
@@ -46,7 +46,7 @@ class BeamDynBlade:
     title: str = ""
 
     def at(self, fraction: float) -> tuple[Floats, Floats]:
-        """Stiffness and inertia (6, 6) at a fraction of the reference line, linear between stations as in BeamDyn."""
+        """Return stiffness and inertia (6, 6) at a fraction of the line, linear between stations as in BeamDyn."""
         k = int(
             np.clip(np.searchsorted(self.stations, fraction, side="right") - 1, 0, len(self.stations) - 2)
         )
@@ -56,7 +56,7 @@ class BeamDynBlade:
         return mixed[0], mixed[1]
 
     def checks(self) -> tuple[EnergyCheck, ...]:
-        """For every station, whether BeamDyn's product mu S creates energy."""
+        """Check for every station whether BeamDyn's product mu S creates energy."""
         return tuple(check_product(stiffness, self.mu) for stiffness in self.stiffness)
 
 
@@ -64,8 +64,7 @@ def read_beamdyn_blade(path: str | Path) -> BeamDynBlade:
     """Read a blade file, of the format with or without the section on modal damping.
 
     Raises:
-        InputError: the file cannot be read, ends early, or holds something that is no blade; the message names the
-            line.
+        InputError: the file cannot be read, ends early, or is not a blade; the message names the line.
     """
     lines = Lines(path)
     title = lines.skip(2).strip()
@@ -103,7 +102,7 @@ def read_beamdyn_blade(path: str | Path) -> BeamDynBlade:
 
 
 def _matrix(lines: Lines, what: str) -> Floats:
-    """Six rows of six; symmetric to the printed digits, returned exactly symmetric."""
+    """Read six rows of six, symmetric to the printed digits, and return them exactly symmetric."""
     matrix = np.array([lines.numbers(6, what) for _ in range(6)])
     size = np.sqrt(np.abs(np.outer(np.diag(matrix), np.diag(matrix))))
     skew = np.abs(matrix - matrix.T)
@@ -121,9 +120,9 @@ def write_beamdyn_blade_file(blade: BeamDynBlade, path: str | Path, *, modal_sec
     """Write a blade file with 17 digits, so that reading it gives the same numbers.
 
     Args:
-        blade: what is written.
+        blade: the content.
         path: of the file.
-        modal_section: whether the lines on modal damping of newer BeamDyn versions are there; they are not used.
+        modal_section: write the lines on modal damping of newer BeamDyn versions; they are not used.
 
     Raises:
         InputError: the file cannot be written.
@@ -149,12 +148,8 @@ def write_beamdyn_blade_file(blade: BeamDynBlade, path: str | Path, *, modal_sec
     for station, stiffness, inertia in zip(blade.stations, blade.stiffness, blade.inertia, strict=True):
         text += [f"  {station:.17g}", *map(_row, stiffness), "", *map(_row, inertia), ""]
     target = Path(path)
-    try:
+    with writing(target):
         target.write_text("\n".join(text) + "\n", encoding="utf-8")
-    except OSError as error:
-        raise InputError(
-            Fault(str(path), "", f"the file cannot be written ({error.strerror})", "name another folder")
-        ) from None
     return target
 
 

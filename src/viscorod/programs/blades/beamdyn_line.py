@@ -41,7 +41,7 @@ class ReferenceLine:
 
     @classmethod
     def read(cls, path: str | Path) -> Self:
-        """From a BeamDyn primary input file, with one member.
+        """Read a BeamDyn primary input file with one member.
 
         Raises:
             InputError: the file cannot be read, has several members, or its key points are incomplete.
@@ -61,7 +61,7 @@ class ReferenceLine:
         return cls(rows[:, :3], rows[:, 3])
 
     def centreline(self) -> Centreline:
-        """Straight, or a cubic spline through the points; the two agree with BeamDyn's at the key points."""
+        """Return a straight line or a cubic spline through the points; both agree with BeamDyn's at the key points."""
         chord = self.points[-1] - self.points[0]
         length = float(np.linalg.norm(chord))
         away = np.cross(self.points - self.points[0], chord / length if length > 0.0 else chord)
@@ -70,7 +70,7 @@ class ReferenceLine:
         return ThroughPoints(tuple(map(tuple, self.points.tolist())))
 
     def arc_lengths(self) -> Floats:
-        """Arc lengths of the key points (n,), m."""
+        """Return the arc lengths of the key points (n,), m."""
         chords = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
         if isinstance(self.centreline(), Straight):
             return np.concatenate([[0.0], np.cumsum(chords)])
@@ -86,7 +86,7 @@ LineLike: TypeAlias = ReferenceLine | str | Path | Sequence[Sequence[float]] | F
 
 
 def reference_line(line: LineLike) -> ReferenceLine:
-    """A reference line from key points (n, 3), key points with twist (n, 4; m and degrees), or a primary file.
+    """Return a reference line from key points (n, 3), key points with twist (n, 4; m and degrees), or a primary file.
 
     Raises:
         InputError: there are not at least two points of three or four numbers, or the file cannot be read.
@@ -112,7 +112,7 @@ def reference_line(line: LineLike) -> ReferenceLine:
 
 
 def beamdyn_axis(tangent: Floats, angle: float) -> Floats:
-    """BeamDyn's x axis of a section (3,) for the unit tangent (3,) and the angle about it, rad.
+    """Return BeamDyn's x axis of a section (3,) for the unit tangent (3,) and the angle about it, rad.
 
     Raises:
         InputError: the tangent does not point along +Z, in which BeamDyn's blades run.
@@ -147,11 +147,11 @@ class BladeTwist:
         self._centreline, self._d1 = centreline, tuple(d1.tolist())
 
     def angle(self, s: float) -> float:
-        """Minus the initial twist at the arc length `s` (m), rad."""
+        """Return minus the initial twist at the arc length `s` (m), rad."""
         return float(np.interp(s, *self._ends) if self._angle is None else self._angle(s))
 
     def __call__(self, s: float) -> float:
-        """The angle at the arc length `s` (m), rad."""
+        """Return the angle at the arc length `s` (m), rad."""
         _, frames = self._centreline.frames([s], self._d1)
         natural = frames[0]
         axis = beamdyn_axis(natural[:, 2], self.angle(s))
@@ -159,7 +159,7 @@ class BladeTwist:
 
 
 def key_points(rod: Rod, stations: Sequence[float] | Floats) -> Floats:
-    """Key points and initial twist (n, 4), m and degrees, of a rod at fractions of its length.
+    """Return key points and initial twist (n, 4), m and degrees, of a rod at fractions of its length.
 
     They are the rows kp_xr, kp_yr, kp_zr, initial_twist of a primary file.
 

@@ -30,10 +30,10 @@ _CONSTANT = 1e-9  # relative change of a time along the rod that counts as none
 
 
 def product_damping(stiffness: Floats, times: Floats) -> Floats:
-    """(mu S + S mu)/2 (6, 6): the symmetric matrix that takes the same power as the products mu S and S mu.
+    """Return (mu S + S mu)/2 (6, 6): the symmetric matrix that takes the same power as the products mu S and S mu.
 
     Raises:
-        InputError: it creates energy in some motion; the message tells from which coupling on.
+        InputError: it creates energy in some motion; the message states from which coupling on.
     """
     check = check_product(stiffness, times)
     if check.creates_energy:
@@ -61,7 +61,7 @@ class BladeSections:
         self.blade, self.length, self.law = blade, length, law
 
     def damping(self, stiffness: Floats) -> Floats:
-        """D (6, 6) that belongs to a stiffness (6, 6)."""
+        """Return D (6, 6) for a stiffness (6, 6)."""
         if self.blade.damp_type == 0:
             return np.zeros((6, 6))
         if self.law == "symmetric":
@@ -69,7 +69,7 @@ class BladeSections:
         return product_damping(stiffness, self.blade.mu)
 
     def difference(self) -> float:
-        """Largest difference of D from BeamDyn's mu S over all stations, in parts of sqrt(D_ii D_jj)."""
+        """Return the largest difference of D from BeamDyn's mu S over all stations, in parts of sqrt(D_ii D_jj)."""
         largest = 0.0
         if self.blade.damp_type == 0:
             return largest
@@ -81,7 +81,7 @@ class BladeSections:
         return largest
 
     def __call__(self, s: float) -> StiffnessSection:
-        """The section at the arc length `s`, m."""
+        """Return the section at the arc length `s`, m."""
         stiffness, inertia = self.blade.at(s / self.length)
         return StiffnessSection(stiffness, inertia, self.damping(stiffness))
 
@@ -94,7 +94,7 @@ def rod_from_blade(
     elements: int | None = None,
     order: int | None = None,
 ) -> Rod:
-    """A BeamDyn blade as a rod, in the blade's root axes (X, Y, Z).
+    """Return a BeamDyn blade as a rod, in the blade's root axes (X, Y, Z).
 
     Sections are interpolated linearly between the stations, their axes are BeamDyn's with its initial twist.
     BeamDyn's damping mu S is not symmetric where coupled strains have different mu; D is T C T with the same six
@@ -142,7 +142,7 @@ def rod_from_blade(
 def blade_from_rod(
     rod: Rod, stations: Sequence[float] | Floats | None = None
 ) -> tuple[BeamDynBlade, tuple[str, ...]]:
-    """A rod as a BeamDyn blade.
+    """Return a rod as a BeamDyn blade.
 
     Args:
         rod: any rod.
@@ -194,7 +194,7 @@ def blade_from_rod(
 def write_beamdyn_blade(
     rod: Rod, path: str | Path, stations: Sequence[float] | Floats | None = None
 ) -> tuple[str, ...]:
-    """Write a rod as a BeamDyn blade file; returns what is lost, in sentences. See `blade_from_rod`."""
+    """Write a rod as a BeamDyn blade file; return what is lost, in sentences. See `blade_from_rod`."""
     blade, losses = blade_from_rod(rod, stations)
     write_beamdyn_blade_file(blade, path)
     return losses

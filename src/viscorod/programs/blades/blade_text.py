@@ -1,4 +1,4 @@
-"""Reading BeamDyn's input files line by line, as its own reader does: values first, comments after them."""
+"""Read BeamDyn's input files line by line, as its own reader does: values first, comments after them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Lines:
         self._next = 0
 
     def skip(self, count: int = 1) -> str:
-        """Pass over comment lines; returns the last of them."""
+        """Pass over comment lines and return the last of them."""
         line = ""
         for _ in range(count):
             line = self._take("a comment line")
@@ -46,7 +46,7 @@ class Lines:
             self._next += 1
 
     def peek(self) -> str:
-        """The next line, empty at the end of the file."""
+        """Return the next line, empty at the end of the file."""
         return self._lines[self._next] if self._next < len(self._lines) else ""
 
     def find(self, word: str) -> None:
@@ -61,14 +61,14 @@ class Lines:
         )
 
     def whole(self, what: str, low: int = 0) -> int:
-        """The whole number that a line starts with."""
+        """Take a line and return the whole number it starts with."""
         (value,) = self.numbers(1, what)
         if value != int(value) or value < low:
             raise self.problem(f"{value:g}", f"{what} is a whole number", f"give a whole number >= {low}")
         return int(value)
 
     def numbers(self, count: int, what: str) -> Floats:
-        """`count` numbers that a line starts with."""
+        """Take a line and return the `count` numbers it starts with."""
         line = self._take(what)
         parts = line.replace(",", " ").split()[:count]
         try:
@@ -82,7 +82,7 @@ class Lines:
         return np.array(values)
 
     def problem(self, found: str, why: str, instead: str) -> InputError:
-        """An error about the line that was taken last."""
+        """Return an error about the line that was taken last."""
         return InputError(Fault(f"{self.path}, line {self._next}", found, why, instead))
 
     def _take(self, what: str) -> str:

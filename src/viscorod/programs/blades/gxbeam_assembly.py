@@ -18,12 +18,11 @@ from typing import Any
 import numpy as np
 
 from viscorod.errors import Fault, InputError
-from viscorod.model.centrelines.line_shapes import Straight
-from viscorod.model.centrelines.parametric_lines import ThroughPoints
 from viscorod.model.rod import Rod
 from viscorod.model.sections.section_profile import Piecewise
 from viscorod.model.sections.stiffness_section import StiffnessSection
 from viscorod.programs.axial_first import from_axial_first, to_axial_first
+from viscorod.programs.blades.beamdyn_line import ReferenceLine
 from viscorod.programs.blades.blade_rod import Law, product_damping
 from viscorod.programs.branches import refuse_branches
 from viscorod.programs.matrices import symmetric_part
@@ -37,7 +36,7 @@ _ALIGNED = 0.05  # rad between an element's x axis and the spline's tangent at i
 
 
 def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "symmetric") -> Rod:
-    """A GXBeam-style beam as a rod with one section per element.
+    """Return a GXBeam-style beam as a rod with one section per element.
 
     The section axes follow the rotation-minimising frame that starts as the first element's; matrices of elements
     whose frames are turned about the tangent are turned accordingly, which changes nothing of their law. The beam is
@@ -79,14 +78,7 @@ def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "sym
     frames = (
         _per_element(data, "frames", (3, 3), count) if "frames" in data else np.tile(np.eye(3), (count, 1, 1))
     )
-    chord = np.linalg.norm(points[-1] - points[0])
-    away = np.cross(points - points[0], (points[-1] - points[0]) / (chord or 1.0))
-    straight = float(np.abs(away).max()) <= 1e-12 * float(chord)
-    curve = (
-        Straight(tuple(points[0].tolist()), tuple(points[-1].tolist()))
-        if straight
-        else ThroughPoints(tuple(map(tuple, points.tolist())))
-    )
+    curve = ReferenceLine(points, np.zeros(count + 1)).centreline()
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     ends = np.cumsum(lengths) * (curve.length / lengths.sum())
     d1 = tuple(frames[0][:, 1].tolist())
@@ -112,7 +104,7 @@ def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "sym
 
 
 def gxbeam_from_rod(rod: Rod, elements: int) -> dict[str, Any]:
-    """A rod as a GXBeam-style beam of straight elements of equal length, as plain lists.
+    """Return a rod as a GXBeam-style beam of straight elements of equal length, as plain lists.
 
     The matrices are those at the middle of each element, in the rod's section axes; mu_i = D_ii/C_ii.
 
@@ -137,13 +129,13 @@ def gxbeam_from_rod(rod: Rod, elements: int) -> dict[str, Any]:
 
 
 def section_turn(frame: Floats, natural: Floats, element: int) -> Floats:
-    """The rotation of section vectors (6, 6) from an element's axes (x along it first) to the rod's."""
+    """Return the rotation of section vectors (6, 6) from an element's axes (x along it first) to the rod's."""
     if not np.allclose(frame.T @ frame, np.eye(3), atol=1e-6) or np.linalg.det(frame) < 0.0:
         raise InputError(
             Fault(
                 f"frames[{element}]",
                 "",
-                "it is no rotation matrix",
+                "this is not a rotation matrix",
                 "give three orthonormal, right-handed columns: the element's x, y and z axes",
             )
         )
@@ -164,7 +156,7 @@ def section_turn(frame: Floats, natural: Floats, element: int) -> Floats:
 
 
 def _inverse(compliance: Floats) -> Floats:
-    """The stiffness of a compliance."""
+    """Return the stiffness of a compliance."""
     try:
         return np.asarray(np.linalg.inv(compliance))
     except np.linalg.LinAlgError:
@@ -199,7 +191,7 @@ def _content(assembly: Mapping[str, Any] | str | Path) -> Mapping[str, Any]:
 
 
 def _array(data: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Floats:
-    """The finite numbers of a key in a shape; -1 stands for any number."""
+    """Return the finite numbers of a key in a shape; -1 stands for any size."""
     if key not in data:
         raise InputError(Fault(key, "", "this key is required and missing", f"add {key}"))
     try:
@@ -218,7 +210,7 @@ def _array(data: Mapping[str, Any], key: str, shape: tuple[int, ...]) -> Floats:
 
 
 def _per_element(data: Mapping[str, Any], key: str, shape: tuple[int, ...], count: int) -> Floats:
-    """One array per element (count, *shape), from one for all or a list."""
+    """Return one array per element (count, *shape), from one for all or a list."""
     if key in data and np.ndim(data[key]) == len(shape):
         return np.repeat(_array(data, key, shape)[None], count, axis=0)
     array = _array(data, key, (-1, *shape))

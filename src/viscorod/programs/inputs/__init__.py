@@ -1,19 +1,16 @@
-"""The damping inputs of other programs, each in a module of its own."""
+"""The damping inputs of other programs, in modules by what the programs take."""
 
 from __future__ import annotations
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import did_you_mean
-from viscorod.programs.inputs.beamdyn import BeamDyn
 from viscorod.programs.inputs.chrono import ChronoLinear, ChronoRayleigh, ChronoTapered
-from viscorod.programs.inputs.exudyn import Exudyn
-from viscorod.programs.inputs.gxbeam import GXBeam
-from viscorod.programs.inputs.mbdyn import MBDyn
-from viscorod.programs.inputs.mujoco import MuJoCo
-from viscorod.programs.inputs.newton_physics import Newton
+from viscorod.programs.inputs.damping_matrices import Exudyn, MBDyn
 from viscorod.programs.inputs.program_inputs import ProgramInputs, Recovered, SectionData
 from viscorod.programs.inputs.pyelastica import PyElastica
+from viscorod.programs.inputs.rigid_segments import MuJoCo, Newton
 from viscorod.programs.inputs.sorosim import SoRoMoX, SoRoSim
+from viscorod.programs.inputs.stiffness_products import BeamDyn, GXBeam
 
 __all__ = [
     "PROGRAMS",
@@ -52,11 +49,11 @@ PROGRAMS: dict[str, type[ProgramInputs]] = {
         PyElastica,
     )
 }
-"""The programs by their word; a new one is one module and one line here."""
+"""The programs by their word; a new one is one class and one line here."""
 
 
 def program(word: str) -> type[ProgramInputs]:
-    """The inputs of a program by its word.
+    """Return the class of inputs of a program by its word.
 
     Raises:
         InputError: there is no such program; the message names the nearest and all of them.

@@ -1,11 +1,11 @@
-"""What the inputs of every program have in common: a damping law, a text to paste, and what is lost."""
+"""The inputs of a program: its numbers, its damping law, a text to paste, and what is lost."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from typing import ClassVar, Self
 
 import numpy as np
@@ -25,7 +25,6 @@ __all__ = [
     "ProgramInputs",
     "Recovered",
     "SectionData",
-    "checked_options",
     "listed",
     "matrix_of",
     "number_text",
@@ -37,7 +36,7 @@ UNITS = {"segment_length": "m", "frequency": "Hz"}
 
 @dataclass(frozen=True, eq=False)
 class SectionData:
-    """One section of a rod, as translations need it.
+    """One section of a rod, for translation.
 
     Attributes:
         stiffness: C (6, 6); N, N m, N m^2; strains in viscorod's order.
@@ -55,10 +54,10 @@ class SectionData:
 
     @classmethod
     def of(cls, rod: Rod, s: float = 0.0) -> Self:
-        """The section of a rod at the arc length `s`, m.
+        """Return the section of a rod at the arc length `s`, m.
 
         Raises:
-            InputError: the section has Maxwell branches, which no Kelvin-Voigt law of another program has.
+            InputError: the section has Maxwell branches, which the Kelvin-Voigt laws of other programs do not have.
         """
         refuse_branches(rod, [s])
         section = rod.section_at(s)
@@ -91,8 +90,13 @@ class Recovered:
     warnings: tuple[str, ...]
 
 
+@dataclass(frozen=True)
 class ProgramInputs(ABC):
-    """The inputs of one program that describe a beam's damping."""
+    """The inputs of one program that describe a beam's damping.
+
+    A subclass states in class attributes what the program is, and in four methods how a section becomes its numbers,
+    what else it keeps besides them, its law, and the text to paste.
+    """
 
     program: ClassVar[str]
     """Word for the command line."""
@@ -108,40 +112,71 @@ class ProgramInputs(ABC):
     """Further keywords of `from_section` and `from_numbers`."""
     missing: ClassVar[tuple[int, ...]] = ()
     """Places of strains that the program does not have: it holds them."""
+    always_lost: ClassVar[tuple[str, ...]] = ()
+    """Sentences on what is lost, whatever the section."""
+    notes: ClassVar[tuple[str, ...]] = ()
+    """Sentences on what the user must know, whatever the section."""
 
     @classmethod
-    @abstractmethod
     def from_section(cls, data: SectionData, **options: float) -> Self:
-        """The inputs for a section."""
+        """Return the inputs for a section.
+
+        Raises:
+            InputError: an option of the program is missing, wrong or of another program, or the program cannot have
+                such a section.
+        """
+        chosen = _checked_options(cls, options)
+        return cls._of(cls._numbers(data, chosen), data, chosen)
+
+    @classmethod
+    def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
+        """Return the inputs from the program's numbers (see `words`), with what it takes from the section.
+
+        Raises:
+            InputError: as for `from_section`, or the numbers are too few, too many, negative or not finite.
+        """
+        chosen = _checked_options(cls, options)
+        return cls._of(cls._checked(numbers), data, chosen)
 
     @classmethod
     @abstractmethod
-    def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
-        """The inputs from the program's numbers (see `words`), with what it takes from the section."""
+    def _numbers(cls, data: SectionData, options: Sequence[float], /) -> Sequence[float]:
+        """Translate a section into the program's numbers."""
+
+    @classmethod
+    def _checked(cls, numbers: Sequence[float]) -> Sequence[float]:
+        """Refuse numbers that the program cannot have."""
+        return listed(cls, numbers)
+
+    @classmethod
+    def _of(cls, numbers: Sequence[float], _data: SectionData, options: Sequence[float], /) -> Self:
+        """Make the inputs of the program's numbers, the options, and what else is taken from the section."""
+        return cls(*numbers, *options)
 
     @property
-    @abstractmethod
     def numbers(self) -> tuple[float, ...]:
-        """The program's numbers, in the order of `words`."""
+        """The program's numbers, in the order of `words`: the first field, or one field each."""
+        first, *others = astuple(self)
+        return first if isinstance(first, tuple) else (first, *others)[: len(self.words)]
 
     @abstractmethod
     def law(self, stiffness: Floats) -> Floats:
-        """The matrix P (6, 6) of the program's viscous section force P eps_t, in viscorod's order.
+        """Return the matrix P (6, 6) of the program's viscous section force P eps_t, in viscorod's order.
 
         It need not be symmetric. Strains the program does not have are rows and columns of zeros.
         """
 
     @abstractmethod
     def text(self) -> str:
-        """The inputs as the user pastes them."""
+        """Return the inputs as the user pastes them."""
 
     def losses(self, data: SectionData) -> tuple[str, ...]:
-        """What is lost when the section's damping becomes these inputs, in sentences with numbers."""
+        """Return what is lost when the section's damping becomes these inputs, in sentences with numbers."""
         law = self.law(data.stiffness)
         out: list[str] = []
         given, taken = data.times, component_times(data.stiffness, law)
         if self.missing:
-            out.append(f"{self.title} has no {', '.join(STRAINS[k] for k in self.missing)}: held rigid")
+            out.append(f"{self.title} has no {', '.join(STRAINS[k] for k in self.missing)}: these are rigid")
         for place, (word, before, after) in enumerate(zip(STRAINS, given, taken, strict=True)):
             if place in self.missing:
                 continue
@@ -156,21 +191,21 @@ class ProgramInputs(ABC):
                 f"the viscous couplings differ by {coupling:.3g} of sqrt(D_ii D_jj) from the symmetric law of "
                 "viscorod"
             )
-        return tuple(out)
+        return (*out, *self.always_lost)
 
     def warnings(self, data: SectionData) -> tuple[str, ...]:
-        """What the user must know before running the program with these inputs."""
+        """Return what the user must know before running the program with these inputs."""
         law = self.law(data.stiffness)
         if creates_energy(law, data.stiffness):
             power = least_power(law, data.stiffness)
-            return (f"this law creates energy in some motions (least scaled power {power:.3g})",)
-        return ()
+            return (f"this law creates energy in some motions (least scaled power {power:.3g})", *self.notes)
+        return self.notes
 
     def recovered(self, data: SectionData, poissons_ratio: float | None = None) -> Recovered:
-        """The inputs as viscorod's damping of a section with this stiffness.
+        """Return the inputs as viscorod's damping of a section with this stiffness.
 
-        A law that is symmetric and never creates energy is taken as it is. For any other one the symmetric
-        D = T C T with the same six times is taken, and the difference is told.
+        A law that is symmetric and never creates energy is taken as it is. For any other the symmetric
+        D = T C T with the same six times is taken, and the difference is reported.
         """
         law = self.law(data.stiffness)
         times = component_times(data.stiffness, law)
@@ -202,7 +237,7 @@ class ProgramInputs(ABC):
 
 
 def _coupling_difference(law: Floats, data: SectionData) -> float:
-    """Largest off-diagonal difference between a law and D, scaled by sqrt(D_ii D_jj)."""
+    """Return the largest off-diagonal difference between a law and D, scaled by sqrt(D_ii D_jj)."""
     diagonal = np.diag(data.damping)
     difference = by_sizes(law - data.damping, np.where(diagonal > 0.0, diagonal, np.inf))
     np.fill_diagonal(difference, 0.0)
@@ -210,7 +245,7 @@ def _coupling_difference(law: Floats, data: SectionData) -> float:
 
 
 def listed(program: type[ProgramInputs], numbers: Sequence[float]) -> tuple[float, ...]:
-    """Finite, non-negative numbers of a program, one for each of its words.
+    """Return finite, non-negative numbers of a program, one for each of its words.
 
     Raises:
         InputError: there are more or fewer, or one is negative or not finite.
@@ -227,16 +262,13 @@ def listed(program: type[ProgramInputs], numbers: Sequence[float]) -> tuple[floa
         )
     for word, value in zip(program.words, values, strict=True):
         if not (math.isfinite(value) and value >= 0.0):
-            raise InputError(
-                Fault(
-                    f"{program.program}.{word}", f"{value:g}", "outside what is allowed", "give a number >= 0"
-                )
-            )
+            where = f"{program.program}.{word}"
+            raise InputError(Fault(where, f"{value:g}", "outside what is allowed", "give a number >= 0"))
     return values
 
 
 def matrix_of(program: type[ProgramInputs], numbers: Sequence[float]) -> Floats:
-    """A 6x6 matrix from 6 numbers (a diagonal), 21 (the upper triangle, row by row) or 36 (row by row).
+    """Return a 6x6 matrix from 6 numbers (a diagonal), 21 (the upper triangle, row by row) or 36 (row by row).
 
     Raises:
         InputError: there is another count, or a number is not finite.
@@ -260,8 +292,8 @@ def matrix_of(program: type[ProgramInputs], numbers: Sequence[float]) -> Floats:
     return np.asarray(matrix + np.triu(matrix, 1).T)
 
 
-def checked_options(program: type[ProgramInputs], options: Mapping[str, float]) -> tuple[float, ...]:
-    """The options of a program in their order, all of them required and positive.
+def _checked_options(program: type[ProgramInputs], options: Mapping[str, float]) -> tuple[float, ...]:
+    """Return the options of a program in their order, all of them required and positive.
 
     Raises:
         InputError: one is missing or not positive, or the program does not take it.
@@ -287,6 +319,6 @@ def checked_options(program: type[ProgramInputs], options: Mapping[str, float]) 
 
 
 def number_text(value: float) -> str:
-    """A number as it is pasted: ten digits, always with a point or an exponent, as Fortran and C++ like it."""
+    """Return a number as text to paste: ten digits, always with a point or an exponent, for Fortran and C++."""
     text = f"{value:.10g}"
     return text if any(mark in text for mark in ".en") else f"{text}.0"

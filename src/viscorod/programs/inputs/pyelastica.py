@@ -1,11 +1,10 @@
-"""PyElastica: no damping of strains; the nearest mass-proportional constant."""
+"""PyElastica: it does not damp strains; the mass-proportional constant that agrees at one frequency."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Self
 
 import numpy as np
 
@@ -14,8 +13,6 @@ from viscorod.programs.inputs.program_inputs import (
     ProgramInputs,
     Recovered,
     SectionData,
-    checked_options,
-    listed,
     number_text,
 )
 from viscorod.typing import Floats
@@ -35,33 +32,24 @@ class PyElastica(ProgramInputs):
     constant: float
     frequency: float
 
-    program: ClassVar[str] = "pyelastica"
-    title: ClassVar[str] = "PyElastica"
-    meaning: ClassVar[str] = (
-        "velocities decay as exp(-constant t), whatever the strains do: damping by the mass"
-    )
-    words: ClassVar[tuple[str, ...]] = ("uniform_damping_constant",)
-    options: ClassVar[tuple[str, ...]] = ("frequency",)
-    sources: ClassVar[tuple[str, ...]] = (
+    program = "pyelastica"
+    title = "PyElastica"
+    meaning = "velocities decay as exp(-constant t), whatever the strains do: damping by the mass"
+    words = ("uniform_damping_constant",)
+    options = ("frequency",)
+    sources = (
         "GazzolaLab/PyElastica: elastica/dissipation.py, AnalyticalLinearDamper (package pyelastica 1.0.0)",
     )
+    notes = (
+        "the older keyword damping_constant reduces angular velocities by exp(-constant m/J t), which depends on "
+        "the unit of length: use uniform_damping_constant",
+    )
 
     @classmethod
-    def from_section(cls, data: SectionData, **options: float) -> Self:
-        """The constant tau omega^2 with the time of bending, so that the ratio constant/(2 omega) is tau omega/2."""
-        (frequency,) = checked_options(cls, options)
-        return cls(float(data.times[3:5].mean()) * (2.0 * math.pi * frequency) ** 2, frequency)
-
-    @classmethod
-    def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
-        """One number."""
-        del data
-        return cls(*listed(cls, numbers), *checked_options(cls, options))
-
-    @property
-    def numbers(self) -> tuple[float, ...]:
-        """The constant."""
-        return (self.constant,)
+    def _numbers(cls, data: SectionData, options: Sequence[float], /) -> Sequence[float]:
+        """Return tau omega^2 with the time of bending, so that the ratio constant/(2 omega) is tau omega/2."""
+        (frequency,) = options
+        return [float(data.times[3:5].mean()) * (2.0 * math.pi * frequency) ** 2]
 
     @property
     def time(self) -> float:
@@ -69,16 +57,16 @@ class PyElastica(ProgramInputs):
         return self.constant / (2.0 * math.pi * self.frequency) ** 2
 
     def ratio(self, frequency: float) -> float:
-        """Damping ratio in PyElastica of a mode with this undamped frequency (Hz), constant/(2 omega)."""
+        """Return the damping ratio in PyElastica of a mode with this undamped frequency (Hz), constant/(2 omega)."""
         return self.constant / (4.0 * math.pi * frequency)
 
     def law(self, stiffness: Floats) -> Floats:
-        """Zero: no force belongs to a strain rate."""
+        """Return zeros: no force depends on strain rates."""
         del stiffness
         return np.zeros((6, 6))
 
     def text(self) -> str:
-        """A Python call."""
+        """Return a Python call."""
         return (
             "simulator.dampen(rod).using(\n"
             "    elastica.AnalyticalLinearDamper,\n"
@@ -87,30 +75,19 @@ class PyElastica(ProgramInputs):
         )
 
     def losses(self, data: SectionData) -> tuple[str, ...]:
-        """Everything but one number."""
+        """Return what is lost: everything but one number."""
         del data
         ratio = self.ratio(self.frequency)
         return (
-            "there is no equivalent: PyElastica damps velocities, not strain rates, so it also brakes "
-            "rigid motions, and its "
-            "ratio falls with the frequency where a material's rises",
-            f"the constant agrees at {self.frequency:.6g} Hz (ratio {ratio:.6g}); a mode at ten times "
-            "that frequency has the "
-            f"ratio {ratio / 10.0:.3g} instead of {ratio * 10.0:.3g}",
+            "there is no equivalent: PyElastica damps velocities, not strain rates, so it also slows rigid "
+            "motions, and its ratio falls with the frequency, whereas a material's rises",
+            f"the constant agrees at {self.frequency:.6g} Hz (ratio {ratio:.6g}); a mode at ten times that "
+            f"frequency has the ratio {ratio / 10.0:.3g} instead of {ratio * 10.0:.3g}",
             "the ratio of bending is used; stretch, shear and twist get the same constant",
         )
 
-    def warnings(self, data: SectionData) -> tuple[str, ...]:
-        """The older keyword."""
-        del data
-        return (
-            "the older keyword damping_constant turns angular velocities down by exp(-constant m/J t), "
-            "which depends on the "
-            "unit of length: take uniform_damping_constant",
-        )
-
     def recovered(self, data: SectionData, poissons_ratio: float | None = None) -> Recovered:
-        """Refused: a constant of the mass is no law of a section.
+        """Refuse: a mass-proportional constant is not a law of a section.
 
         Raises:
             InputError: always.
@@ -120,7 +97,7 @@ class PyElastica(ProgramInputs):
             Fault(
                 self.program,
                 number_text(self.constant),
-                "a constant of the mass is no damping of strains",
+                "a mass-proportional constant does not damp strains",
                 f"a bending mode at {self.frequency:g} Hz has the same ratio with the extensional time "
                 f"{self.time:.6g} s; "
                 "give that to the material",

@@ -4,19 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.materials.material import Material
-from viscorod.programs.inputs.program_inputs import (
-    ProgramInputs,
-    SectionData,
-    checked_options,
-    listed,
-    number_text,
-)
+from viscorod.programs.inputs.program_inputs import ProgramInputs, SectionData, number_text
 from viscorod.programs.times import symmetric_damping
 from viscorod.typing import Floats
 
@@ -37,36 +31,25 @@ class SoRoSim(ProgramInputs):
     youngs_modulus: float
     shear_modulus: float
 
-    program: ClassVar[str] = "sorosim"
-    title: ClassVar[str] = "SoRoSim"
-    meaning: ClassVar[str] = (
-        "damping matrix Eta diag(Ix, 3 Iy, 3 Iz, 3 A, A, A): extension has 3 Eta, as for nu = 1/2"
-    )
-    words: ClassVar[tuple[str, ...]] = ("Eta",)
-    sources: ClassVar[tuple[str, ...]] = (
+    program = "sorosim"
+    title = "SoRoSim"
+    meaning = "damping matrix Eta diag(Ix, 3 Iy, 3 Iz, 3 A, A, A): extension has 3 Eta, as for nu = 1/2"
+    words = ("Eta",)
+    sources = (
         "Ikhlas-Ben-Hmida/SoRoSim: SoRoSim Live/SorosimTwist files/MEG.m (Ix = Iy + Iz)",
         "SoRoSim/SoRoSim: Differentiable_SoRoSim/SorosimLink_files/SorosimLink.m (Eta, Pa s)",
     )
 
     @classmethod
-    def from_section(cls, data: SectionData, **options: float) -> Self:
-        """Eta = eta_E/3: bending and stretching as they are, since slender rods bend."""
-        checked_options(cls, options)
-        material = _material(cls, data)
-        return cls(material.extensional_viscosity / 3.0, material.youngs_modulus, material.shear_modulus)
+    def _numbers(cls, data: SectionData, _: Sequence[float], /) -> Sequence[float]:
+        """Return Eta = eta_E/3, which keeps bending and stretching as they are, since slender rods bend."""
+        return [_material(cls, data).extensional_viscosity / 3.0]
 
     @classmethod
-    def from_numbers(cls, numbers: Sequence[float], data: SectionData, **options: float) -> Self:
-        """One number."""
-        checked_options(cls, options)
+    def _of(cls, numbers: Sequence[float], data: SectionData, _: Sequence[float], /) -> Self:
         material = _material(cls, data)
-        (eta,) = listed(cls, numbers)
+        (eta,) = numbers
         return cls(eta, material.youngs_modulus, material.shear_modulus)
-
-    @property
-    def numbers(self) -> tuple[float, ...]:
-        """Eta."""
-        return (self.eta,)
 
     @property
     def times(self) -> Floats:
@@ -75,15 +58,15 @@ class SoRoSim(ProgramInputs):
         return np.array([shear, shear, extension, extension, extension, shear])
 
     def law(self, stiffness: Floats) -> Floats:
-        """The times on the section's own stiffness; the program's shear factors and torsion constant are its own."""
+        """Return T C T on the section's own stiffness; the program has its own shear factors and torsion constant."""
         return symmetric_damping(stiffness, self.times)
 
     def text(self) -> str:
-        """A MATLAB line."""
+        """Return a MATLAB line."""
         return f"Link.Eta = {number_text(self.eta)};  % Pa s"
 
     def losses(self, data: SectionData) -> tuple[str, ...]:
-        """The error of the constants of nu = 1/2, for the choice made and for the other one."""
+        """Return the error of the constants of nu = 1/2, for the choice made and for the other one."""
         material = _material(type(self), data)
         shear, extension = material.shear_viscosity, material.extensional_viscosity
         out = super().losses(data)
@@ -98,16 +81,15 @@ class SoRoSim(ProgramInputs):
                 )
         if abs(extension - 3.0 * shear) <= 1e-9 * extension:
             return out or (f"nothing: eta_E = 3 eta for this material (nu = {material.poissons_ratio:g})",)
+        if shear == 0.0:
+            return (*out, "the material has no shear viscosity, but the program gives shear and twist one")
+        (word,) = self.words
         return (
             *out,
             f"eta_E = 3 eta holds for nu = 1/2; here nu = {material.poissons_ratio:g} and eta_E/eta = "
-            f"{extension / shear:.4g}. "
-            f"{self.words[0]} = eta_E/3 = {number_text(extension / 3.0)} Pa s keeps bending and stretching; "
-            f"{self.words[0]} = eta = {number_text(shear)} Pa s would keep shear and twist, and make the "
-            "times of bending "
-            f"and stretching wrong by {3.0 * shear / extension - 1.0:+.1%}"
-            if shear > 0.0
-            else "the material has no shear viscosity, but the program gives shear and twist one",
+            f"{extension / shear:.4g}. {word} = eta_E/3 = {number_text(extension / 3.0)} Pa s keeps bending and "
+            f"stretching; {word} = eta = {number_text(shear)} Pa s would keep shear and twist, and make the times of "
+            f"bending and stretching wrong by {3.0 * shear / extension - 1.0:+.1%}",
         )
 
 
@@ -115,19 +97,17 @@ class SoRoSim(ProgramInputs):
 class SoRoMoX(SoRoSim):
     """The material damping coefficient of a SoRoMoX link; the law is SoRoSim's."""
 
-    program: ClassVar[str] = "soromox"
-    title: ClassVar[str] = "SoRoMoX"
-    meaning: ClassVar[str] = (
-        "damping matrix eta diag(Ix, 3 Iy, 3 Iz, 3 A, A, A): extension has 3 eta, as for nu = 1/2"
-    )
-    words: ClassVar[tuple[str, ...]] = ("material_damping_coefficient",)
-    sources: ClassVar[tuple[str, ...]] = (
+    program = "soromox"
+    title = "SoRoMoX"
+    meaning = "damping matrix eta diag(Ix, 3 Iy, 3 Iz, 3 A, A, A): extension has 3 eta, as for nu = 1/2"
+    words = ("material_damping_coefficient",)
+    sources = (
         "tud-phi/soromox: src/soromox/systems/pcs/pcs.py and gvs/construction.py, damping_operator (package 0.5.0)",
         "tud-phi/soromox: src/soromox/systems/components/cross_sections.py (Ix = Iy + Iz)",
     )
 
     def text(self) -> str:
-        """A Python keyword."""
+        """Return a Python keyword."""
         return f"material_damping_coefficient={number_text(self.eta)}  # Pa s"
 
 
@@ -137,7 +117,7 @@ def _material(program: type[ProgramInputs], data: SectionData) -> Material:
             Fault(
                 program.program,
                 "a section given by its stiffness",
-                "one viscosity belongs to a material, and this section has none",
+                "the viscosity is that of a material, and this section has none",
                 "give a section by its shape and a material",
             )
         )

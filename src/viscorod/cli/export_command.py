@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from viscorod.cli.result_commands.result_options import ResultFile, numbers, opened
+from viscorod.cli.files import opened
+from viscorod.cli.options import ResultFile, range_of
 from viscorod.cli.terminal import readable_errors
 from viscorod.errors import Fault, InputError
 
@@ -70,12 +71,17 @@ def export(
                 )
             )
         if quantity and not history:
-            raise InputError(Fault("--quantity", "", "of which place?", "add --history PLACE"))
+            raise InputError(Fault("--quantity", "", "no place is named", "add --history PLACE"))
         found = opened(result)
         if csv is not None:
             if not (history or energy or joint):
                 raise InputError(
-                    Fault("--csv", str(csv), "of what?", "add --history PLACE, --energy or --joint NAME")
+                    Fault(
+                        "--csv",
+                        str(csv),
+                        "nothing to write is named",
+                        "add --history PLACE, --energy or --joint NAME",
+                    )
                 )
             columns = csv_text.history_columns(found, history or (), quantity or ("position",))
             if energy:
@@ -90,7 +96,7 @@ def export(
             return
         from viscorod.results.files.paraview import write_paraview
 
-        chosen = None if times is None else numbers("--times", times, "s")
+        chosen = None if times is None else range_of("--times", times, "s")
         if chosen is not None and not isinstance(found, Run):
             raise InputError(
                 Fault("--times", str(times), f"{result} holds no motion over time", "leave --times out")

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
-from viscorod.cli.result_commands.result_options import ResultFile, motion, opened
+from viscorod.cli.files import motion, opened
+from viscorod.cli.options import ResultFile, output_option
 from viscorod.cli.terminal import readable_errors
 from viscorod.errors import Fault, InputError
 
@@ -21,7 +22,7 @@ __all__ = ["plot"]
 
 KINDS = ("tip", "energy", "strain", "space-time", "modes", "phase")
 _RIGID = 12
-"""Eigenvalues of the free motions of a body, two each; as many more are found, to know which are."""
+"""Eigenvalues of the free motions of a body, two each; as many more are computed, to leave these out."""
 _TAKES = {
     "place": ("tip", "phase"),
     "axis": ("tip", "phase"),
@@ -38,13 +39,7 @@ def plot(
     what: Annotated[str, typer.Option(metavar="KIND", help=", ".join(KINDS))],
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Picture, .png, .pdf or .svg [default: KIND.png beside the result]",
-            show_default=False,
-        ),
+        output_option("FILE", "Picture, .png, .pdf or .svg [default: KIND.png beside the result]"),
     ] = None,
     place: Annotated[
         str | None, typer.Option(help="Of tip and phase [default: what moves most]", show_default=False)
@@ -81,7 +76,7 @@ def plot(
 
     tip: displacement of one place with its decay. energy: the account. strain: the largest of every component, and one
     along a rod. space-time: one component over arc length and time. modes: small vibrations of the model, which is
-    built again from the result. phase: velocity over displacement.
+    rebuilt from the result. phase: velocity over displacement.
     """
     with readable_errors():
         given = {
@@ -133,7 +128,7 @@ def plot(
 
 
 def _modes(result: Result, count: int, about: str) -> Figure:
-    """The modes of the model that the result was computed from."""
+    """Draw the modes of the model that the result was computed from."""
     from viscorod.analyses.case_run import as_model
     from viscorod.casefile.case import case_from_dict
     from viscorod.pictures.plots.plot_modes import draw_modes
@@ -142,6 +137,6 @@ def _modes(result: Result, count: int, about: str) -> Figure:
     try:
         case = case_from_dict({**content, "equilibrium": {}})
     except InputError as error:
-        raise InputError(f"the model in this result cannot be built again, for its modes: {error}") from None
+        raise InputError(f"the model in this result cannot be rebuilt for its modes: {error}") from None
     model = as_model(case.description)
     return draw_modes(result, model.modes(count + _RIGID, about=cast(Any, about)), count)

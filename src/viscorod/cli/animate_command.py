@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from viscorod.cli.result_commands.result_options import ResultFile, motion
+from viscorod.cli.files import motion
+from viscorod.cli.options import ResultFile, output_option
 from viscorod.cli.terminal import readable_errors
 
 __all__ = ["animate"]
@@ -17,13 +18,7 @@ def animate(
     result: ResultFile,
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Film, .mp4 or .gif [default: motion.gif beside the result]",
-            show_default=False,
-        ),
+        output_option("FILE", "Film, .mp4 or .gif [default: motion.gif beside the result]"),
     ] = None,
     fps: Annotated[float, typer.Option("--fps", help="Frames per second of the film.")] = 25.0,
     speed: Annotated[

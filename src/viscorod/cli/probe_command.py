@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from viscorod.cli.result_commands.result_options import ResultFile, numbers, opened
+from viscorod.cli.files import opened
+from viscorod.cli.options import ResultFile, output_option, range_of
 from viscorod.cli.terminal import readable_errors
 from viscorod.errors import Fault, InputError
 
@@ -32,14 +33,9 @@ def probe(
         str | None,
         typer.Option("--s", metavar="LENGTHS", help="Arc lengths on the rod, written likewise, m."),
     ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output", "-o", metavar="FILE.csv", help="File to write [default: print]", show_default=False
-        ),
-    ] = None,
+    output: Annotated[Path | None, output_option("FILE.csv", "File to write [default: print]")] = None,
 ) -> None:
-    """Give positions, frames, velocities, strains, section forces and dissipation at any places and times."""
+    """Print positions, frames, velocities, strains, section forces and dissipation at any places and times."""
     with readable_errors():
         from viscorod.results.files.csv_text import probe_columns, text, write
         from viscorod.results.run import Run
@@ -50,9 +46,9 @@ def probe(
                 Fault("--s", ", ".join(places), "arc lengths go with one rod", "give the name of a rod alone")
             )
         chosen = places[0] if s is not None else places
-        arc = None if s is None else numbers("--s", s, "m")
+        arc = None if s is None else range_of("--s", s, "m")
         if isinstance(found, Run):
-            values = found.probe(chosen, None if times is None else numbers("--times", times, "s"), s=arc)
+            values = found.probe(chosen, None if times is None else range_of("--times", times, "s"), s=arc)
         elif times is not None:
             raise InputError(
                 Fault("--times", times, f"{result} holds no motion over time", "leave --times out")

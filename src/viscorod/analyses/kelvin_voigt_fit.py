@@ -1,9 +1,11 @@
-"""Kelvin-Voigt materials in place of Prony series and measured moduli, and how far they are off."""
+"""Fit Kelvin-Voigt materials to Prony series and measured moduli, and compare the two over a band of frequencies."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,15 +15,94 @@ from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.values import numbers
 from viscorod.model.materials.complex_moduli import ComplexModuli
 from viscorod.model.materials.material import Material
-from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, nearest_kelvin_voigt
+from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, errors, nearest_kelvin_voigt
 from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
-from viscorod.results.kelvin_voigt_fit import KelvinVoigtFit
 from viscorod.typing import Floats
 
-__all__ = ["kelvin_voigt_fit"]
+__all__ = ["KelvinVoigtFit", "kelvin_voigt_fit"]
 
 OUTSIDE = 100.0
 """How far beyond the relaxation times a comparison goes if no band is given."""
+
+
+@dataclass(frozen=True, eq=False)
+class KelvinVoigtFit:
+    """A Kelvin-Voigt solid beside the complex modulus that it stands for.
+
+    Attributes:
+        strain: "extension" or "shear".
+        method: "best" over the band, or "low_frequency".
+        modulus: of the Kelvin-Voigt solid, Pa.
+        viscosity: Pa s.
+        frequency: at which the two are compared (n,), Hz.
+        exact: complex modulus at these frequencies (n,), Pa.
+    """
+
+    strain: str
+    method: str
+    modulus: float
+    viscosity: float
+    frequency: Floats
+    exact: Complexes
+
+    @property
+    def time(self) -> float:
+        """Retardation time, viscosity over modulus, s."""
+        return self.viscosity / self.modulus
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency of the comparison, Hz."""
+        return float(self.frequency[0]), float(self.frequency[-1])
+
+    @property
+    def fitted(self) -> Complexes:
+        """Complex modulus of the Kelvin-Voigt solid (n,), Pa."""
+        return np.asarray(self.modulus + 2j * np.pi * self.frequency * self.viscosity, dtype=np.complex128)
+
+    @property
+    def storage_error(self) -> Floats:
+        """Relative error of the storage modulus (n,)."""
+        return errors(self.exact, self.fitted)[0]
+
+    @property
+    def loss_error(self) -> Floats:
+        """Relative error of the loss modulus (n,); over the whole modulus where there is no loss."""
+        return errors(self.exact, self.fitted)[1]
+
+    @property
+    def error(self) -> Floats:
+        """Relative error of the complex modulus, ``|fit - exact|/|exact|`` (n,)."""
+        return np.asarray(np.abs(self.fitted - self.exact) / np.abs(self.exact))
+
+    def band_within(self, tolerance: float) -> tuple[float, float] | None:
+        """Return the band, Hz, from the lowest frequency with an `error` below `tolerance` to the first above it.
+
+        None if there is no such frequency.
+        """
+        good = self.error <= tolerance
+        if not good.any():
+            return None
+        first = int(np.argmax(good))
+        bad = np.flatnonzero(~good[first:])
+        last = first + int(bad[0]) - 1 if bad.size else len(good) - 1
+        return float(self.frequency[first]), float(self.frequency[last])
+
+    def __str__(self) -> str:
+        low, high = self.band
+        storage, loss = (100.0 * float(np.abs(e).max()) for e in (self.storage_error, self.loss_error))
+        return (
+            f"Kelvin-Voigt in {self.strain}: modulus {self.modulus:.4g} Pa, retardation time {self.time:.4g} s "
+            f"({self.method.replace('_', ' ')} fit). From {low:.4g} to {high:.4g} Hz the storage modulus is wrong by "
+            f"{storage:.2g} % at most, the loss modulus by {loss:.2g} %."
+        )
+
+    def plot(self, path: str | Path) -> Path:
+        """Draw storage and loss modulus of both over frequency, and the relative errors; returns the path."""
+        from viscorod.pictures.plots.plot_kelvin_voigt_fit import draw_fit  # here: it loads Matplotlib
+        from viscorod.pictures.style import write
+
+        return write(draw_fit(self), path)
 
 
 def kelvin_voigt_fit(
@@ -84,12 +165,14 @@ def kelvin_voigt_fit(
 
 
 def _source(material: Any, strain: str) -> RelaxationModulus | tuple[Floats, Complexes]:
-    """What is known of the modulus in a strain."""
+    """Return what is known of the modulus in a strain: a relaxation modulus, or rows of a table."""
     if isinstance(material, RelaxationModulus):
         return material
     if not isinstance(material, Material):
         raise InputError(
-            Fault("material", show(material), "this is no material", "give a Material or a RelaxationModulus")
+            Fault(
+                "material", show(material), "this is not a material", "give a Material or a RelaxationModulus"
+            )
         )
     damping = material.damping
     if isinstance(damping, ComplexModuli):

@@ -1,0 +1,47 @@
+"""``viscorod example``: the cases that come with viscorod."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from viscorod.cli.terminal import readable_errors
+from viscorod.errors import InputError, writing
+
+__all__ = ["example"]
+
+
+def example(
+    name: Annotated[
+        str | None, typer.Argument(help="Case to copy; without it, all are listed.", show_default=False)
+    ] = None,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder to copy into")
+    ] = Path(),
+) -> None:
+    """List the cases that come with viscorod, or copy one."""
+    with readable_errors():
+        from viscorod.casefile.shipped import shipped_case, shipped_cases
+
+        if name is not None:
+            target = _copied(shipped_case(name), output)
+            typer.echo(f"{target}: change it, then: viscorod run {target}")
+            return
+        cases = shipped_cases()
+        width = max(map(len, cases), default=0)
+        for word, path in cases.items():
+            title = tomllib.loads(path.read_text(encoding="utf-8")).get("title", "")
+            typer.echo(f"{word:<{width}}  {title}")
+
+
+def _copied(case: Path, folder: Path) -> Path:
+    target = folder / case.name
+    if target.exists():
+        raise InputError(f"{target} exists already; move it, or name another folder with -o")
+    with writing(target):
+        folder.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(case.read_bytes())
+    return target

@@ -1,0 +1,102 @@
+"""Files and folders that the user names: cases and results read, folders written to."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from viscorod.errors import Fault, InputError
+
+if TYPE_CHECKING:
+    from viscorod.model.rod import Rod
+    from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.steady_result import Steady
+
+__all__ = ["existing", "motion", "opened", "rod_of", "writable"]
+
+
+def existing(case: Path) -> Path:
+    """Return the path of a case file that exists.
+
+    Raises:
+        InputError: there is no such file.
+    """
+    if not case.is_file():
+        raise InputError(f"{case} is not a file; name a case file, or copy one with: viscorod example NAME")
+    return case
+
+
+def writable(folder: Path) -> Path:
+    """Return a folder that can be written, before anything is computed for it.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+        raise InputError(
+            f"{folder} cannot be written: {there} is not a folder you can write to; name another with -o"
+        )
+    return folder
+
+
+def rod_of(case: Path, name: str | None) -> tuple[str, Rod]:
+    """Return a rod of a case file, with its name.
+
+    Raises:
+        InputError: the file is wrong, has no such rod, or has several and none was named.
+    """
+    from viscorod.casefile.case import load_case
+    from viscorod.model.fields.definition import did_you_mean, some_of
+
+    rods = load_case(existing(case)).description.rods
+    if name is None and len(rods) == 1:
+        return next(iter(rods.items()))
+    if name in rods:
+        return name, rods[name]
+    names = some_of(rods)
+    if name is None:
+        raise InputError(Fault("--rod", "", f"the case has {len(rods)} rods", f"give one of {names}"))
+    advice = did_you_mean(name, rods, str)
+    raise InputError(Fault("--rod", name, "the case has no such rod", f"{advice}It has {names}"))
+
+
+def opened(path: Path) -> Run | Equilibrium | Steady:
+    """Return the result in a file.
+
+    Raises:
+        InputError: no such file, or it holds a sweep.
+    """
+    from viscorod.results.files.storage import load
+    from viscorod.results.sweep_result import Sweep
+
+    found = load(path)
+    if isinstance(found, Sweep):
+        raise InputError(
+            Fault(
+                str(path), "", "this is a sweep of several runs", "save one of them: sweep[0].run.save(...)"
+            )
+        )
+    return found
+
+
+def motion(path: Path, what: str) -> Run:
+    """Return the run in a file; `what` names, for the message, what needs one.
+
+    Raises:
+        InputError: no such file, or it holds no motion over time.
+    """
+    from viscorod.results.run import Run
+
+    found = opened(path)
+    if not isinstance(found, Run):
+        raise InputError(
+            Fault(
+                str(path),
+                f"kind = {found.kind!r}",
+                f"{what} needs a motion over time",
+                "give the run.nc of a case with [simulate]",
+            )
+        )
+    return found
