@@ -8,16 +8,15 @@ asked of it: the places it names, where elements should end, its wrenches, and t
 from __future__ import annotations
 
 from abc import abstractmethod
-from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterator, Sequence
-from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
-from viscorod.model.actions.load_effects import Arrows, Placing, TimeFactor
+from viscorod.model.actions.load_effects import Arrows, Placing
 from viscorod.model.actions.time_table import TimeField
+from viscorod.model.actions.travel import on_rod, passages
 from viscorod.model.connections.place import Place, PlaceField, find_rod, station_on
 from viscorod.model.fields.definition import Definition, RefusedError, show, some_of
 from viscorod.model.fields.values import (
@@ -398,53 +397,18 @@ class MovingForce(AnyLoad):
         yield from _refused_rod(self.rod, model)
 
     def passages(self, model: ModelDescription) -> list[float]:
-        """Times at which it passes an end of its rod; between breakpoints of its position, if that is given."""
+        """Return the times at which it passes an end of its rod, s."""
         length = model.rods[self.rod].length
-        if self.position is None:
-            speed, start = self.speed or 0.0, self.arc_length(0.0)
-            return sorted((s - start) / speed for s in (0.0, length)) if speed else []
-        from scipy.optimize import brentq
-
-        position = self.position
-        times = set(position.jumps)
-        for a, b in pairwise(position.breakpoints):
-            for end in (0.0, length):
-                low, high = position.value(a) - end, position.value(b, before=True) - end
-                if low * high < 0.0:
-                    times.add(
-                        float(
-                            brentq(lambda t, end=end: position.value(t) - end, a, b, xtol=1e-15, rtol=1e-14)
-                        )
-                    )
-                times.update(t for t, gap in ((a, low), (b, high)) if gap == 0.0)
-        return sorted(times)
+        if self.position is not None:
+            return passages(self.position, length)
+        speed, start = self.speed or 0.0, self.arc_length(0.0)
+        return sorted((s - start) / speed for s in (0.0, length)) if speed else []
 
     def place(self, model: ModelDescription, placing: Placing) -> None:
-        """Let it travel.
-
-        Whether it acts is decided by which of its passages over the rod's ends a time lies between, not by the rounding
-        of its arc length there.
-        """
-        wrench = np.array([*self.value, 0.0, 0.0, 0.0])
-        position, factor = self._travel(model.rods[self.rod].length, self.passages(model))
+        """Let it travel."""
+        length, wrench = model.rods[self.rod].length, np.array([*self.value, 0.0, 0.0, 0.0])
+        position, factor = on_rod(self.arc_length, self.factor, length, self.passages(model))
         placing.travelling(self.rod, position, wrench, factor, following=self.following)
-
-    def _travel(self, length: float, ends: list[float]) -> tuple[TimeFactor, TimeFactor]:
-        """Arc length and factor as functions of time."""
-        if not ends:
-            return self.arc_length, self.factor
-        middles = [0.5 * (a + b) for a, b in pairwise(ends)]
-        samples = [ends[0] - 1.0, *middles, ends[-1] + 1.0]
-        on_rod = [0.0 <= self.arc_length(t) <= length for t in samples]
-
-        def position(t: float, before: bool) -> float:
-            return min(max(self.arc_length(t, before), 0.0), length)
-
-        def factor(t: float, before: bool) -> float:
-            acts = on_rod[(bisect_left if before else bisect_right)(ends, t)]
-            return self.factor(t, before) if acts else 0.0
-
-        return position, factor
 
     def arrows(self, model: ModelDescription, t: float) -> Arrows:
         """Return the arrow where it is at time `t`, or at the end of the rod that it is beyond."""
