@@ -25,7 +25,10 @@ ZETA_5 = 1.0369277551433699263
 
 
 class Shape(MaterialSection):
-    """A section with a known outline; formulas for torsion and shear may be replaced by given numbers."""
+    """A section with a known outline; formulas for torsion and shear may be replaced by given numbers.
+
+    Every shape says its `extent` or, if it is neither ellipse nor box, its `outline`.
+    """
 
     torsion_constant: OptionalPositive = Field(default=None, kw_only=True, repr=False)
     shear_factor_1: OptionalPositive = Field(default=None, kw_only=True, repr=False)

@@ -124,6 +124,14 @@ def _load(index: int, load: AnyLoad, problem: Problem, settings: SteadySettings)
     if load.until is not None or not (load.time is None or isinstance(load.time, Constant)):
         yield Fault(where, kind, "it changes with time", "leave out time and until")
         return
+    if any(placed.load == index for placed in problem.station_loads):
+        yield Fault(
+            where,
+            kind,
+            "it acts between nodes, and a steady rotation takes loads at nodes only",
+            "leave out elements, so that one ends there",
+        )
+        return
     if load.follows:
         return
     if settings.formulation == "intrinsic":
@@ -136,9 +144,7 @@ def _load(index: int, load: AnyLoad, problem: Problem, settings: SteadySettings)
         return
     spin = np.asarray(settings.spin, dtype=float)
     nodal = [placed for placed in problem.nodal_loads if placed.load == index]
-    dead = [placed.dead for placed in nodal]
-    dead += [placed.dead for placed in problem.station_loads if placed.load == index]
-    vectors = [wrenches.reshape(-1, 3) for wrenches in dead] + [placed.gravity for placed in nodal]
+    vectors = [placed.dead.reshape(-1, 3) for placed in nodal] + [placed.gravity for placed in nodal]
     if _across(np.vstack(vectors), spin):
         yield Fault(
             where,
