@@ -14,8 +14,8 @@ from viscorod.casefile.json_schema import GROUPS, PARTS, PYTHON_ONLY_KEYS, REQUI
 from viscorod.casefile.meanings import meanings
 from viscorod.model.connections.motion_words import MOTIONS, VELOCITIES
 from viscorod.model.rod import Rod
-from viscorod.model.sections.composite import SIMPLE
 from viscorod.model.sections.section_profile import SECTIONS
+from viscorod.model.sections.section_shapes import SHAPES
 
 SECTION = "name of a section in quotes, or a table with `shape`"
 FILE = {
@@ -122,7 +122,7 @@ def allowed(check):
     if name == "one_of.<locals>.check":
         return " or ".join(f'`"{word}"`' for word in inside["allowed"])
     if name == "choose.<locals>.parse":
-        return SECTION if inside["kinds"] in (SECTIONS, SIMPLE) else f"table with `{inside['tag']}`"
+        return SECTION if inside["kinds"] in (SECTIONS, SHAPES) else f"table with `{inside['tag']}`"
     if name == "_table.<locals>.parse":
         return f"table from motion words to {allowed(inside['check']).replace('number', 'numbers')}"
     module = check.__module__.rpartition(".")[2]

@@ -10,7 +10,6 @@ from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.sections.composite import Composite, CompositeRegion
 from viscorod.model.sections.meshed_section import moved
 from viscorod.model.sections.outline import PolygonSection
-from viscorod.model.sections.polygons import polygon_of
 from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
 
 L_SHAPE = [(0.0, 0.0), (1.0, 0.0), (1.0, 0.1), (0.1, 0.1), (0.1, 1.4), (0.0, 1.4)]
@@ -18,7 +17,7 @@ SHAPES = [Circle(0.7), Annulus(1.0, 0.6), Rectangle(0.4, 1.3), Ellipse(0.5, 1.2)
 
 
 def outline_of(shape, **given):
-    return PolygonSection(*polygon_of(shape), **given)
+    return PolygonSection(*shape.outline[0], **given)
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: f"{s.shape} {s.half_width:.2g}")
@@ -228,7 +227,7 @@ def test_size_and_place_do_not_matter():
     """Lengths times s: areas s^2, moments s^4; far from the origin and tiny or huge."""
     base = outline_of(Rectangle(0.4, 1.3)).geometry(0.3)
     for s in (1e-6, 1e5):
-        points = s * (np.array(polygon_of(Rectangle(0.4, 1.3))[0]) + np.array([300.0, -500.0]))
+        points = s * (np.array(Rectangle(0.4, 1.3).outline[0][0]) + np.array([300.0, -500.0]))
         powers = np.array([1, 1, 1, 2, 2, 2])
         size = s ** np.add.outer(powers, powers)
         for one, two in zip(base, PolygonSection(points).geometry(0.3), strict=True):

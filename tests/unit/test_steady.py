@@ -73,6 +73,11 @@ REFUSED = {
         {"spin": (0, 0, 1.0)},
         r"loads\[0\]: moving_force: it travels",
     ),
+    "load between nodes": (
+        lambda: changed(rod("clamp"), lambda m: m.force("beam@0.123", (1, 0, 0), following=True)),
+        {"spin": (0, 0, 1.0)},
+        r"loads\[0\]: force: it acts between nodes",
+    ),
     "dead load of the intrinsic formulation": (
         lambda: changed(rod("clamp"), lambda m: m.gravity()),
         {"spin": (0, 0, 1.0), "formulation": "intrinsic"},

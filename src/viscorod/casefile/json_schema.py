@@ -63,12 +63,19 @@ SINGLE: dict[str, type[Definition]] = {
 }
 PYTHON_ONLY = {"function", "curve"}
 """Words of kinds that hold a Python function."""
-PARTS: dict[str, type[Definition]] = SINGLE | {
-    f"{part}.{word}": kind
-    for part, kinds, _ in GROUPS.values()
-    for word, kind in kinds.items()
-    if word not in PYTHON_ONLY
-}
+
+
+def parts() -> dict[str, type[Definition]]:
+    """The parts of a case file that have keys, with the kinds that are registered by now."""
+    return SINGLE | {
+        f"{part}.{word}": kind
+        for part, kinds, _ in GROUPS.values()
+        for word, kind in kinds.items()
+        if word not in PYTHON_ONLY
+    }
+
+
+PARTS: dict[str, type[Definition]] = parts()
 """Every part of a case file that has keys: its class by its name. A rod has the keys ROD_KEYS beside these."""
 PYTHON_ONLY_KEYS = {
     (InitialVelocity, "field"),
@@ -88,9 +95,13 @@ FILE = {
 }
 
 
-@cache
 def forms() -> Form:
     """The schema as every reading of a case shares it: not to be changed."""
+    return _forms(tuple(parts().items()))
+
+
+@cache
+def _forms(kinds: tuple[tuple[str, type[Definition]], ...]) -> Form:
     definitions: Form = {
         "quantity": {
             "type": "string",
@@ -101,10 +112,10 @@ def forms() -> Form:
     standard = [kind for _, _, kind in GROUPS.values()]
     definitions |= {
         name: _rod(kind) if name.startswith("rods.") else _table(kind, kind in standard)
-        for name, kind in PARTS.items()
+        for name, kind in kinds
     }
-    for name, (part, kinds, _) in GROUPS.items():
-        words = [word for word in kinds if word not in PYTHON_ONLY]
+    for name, (part, known, _) in GROUPS.items():
+        words = [word for word in known if word not in PYTHON_ONLY]
         definitions[name] = {"oneOf": [of_kind(f"{part}.{word}") for word in words]}
     properties: Form = {"title": TEXT | {"description": FILE["title"]}}
     for key, noun in (

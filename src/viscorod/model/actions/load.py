@@ -1,20 +1,24 @@
 """Loads: forces and moments at places or along rods, moving forces, and gravity; each with a function of time.
 
 A load acts with ``factor(t) = time(t) * (t < until)``. Dead loads keep their direction (components in the
-global axes); following loads turn with the section (components along d1, d2, d3).
+global axes); following loads turn with the section (components along d1, d2, d3). A load knows all that is
+asked of it: the places it names, where elements should end, its wrenches, and the arrows that are drawn of it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
+from abc import abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
+from viscorod.model.actions.load_effects import Arrows, Placing
 from viscorod.model.actions.time_table import TimeField
-from viscorod.model.connections.place import PlaceField
-from viscorod.model.fields.definition import Definition, RefusedError, show
+from viscorod.model.actions.travel import on_rod, passages
+from viscorod.model.connections.place import Place, PlaceField, find_rod, station_on
+from viscorod.model.fields.definition import Definition, RefusedError, show, some_of
 from viscorod.model.fields.values import (
     Flag,
     Name,
@@ -27,6 +31,9 @@ from viscorod.model.fields.values import (
 )
 from viscorod.typing import Floats
 
+if TYPE_CHECKING:
+    from viscorod.model.description.model_description import ModelDescription
+
 __all__ = [
     "LOADS",
     "AnyLoad",
@@ -38,6 +45,9 @@ __all__ = [
     "MovingForce",
     "load",
 ]
+
+ALONG = 9
+"""Arrows of a load that is spread along a rod."""
 
 Density: TypeAlias = Sequence[float] | Callable[[float], Sequence[float]]
 """Load per length: three numbers, or a function of the arc length (in Python only)."""
@@ -52,6 +62,11 @@ class AnyLoad(Definition):
     """
 
     tag: ClassVar[str | None] = "kind"
+
+    #: Whether it is a moment.
+    turning: ClassVar[bool] = False
+    #: Whether its place or direction changes with time.
+    travels: ClassVar[bool] = False
 
     time: TimeField = Field(default=None, kw_only=True)
     until: OptionalNumber = Field(default=None, kw_only=True)
@@ -78,9 +93,86 @@ class AnyLoad(Definition):
             return times
         return (*(t for t in times if t < self.until), self.until)
 
+    @property
+    def word(self) -> str:
+        """The word for its kind."""
+        return str(type(self).model_fields["kind"].default)
+
+    @property
+    def follows(self) -> bool:
+        """Whether it turns with the sections."""
+        return bool(getattr(self, "following", False))
+
+    def places(self) -> dict[str, str]:
+        """The places that it names, by the key that names each."""
+        return {}
+
+    def misfits(self, model: ModelDescription) -> Iterator[RefusedError]:
+        """Yield what is wrong with it in this model, each with its key: by default the places that do not exist."""
+        for key, text in self.places().items():
+            yield from _refused(key, model.place, text)
+
+    def breaks(self, model: ModelDescription) -> list[Place]:
+        """Return the stations of rods where elements should end: by default the places that it names."""
+        places = [model.place(text) for text in self.places().values()]
+        return [place for place in places if isinstance(place, Place)]
+
+    def passages(self, model: ModelDescription) -> list[float]:
+        """Return the times at which it comes upon the model or leaves it, s, beside those of its factor."""
+        del model
+        return []
+
+    @abstractmethod
+    def place(self, model: ModelDescription, placing: Placing) -> None:
+        """Put its wrenches on the model."""
+
+    @abstractmethod
+    def arrows(self, model: ModelDescription, t: float) -> Arrows:
+        """Return what is drawn of it at time `t`; asked once for all times unless it `travels`."""
+
+
+def _refused(key: str, check: Callable[..., object], *values: object) -> Iterator[RefusedError]:
+    """Yield what `check` refuses, under `key`."""
+    try:
+        check(*values)
+    except RefusedError as error:
+        yield RefusedError(error.why, error.instead, found=error.found or "", at=(key,))
+
+
+def _refused_rod(name: str, model: ModelDescription) -> Iterator[RefusedError]:
+    """Yield why a rod cannot be loaded along its length."""
+    if name in model.bodies:
+        yield RefusedError(
+            "this is a rigid body, and such a load acts along a rod",
+            f"load the body with a force or moment at {name!r}, or name one of {some_of(model.rods)}",
+            found=show(name),
+            at=("rod",),
+        )
+    else:
+        yield from _refused("rod", find_rod, name, model.rods)
+
 
 class _AtPlace(AnyLoad):
     at: PlaceField = Field(description="place, such as 'beam.end'")
+
+    def places(self) -> dict[str, str]:
+        return {"at": self.at}
+
+    @property
+    @abstractmethod
+    def wrench(self) -> Floats:
+        """Force and moment (6,)."""
+
+    def place(self, model: ModelDescription, placing: Placing) -> None:
+        del model
+        placing.at(self.at, self.wrench, self.factor, following=self.follows)
+
+    def arrows(self, model: ModelDescription, t: float) -> Arrows:
+        del t
+        values = self.wrench[None, 3:] if self.turning else self.wrench[None, :3]
+        unit = "N m" if self.turning else "N"
+        feet = (model.place(self.at),)
+        return Arrows(f"{self.word} at {self.at}", unit, feet, values, self.follows, self.turning)
 
 
 class Force(_AtPlace):
@@ -98,6 +190,11 @@ class Force(_AtPlace):
     value: Vector = Field(description="three numbers, N")
     following: Flag = False
 
+    @property
+    def wrench(self) -> Floats:
+        """The force, and no moment."""
+        return np.array([*self.value, 0.0, 0.0, 0.0])
+
 
 class Moment(_AtPlace):
     """A moment at a place.
@@ -110,9 +207,15 @@ class Moment(_AtPlace):
         until: time from which on it is zero, s.
     """
 
+    turning: ClassVar[bool] = True
     kind: Literal["moment"] = Field(default="moment", kw_only=True, repr=False)
     value: Vector = Field(description="three numbers, N m")
     following: Flag = False
+
+    @property
+    def wrench(self) -> Floats:
+        """The moment, and no force."""
+        return np.array([0.0, 0.0, 0.0, *self.value])
 
 
 def _density(value: Any) -> Density:
@@ -150,6 +253,37 @@ class _Distributed(AnyLoad):
                 at=("value",),
             ) from None
 
+    def misfits(self, model: ModelDescription) -> Iterator[RefusedError]:
+        refused = list(_refused_rod(self.rod, model))
+        yield from refused
+        if refused:
+            return
+        rod = model.rods[self.rod]
+        for key, s in (("from_s", self.from_s), ("to_s", self.to_s)):
+            yield from _refused(key, station_on, rod, s or 0.0, self.rod)
+        yield from _refused("value", self.density, rod.length / 2.0)
+
+    def breaks(self, model: ModelDescription) -> list[Place]:
+        del model
+        return [Place(self.rod, s) for s in (self.from_s, self.to_s) if s is not None]
+
+    def place(self, model: ModelDescription, placing: Placing) -> None:
+        del model
+
+        def wrench(s: float) -> Floats:
+            none = np.zeros(3)
+            return np.concatenate([none, self.density(s)] if self.turning else [self.density(s), none])
+
+        start, end = self.from_s or 0.0, self.to_s
+        placing.along(self.rod, wrench, self.factor, start=start, end=end, following=self.following)
+
+    def arrows(self, model: ModelDescription, t: float) -> Arrows:
+        del t
+        stations = np.linspace(self.from_s or 0.0, self.to_s or model.rods[self.rod].length, ALONG).tolist()
+        unit, feet = "N m/m" if self.turning else "N/m", tuple(Place(self.rod, s) for s in stations)
+        values = np.array([self.density(s) for s in stations])
+        return Arrows(f"load along {self.rod}", unit, feet, values, self.following, self.turning)
+
 
 class DistributedForce(_Distributed):
     """A force per reference length along a rod.
@@ -180,6 +314,7 @@ class DistributedMoment(_Distributed):
         until: time from which on it is zero, s.
     """
 
+    turning: ClassVar[bool] = True
     kind: Literal["distributed_moment"] = Field(default="distributed_moment", kw_only=True, repr=False)
 
 
@@ -194,6 +329,16 @@ class Gravity(AnyLoad):
 
     kind: Literal["gravity"] = Field(default="gravity", kw_only=True, repr=False)
     acceleration: Vector = (0.0, 0.0, -9.81)
+
+    def place(self, model: ModelDescription, placing: Placing) -> None:
+        """Let everything have weight."""
+        del model
+        placing.everywhere(np.array(self.acceleration), self.factor)
+
+    def arrows(self, model: ModelDescription, t: float) -> Arrows:
+        """Return one arrow that stands nowhere."""
+        del model, t
+        return Arrows("gravity", "m/s²", (), np.array([self.acceleration]))
 
 
 class MovingForce(AnyLoad):
@@ -210,6 +355,7 @@ class MovingForce(AnyLoad):
         until: time from which on it is zero, s.
     """
 
+    travels: ClassVar[bool] = True
     kind: Literal["moving_force"] = Field(default="moving_force", kw_only=True, repr=False)
     rod: Name = Field(description="name of the rod")
     value: Vector = Field(description="three numbers, N")
@@ -246,8 +392,32 @@ class MovingForce(AnyLoad):
         own = super().breakpoints
         return own if self.position is None else tuple(sorted({*own, *self.position.breakpoints}))
 
+    def misfits(self, model: ModelDescription) -> Iterator[RefusedError]:
+        """Yield why there is no such rod."""
+        yield from _refused_rod(self.rod, model)
 
-LOADS: dict[str, type[Definition]] = {
+    def passages(self, model: ModelDescription) -> list[float]:
+        """Return the times at which it passes an end of its rod, s."""
+        length = model.rods[self.rod].length
+        if self.position is not None:
+            return passages(self.position, length)
+        speed, start = self.speed or 0.0, self.arc_length(0.0)
+        return sorted((s - start) / speed for s in (0.0, length)) if speed else []
+
+    def place(self, model: ModelDescription, placing: Placing) -> None:
+        """Let it travel."""
+        length, wrench = model.rods[self.rod].length, np.array([*self.value, 0.0, 0.0, 0.0])
+        position, factor = on_rod(self.arc_length, self.factor, length, self.passages(model))
+        placing.travelling(self.rod, position, wrench, factor, following=self.following)
+
+    def arrows(self, model: ModelDescription, t: float) -> Arrows:
+        """Return the arrow where it is at time `t`, or at the end of the rod that it is beyond."""
+        s, length = self.arc_length(t), model.rods[self.rod].length
+        label, feet = f"force travelling on {self.rod}", (Place(self.rod, min(max(s, 0.0), length)),)
+        return Arrows(label, "N", feet, np.array([self.value]), self.following, acting=0.0 <= s <= length)
+
+
+LOADS: dict[str, type[AnyLoad]] = {
     "force": Force,
     "moment": Moment,
     "distributed_force": DistributedForce,
@@ -255,7 +425,7 @@ LOADS: dict[str, type[Definition]] = {
     "gravity": Gravity,
     "moving_force": MovingForce,
 }
-"""The loads by their word in a case file; a new one is one class and one line here."""
+"""The loads by their word in a case file; a new one is one class and one line here, or ``LOADS["word"] = Kind``."""
 
 load = choose("kind", LOADS)
 """A load from a table or as it is."""

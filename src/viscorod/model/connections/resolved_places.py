@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from viscorod.model.actions.load import DistributedForce, DistributedMoment, Force, Moment
 from viscorod.model.connections.joint_base import ResolvedJoint
 from viscorod.model.connections.place import (
     GROUND,
@@ -143,13 +142,8 @@ def required_stations(model: ModelDescription, name: str) -> tuple[float, ...]:
     """Return arc lengths at which an element of the rod must end, increasing, without near-duplicates."""
     rod = find_rod(name, model.rods, model.bodies)
     stations = [0.0, rod.length, *rod.section_breaks]
-    places: list[AnyPlace] = [*required_breaks(model)]
-    for load in model.loads:
-        if isinstance(load, Force | Moment):
-            places.append(find(model, load.at))
-        elif isinstance(load, DistributedForce | DistributedMoment) and load.rod == name:
-            stations += [station_on(rod, s, name) for s in (load.from_s, load.to_s) if s is not None]
-    stations += [place.s for place in places if isinstance(place, Place) and place.rod == name]
+    places = [*required_breaks(model), *(place for load in model.loads for place in load.breaks(model))]
+    stations += [station_on(rod, place.s, name) for place in places if place.rod == name]
     kept: list[float] = []
     for s in sorted(stations):
         if not kept or s - kept[-1] > ROUND_OFF * rod.length:

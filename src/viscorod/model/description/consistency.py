@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from viscorod.errors import Fault
-from viscorod.model.actions.load import DistributedForce, DistributedMoment, Force, Moment, MovingForce
 from viscorod.model.connections import joint_checks, support_checks
-from viscorod.model.connections.place import GROUND, Place, find_rod, no_part, station_on
+from viscorod.model.connections.place import GROUND, Place, find_rod, no_part
 from viscorod.model.connections.resolved_places import find
-from viscorod.model.fields.definition import RefusedError, path_text, show, some_of
+from viscorod.model.fields.definition import RefusedError, path_text, show
 
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
@@ -43,10 +42,9 @@ def problems(model: ModelDescription) -> Iterator[Fault]:
 def _unknown_places(model: ModelDescription) -> Iterator[Fault]:
     named = [(("supports", index, "at"), support.at) for index, support in enumerate(model.supports)]
     for index, load in enumerate(model.loads):
-        if isinstance(load, Force | Moment):
-            named.append((("loads", index, "at"), load.at))
-        elif isinstance(load, DistributedForce | DistributedMoment | MovingForce):
-            yield from _unknown_rod(("loads", index), load, model)
+        for error in load.misfits(model):
+            where = path_text(("loads", index, *error.at))
+            yield Fault(where, error.found or "", error.why, error.instead)
     for index, attachment in enumerate(model.attachments):
         named += [(("attachments", index, "a"), attachment.a), (("attachments", index, "b"), attachment.b)]
     for index, joint in enumerate(model.joints):
@@ -62,37 +60,6 @@ def _unknown_places(model: ModelDescription) -> Iterator[Fault]:
             find(model, text)
         except RefusedError as error:
             yield Fault(path_text(path), error.found or show(text), error.why, error.instead)
-
-
-def _unknown_rod(
-    path: tuple[str | int, ...],
-    load: DistributedForce | DistributedMoment | MovingForce,
-    model: ModelDescription,
-) -> Iterator[Fault]:
-    if load.rod in model.bodies:
-        yield Fault(
-            path_text((*path, "rod")),
-            show(load.rod),
-            "this is a rigid body, and such a load acts along a rod",
-            f"load the body with a force or moment at {load.rod!r}, or name one of {some_of(model.rods)}",
-        )
-        return
-    try:
-        rod = find_rod(load.rod, model.rods)
-    except RefusedError as error:
-        yield Fault(path_text((*path, "rod")), error.found or "", error.why, error.instead)
-        return
-    if isinstance(load, MovingForce):
-        return
-    for key, s in (("from_s", load.from_s), ("to_s", load.to_s)):
-        try:
-            station_on(rod, s or 0.0, load.rod)
-        except RefusedError as error:
-            yield Fault(path_text((*path, key)), error.found or "", error.why, error.instead)
-    try:
-        load.density(rod.length / 2.0)
-    except RefusedError as error:
-        yield Fault(path_text((*path, "value")), error.found or "", error.why, error.instead)
 
 
 def _wrong_velocities(model: ModelDescription) -> Iterator[Fault]:

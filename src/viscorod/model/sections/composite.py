@@ -20,7 +20,6 @@ from viscorod.model.sections.meshed_section import (
     SectionPoints,
     meshed_remark,
     parts,
-    reach,
 )
 from viscorod.model.sections.polygons import (
     Holes,
@@ -29,24 +28,14 @@ from viscorod.model.sections.polygons import (
     placed,
     polygon,
     polygon_area,
-    polygon_of,
     refuse_improper,
 )
 from viscorod.model.sections.saint_venant import SectionAnalysis, analysed
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.model.sections.section_mesh import refuse_misfits
-from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
+from viscorod.model.sections.section_shapes import SHAPES, Shape
 
 __all__ = ["Composite", "CompositeRegion"]
-
-SIMPLE: dict[str, type[Definition]] = {
-    "circle": Circle,
-    "annulus": Annulus,
-    "rectangle": Rectangle,
-    "ellipse": Ellipse,
-    "square_tube": SquareTube,
-}
-"""The sections that can be a region of a composite one."""
 
 
 def _material(value: Any) -> Material:
@@ -74,7 +63,7 @@ class CompositeRegion(Definition):
     """
 
     material: Annotated[Material, PlainValidator(_material)] = Field(description="of the region")
-    section: Annotated[AnySection | None, PlainValidator(optional(choose("shape", SIMPLE)))] = None
+    section: Annotated[Shape | None, PlainValidator(optional(choose("shape", SHAPES)))] = None
     points: Annotated[Sequence[Sequence[float]] | None, PlainValidator(optional(corners))] = None
     holes: Holes = ()
     at: Annotated[Sequence[float], PlainValidator(pair)] = (0.0, 0.0)
@@ -96,7 +85,7 @@ class CompositeRegion(Definition):
             )
         if self.section is not None:
             with inside("section", self.section):
-                polygon_of(self.section)
+                _refuse_numbers(self.section)
         else:
             refuse_improper(self._own)
         return self
@@ -104,13 +93,24 @@ class CompositeRegion(Definition):
     @property
     def _own(self) -> Polygon:
         if self.section is not None:
-            return polygon_of(self.section)
+            return self.section.outline[0]
         return polygon(self.points or (), self.holes)
 
     @property
     def polygon(self) -> Polygon:
         """Outline and holes in the coordinates of the whole section, m."""
         return placed(self._own, self.at, self.angle)
+
+
+def _refuse_numbers(shape: Shape) -> None:
+    """Refuse numbers that replace the formulas of a shape."""
+    numbers = (shape.torsion_constant, shape.shear_factor_1, shape.shear_factor_2)
+    if any(number is not None for number in numbers):
+        raise RefusedError(
+            "torsion_constant and shear factors of a part of a section mean nothing for the whole",
+            "leave them out",
+            found=type(shape).__name__,
+        )
 
 
 def _some_regions(value: Any) -> tuple[Any, ...]:
@@ -200,9 +200,9 @@ class Composite(AnySection):
         return self._parts.points
 
     @property
-    def half_width(self) -> float:
-        """Largest distance of a corner from the centre line, m."""
-        return reach(self._polygons, self.centres.origin)
+    def outline(self) -> tuple[Polygon, ...]:
+        """The polygons about the centre line, along d1 and d2, m."""
+        return self.centres.about_line(self._polygons)
 
     def remarks(self) -> tuple[str, ...]:
         """Describe the mesh and its error, and the neglected effects where Poisson's ratios differ."""

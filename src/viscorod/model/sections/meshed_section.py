@@ -23,11 +23,11 @@ from pydantic import BeforeValidator
 
 from viscorod.model.fields.definition import show
 from viscorod.model.fields.values import one_of, optional, positive
-from viscorod.model.sections.polygons import Polygon
+from viscorod.model.sections.polygons import Polygon, placed
 from viscorod.model.sections.saint_venant import SectionAnalysis
 from viscorod.typing import Floats
 
-__all__ = ["Axes", "MeshSize", "Origin", "Parts", "SectionPoints", "meshed_remark", "moved", "parts", "reach"]
+__all__ = ["Axes", "MeshSize", "Origin", "Parts", "SectionPoints", "meshed_remark", "moved", "parts"]
 
 Origin = Annotated[str, one_of("centroid", "shear_centre", "given")]
 Axes = Annotated[str, one_of("given", "principal")]
@@ -51,6 +51,12 @@ class SectionPoints:
     shear_centre: tuple[float, float]
     mass_centre: tuple[float, float]
     angle: float
+
+    def about_line(self, polygons: Sequence[Polygon]) -> tuple[Polygon, ...]:
+        """Return polygons in given coordinates about the centre line, along d1 and d2, m."""
+        x, y = self.origin
+        centred = (placed(polygon, (-x, -y), 0.0) for polygon in polygons)
+        return tuple(placed(polygon, (0.0, 0.0), -self.angle) for polygon in centred)
 
 
 @dataclass(frozen=True)
@@ -151,12 +157,6 @@ def meshed_remark(analysis: SectionAnalysis) -> str:
         f"torsion and shear of its section come from {analysis.triangles} triangles of at most "
         f"{show(float(f'{analysis.side:.3g}'))} m{error}"
     )
-
-
-def reach(polygons: Sequence[Polygon], origin: Sequence[float]) -> float:
-    """Return the largest distance of a corner from the origin, m."""
-    every = np.array([corner for outline, _ in polygons for corner in outline])
-    return float(np.hypot(*(every - np.array(origin)).T).max())
 
 
 def _within_45_degrees(angle: float) -> float:

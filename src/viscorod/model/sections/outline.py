@@ -16,7 +16,6 @@ from viscorod.model.sections.meshed_section import (
     SectionPoints,
     meshed_remark,
     parts,
-    reach,
 )
 from viscorod.model.sections.polygons import Corners, Holes, Polygon, polygon, refuse_improper
 from viscorod.model.sections.saint_venant import SectionAnalysis, analysed
@@ -109,9 +108,9 @@ class PolygonSection(MaterialSection):
         return self._parts(0.0).points
 
     @property
-    def half_width(self) -> float:
-        """Largest distance of a corner from the centre line, m."""
-        return reach(self._polygons, self.centres.origin)
+    def outline(self) -> tuple[Polygon, ...]:
+        """The polygons about the centre line, along d1 and d2, m."""
+        return self.centres.about_line(self._polygons)
 
     def remarks(self) -> tuple[str, ...]:
         """Describe the mesh and its error."""

@@ -1,9 +1,10 @@
-"""Outlines of cross sections as polygons: their checks, and the polygons of the simple shapes."""
+"""Outlines of cross sections: polygons and what is accepted as one, ellipses and boxes."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias, cast
 
 import numpy as np
@@ -11,12 +12,11 @@ from pydantic import PlainValidator
 
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.values import each, pair
-from viscorod.model.sections.section_base import AnySection
-from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, Shape, SquareTube
 from viscorod.typing import Floats
 
 __all__ = [
     "Corners",
+    "Extent",
     "Holes",
     "Polygon",
     "corners",
@@ -24,7 +24,6 @@ __all__ = [
     "placed",
     "polygon",
     "polygon_area",
-    "polygon_of",
     "refuse_improper",
 ]
 
@@ -140,48 +139,37 @@ def _area(shapely: Any, ring: Ring, name: str, at: tuple[str | int, ...]) -> Any
     return shapely.Polygon(ring)
 
 
-def polygon_of(shape: AnySection) -> Polygon:
-    """Return the polygon of a simple shape about its centre.
+@dataclass(frozen=True)
+class Extent:
+    """An ellipse or a box about the centre of a section, with or without a hole of the same kind.
 
-    An ellipse becomes a polygon of 96 sides of the same area. For a regular polygon of n sides and the area of
-    the circle the second moment is too large by the fraction (2 pi/n)^4/180 only.
-
-    Raises:
-        RefusedError: the shape is known by its numbers only.
+    Attributes:
+        round: whether it is an ellipse.
+        halves: half width along d1 and half height along d2, m.
+        hole: those of the hole, m; None where there is none.
     """
-    numbers_given = isinstance(shape, Shape) and (
-        shape.torsion_constant is not None
-        or shape.shear_factor_1 is not None
-        or shape.shear_factor_2 is not None
-    )
-    if numbers_given:
-        raise RefusedError(
-            "torsion_constant and shear factors of a part of a section mean nothing for the whole",
-            "leave them out",
-            found=type(shape).__name__,
-        )
-    match shape:
-        case Rectangle():
-            return _box(shape.width, shape.height), ()
-        case SquareTube():
-            inside = shape.width - 2.0 * shape.thickness
-            return _box(shape.width, shape.width), (_box(inside, inside),)
-        case Circle():
-            return _ellipse(shape.radius, shape.radius), ()
-        case Ellipse():
-            return _ellipse(shape.semi_axis_1, shape.semi_axis_2), ()
-        case Annulus():
-            hole = _ellipse(shape.inner_radius, shape.inner_radius)
-            return _ellipse(shape.outer_radius, shape.outer_radius), (hole,)
-    raise RefusedError(
-        "no outline is known of such a section",
-        "give a circle, annulus, rectangle, ellipse or square_tube, or points",
-        found=type(shape).__name__,
-    )
+
+    round: bool
+    halves: tuple[float, float]
+    hole: tuple[float, float] | None = None
+
+    @property
+    def reach(self) -> float:
+        """Largest distance of a point from the centre, m."""
+        return max(self.halves) if self.round else math.hypot(*self.halves)
+
+    @property
+    def polygon(self) -> Polygon:
+        """Outline and hole as polygons.
+
+        An ellipse becomes a polygon of 96 sides of the same area. For a regular polygon of n sides and the area of
+        the circle the second moment is too large by the fraction (2 pi/n)^4/180 only.
+        """
+        ring = _ellipse if self.round else _box
+        return ring(*self.halves), () if self.hole is None else (ring(*self.hole),)
 
 
-def _box(width: float, height: float) -> Ring:
-    x, y = width / 2.0, height / 2.0
+def _box(x: float, y: float) -> Ring:
     return (-x, -y), (x, -y), (x, y), (-x, y)
 
 

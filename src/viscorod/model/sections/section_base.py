@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from abc import abstractmethod
 from typing import ClassVar, TypeAlias
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import Definition
 from viscorod.model.materials.material import Material
+from viscorod.model.sections.polygons import Extent, Polygon
 from viscorod.typing import Floats
 
 __all__ = ["AnySection", "Branches", "Matrices"]
@@ -44,9 +46,22 @@ class AnySection(Definition):
             raise InputError(Fault("material", "", self.no_material, "leave material out"))
 
     @property
+    def extent(self) -> Extent | None:
+        """The ellipse or box that the section is; None for other shapes."""
+        return None
+
+    @property
+    def outline(self) -> tuple[Polygon, ...]:
+        """Outlines of its regions about the centre line, along d1 and d2, m; none where they are not known."""
+        return () if self.extent is None else (self.extent.polygon,)
+
+    @property
     def half_width(self) -> float | None:
         """Largest distance of a point of the section from the centre line, m; None where it is not known."""
-        return None
+        if self.extent is not None:
+            return self.extent.reach
+        corners = [corner for outer, _ in self.outline for corner in outer]
+        return max((math.hypot(*corner) for corner in corners), default=None)
 
     def remarks(self) -> tuple[str, ...]:
         """Return remarks about the formulas used for this section."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import Annotated, Any, Self, TypeAlias
@@ -15,23 +16,21 @@ from viscorod.model.sections.composite import Composite
 from viscorod.model.sections.isotropic_section import SectionProperties
 from viscorod.model.sections.outline import PolygonSection
 from viscorod.model.sections.section_base import AnySection
-from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
+from viscorod.model.sections.section_shapes import SHAPES
 from viscorod.model.sections.stiffness_section import StiffnessSection
 
 __all__ = ["AnySection", "Piece", "Piecewise", "SectionProfile", "Taper", "section_profile"]
 
-SECTIONS: dict[str, type[Definition]] = {
-    "circle": Circle,
-    "annulus": Annulus,
-    "rectangle": Rectangle,
-    "ellipse": Ellipse,
-    "square_tube": SquareTube,
-    "outline": PolygonSection,
-    "composite": Composite,
-    "given": SectionProperties,
-    "stiffness": StiffnessSection,
-}
-"""The sections by their word in a case file; a new section is one class and one line here."""
+SECTIONS: Mapping[str, type[AnySection]] = ChainMap(
+    {
+        "outline": PolygonSection,
+        "composite": Composite,
+        "given": SectionProperties,
+        "stiffness": StiffnessSection,
+    },
+    SHAPES,
+)
+"""The sections by their word in a case file: the SHAPES, and those that are not made of one known outline."""
 
 one_section = choose("shape", SECTIONS)
 SectionField = Annotated[AnySection, PlainValidator(one_section)]

@@ -15,15 +15,20 @@ from pydantic import Field, model_validator
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.values import OptionalPositive, Positive
 from viscorod.model.sections.isotropic_section import MaterialSection
+from viscorod.model.sections.polygons import Extent
+from viscorod.model.sections.section_base import AnySection
 
-__all__ = ["Annulus", "Circle", "Ellipse", "Rectangle", "Shape", "SquareTube"]
+__all__ = ["SHAPES", "Annulus", "Circle", "Ellipse", "Rectangle", "Shape", "SquareTube"]
 
 ZETA_5 = 1.0369277551433699263
 """Riemann's zeta(5), for the torsion of the rectangle."""
 
 
 class Shape(MaterialSection):
-    """A section with a known outline; formulas for torsion and shear may be replaced by given numbers."""
+    """A section with a known outline; formulas for torsion and shear may be replaced by given numbers.
+
+    Every shape says its `extent` or, if it is neither ellipse nor box, its `outline`.
+    """
 
     torsion_constant: OptionalPositive = Field(default=None, kw_only=True, repr=False)
     shear_factor_1: OptionalPositive = Field(default=None, kw_only=True, repr=False)
@@ -85,9 +90,9 @@ class Circle(Shape):
         return area, second_moment, second_moment
 
     @property
-    def half_width(self) -> float:
-        """The radius."""
-        return self.radius
+    def extent(self) -> Extent:
+        """The circle."""
+        return Extent(True, (self.radius, self.radius))
 
     def _torsion(self) -> float:
         return 2.0 * self.second_moment_1
@@ -130,9 +135,9 @@ class Annulus(Shape):
         return area, second_moment, second_moment
 
     @property
-    def half_width(self) -> float:
-        """The outer radius."""
-        return self.outer_radius
+    def extent(self) -> Extent:
+        """Both circles."""
+        return Extent(True, (self.outer_radius,) * 2, (self.inner_radius,) * 2)
 
     def _torsion(self) -> float:
         return 2.0 * self.second_moment_1
@@ -165,9 +170,9 @@ class Rectangle(Shape):
         return area, self.width * self.height**3 / 12.0, self.height * self.width**3 / 12.0
 
     @property
-    def half_width(self) -> float:
-        """Half the diagonal."""
-        return math.hypot(self.width, self.height) / 2.0
+    def extent(self) -> Extent:
+        """The rectangle."""
+        return Extent(False, (self.width / 2.0, self.height / 2.0))
 
     def _torsion(self) -> float:
         """Return J = a b^3 [1/3 - 64/pi^5 b/a sum tanh(n pi a/2b)/n^5], a >= b, odd n (Timoshenko-Goodier).
@@ -206,9 +211,9 @@ class Ellipse(Shape):
         return area, area * self.semi_axis_2**2 / 4.0, area * self.semi_axis_1**2 / 4.0
 
     @property
-    def half_width(self) -> float:
-        """The longer semi-axis."""
-        return max(self.semi_axis_1, self.semi_axis_2)
+    def extent(self) -> Extent:
+        """The ellipse."""
+        return Extent(True, (self.semi_axis_1, self.semi_axis_2))
 
     def _torsion(self) -> float:
         a, b = self.semi_axis_1, self.semi_axis_2
@@ -257,9 +262,10 @@ class SquareTube(Shape):
         return area, second_moment, second_moment
 
     @property
-    def half_width(self) -> float:
-        """Half the diagonal."""
-        return self.width / math.sqrt(2.0)
+    def extent(self) -> Extent:
+        """Both squares."""
+        hole = (self.width - 2.0 * self.thickness) / 2.0
+        return Extent(False, (self.width / 2.0,) * 2, (hole, hole))
 
     def remarks(self) -> tuple[str, ...]:
         """Warn of thick walls."""
@@ -281,3 +287,13 @@ class SquareTube(Shape):
 def _cowper_ellipse(n: float, nu: float) -> float:
     """Return Cowper's factor for shear along the semi-axis a, n = (a/b)^2."""
     return 12.0 * (1.0 + nu) * n * (3.0 * n + 1.0) / ((40.0 + 37.0 * nu) * n**2 + (16.0 + 10.0 * nu) * n + nu)
+
+
+SHAPES: dict[str, type[AnySection]] = {
+    "circle": Circle,
+    "annulus": Annulus,
+    "rectangle": Rectangle,
+    "ellipse": Ellipse,
+    "square_tube": SquareTube,
+}
+"""The shapes by their word in a case file; a new one is one class and one line here, or ``SHAPES["word"] = Kind``."""

@@ -7,25 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscorod.model.actions.load import (
-    AnyLoad,
-    DistributedForce,
-    DistributedMoment,
-    Force,
-    Gravity,
-    Moment,
-    MovingForce,
-)
+from viscorod.model.actions.load import AnyLoad
+from viscorod.model.actions.load_effects import Arrows
 from viscorod.model.connections.resolved_places import position_of
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.typing import Floats
 
-ALONG = 9
-"""Arrows of a load that is spread along a rod."""
-
 
 @dataclass(frozen=True)
-class Arrows:
+class DrawnLoad:
     """A load in the reference shape.
 
     Attributes:
@@ -44,50 +34,35 @@ class Arrows:
     values: Floats
 
 
-def arrows(model: ModelDescription) -> Iterator[Arrows]:
+def arrows(model: ModelDescription) -> Iterator[DrawnLoad]:
     """Yield all loads but gravity, without those that are zero."""
     for load in model.loads:
-        if isinstance(load, Force | Moment):
-            point, frame = position_of(model, model.place(load.at))
-            frame = frame if load.following else np.eye(3)
-            unit = "N m" if isinstance(load, Moment) else "N"
-            yield from _scaled(load, unit, load.following, point[None], (frame @ load.value)[None])
-        elif isinstance(load, DistributedForce | DistributedMoment):
-            rod = model.rods[load.rod]
-            s = np.linspace(load.from_s or 0.0, load.to_s or rod.length, ALONG)
-            points, frames = rod.frames(s)
-            values = np.array([load.density(float(x)) for x in s])
-            if load.following:
-                values = np.einsum("nij,nj->ni", frames, values)
-            unit = "N m/m" if isinstance(load, DistributedMoment) else "N/m"
-            yield from _scaled(load, unit, load.following, points, values)
-        elif isinstance(load, MovingForce):
-            rod = model.rods[load.rod]
-            at = float(np.clip(load.arc_length(0.0), 0.0, rod.length))
-            points, frames = rod.frames([at])
-            value = np.array(load.value)
-            yield from _scaled(
-                load, "N", load.following, points, (frames[0] @ value if load.following else value)[None]
-            )
+        drawn = load.arrows(model, 0.0)
+        if not drawn.feet or not drawn.values.any():
+            continue
+        points, frames = (
+            np.stack(part) for part in zip(*(position_of(model, foot) for foot in drawn.feet), strict=True)
+        )
+        values = np.einsum("nij,nj->ni", frames, drawn.values) if drawn.following else drawn.values
+        sizes = np.linalg.norm(values, axis=1)
+        largest = float(sizes.max())
+        text = _text(load, drawn, sizes)
+        yield DrawnLoad(text, drawn.unit, largest, drawn.turning, points, values / largest)
 
 
 def gravity(model: ModelDescription) -> Floats:
-    """Return the sum of all gravity loads (3,) [m/s^2]."""
-    values = [np.array(load.acceleration) for load in model.loads if isinstance(load, Gravity)]
-    return np.sum(values, axis=0) if values else np.zeros(3)
+    """Return the sum of all gravity loads (3,) [m/s^2]: of those that act on everything."""
+    drawn = [load.arrows(model, 0.0) for load in model.loads]
+    total: Floats = np.sum([np.zeros(3), *(each.values[0] for each in drawn if not each.feet)], axis=0)
+    return total
 
 
-def _scaled(load: AnyLoad, unit: str, following: bool, points: Floats, values: Floats) -> Iterator[Arrows]:
-    sizes = np.linalg.norm(values, axis=1)
-    largest = float(sizes.max())
-    if largest == 0.0:
-        return
-    text = f"{largest:.3g} {unit}"
-    if len(points) > 1 and float(sizes.min()) < 0.999 * largest:
+def _text(load: AnyLoad, drawn: Arrows, sizes: Floats) -> str:
+    """Size and what is special."""
+    text = f"{sizes.max():.3g} {drawn.unit}"
+    if float(sizes.min()) < 0.999 * sizes.max():
         text = f"up to {text}"
-    text += ", travels" if isinstance(load, MovingForce) else ""
-    text += ", follows" if following else ""
+    text += ", travels" if load.travels else ""
+    text += ", follows" if drawn.following else ""
     text += "" if load.time is None else ", varies in time"
-    text += "" if load.until is None else f", until {load.until:g} s"
-    turning = isinstance(load, Moment | DistributedMoment)
-    yield Arrows(text, unit, largest, turning, points, values / largest)
+    return text + ("" if load.until is None else f", until {load.until:g} s")

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from viscorod.typing import Floats
 
-if TYPE_CHECKING:
-    from viscorod.model.description.model_description import ModelDescription
-
-__all__ = ["first_look", "weight_of"]
+__all__ = ["first_look"]
 
 _FLAT = 1e-3  # extent across a plane, as a part of the largest, below which the plane is faced
 _CELLS = 5.0  # of the grid, across the model
@@ -66,16 +63,6 @@ def first_look(positions: Floats, weight: Floats, loads: Floats) -> dict[str, An
         "eye": eye.tolist(),
         "cell": _round(float(extent.max()) / _CELLS or 1.0),
     }
-
-
-def weight_of(model: ModelDescription | None) -> Floats:
-    """Return the sum of the gravity loads of a model (3,) [m/s^2], zero where there are none."""
-    from viscorod.model.actions.load import Gravity
-
-    values = [
-        np.array(load.acceleration) for load in (model.loads if model else ()) if isinstance(load, Gravity)
-    ]
-    return np.sum(values, axis=0) if values else np.zeros(3)
 
 
 def _round(length: float) -> float:

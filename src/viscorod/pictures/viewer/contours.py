@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.model.sections.composite import Composite
-from viscorod.model.sections.outline import PolygonSection
+from viscorod.model.sections.section_base import AnySection
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -24,26 +22,19 @@ MOST_CORNERS = 48
 def contours_of(rod: Rod) -> list[list[Floats]] | None:
     """Return the contours of a rod's section about its centre line, of each region the outer one, then its holes.
 
-    Each is ``(corners, 2)`` [m], the outer one anticlockwise, holes clockwise. None where the section is no polygon, or
-    another one elsewhere on the rod.
+    Each is ``(corners, 2)`` [m], the outer one anticlockwise, holes clockwise. None where the section is an ellipse or
+    a box, where it has no known outline, or where it changes along the rod.
     """
     section = rod.section
-    if isinstance(section, PolygonSection):
-        regions = [(section.points, section.holes)]
-    elif isinstance(section, Composite):
-        regions = [region.polygon for region in section.regions]
-    else:
+    if not isinstance(section, AnySection) or section.extent is not None or not section.outline:
         return None
-    points = section.centres
-    cos, sin = math.cos(points.angle), math.sin(points.angle)
 
-    def placed(ring: Sequence[Sequence[float]], turn: float) -> Floats:
+    def drawn(ring: Sequence[Sequence[float]], turn: float) -> Floats:
         corners = np.array(ring, dtype=float)
         corners = corners[:: -(-len(corners) // MOST_CORNERS)]
         x, y = corners.T
         if turn * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) < 0.0:
             corners = corners[::-1]
-        about: Floats = (corners - np.array(points.origin)) @ np.array([[cos, -sin], [sin, cos]])
-        return about
+        return corners
 
-    return [[placed(outer, 1.0), *(placed(hole, -1.0) for hole in holes)] for outer, holes in regions]
+    return [[drawn(outer, 1.0), *(drawn(hole, -1.0) for hole in holes)] for outer, holes in section.outline]

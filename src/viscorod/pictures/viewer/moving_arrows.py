@@ -2,33 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from viscorod.mechanics.rotations.quaternion import matrices
-from viscorod.model.actions.load import (
-    DistributedForce,
-    DistributedMoment,
-    Force,
-    Gravity,
-    Moment,
-    MovingForce,
-)
+from viscorod.model.connections.place import AnyPlace, BodyPlace
 from viscorod.pictures.style import scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from viscorod.model.actions.load import AnyLoad
+    from viscorod.model.actions.load_effects import Arrows
     from viscorod.model.description.model_description import ModelDescription
     from viscorod.pictures.viewer.frames import Frames
     from viscorod.pictures.viewer.marks import Marks
     from viscorod.results.result import Result
+    from viscorod.results.result_places import ResultPlace
 
 __all__ = ["loads_of", "tips_of"]
-
-ALONG = 9
-"""Arrows of a load that is spread along a rod."""
 
 
 def loads_of(
@@ -45,21 +38,21 @@ def loads_of(
     sizes: list[Floats] = []
     for load in model.loads:
         factor = _factors(result, load, frames)
-        label, unit, feet, vectors = _arrows(result, load, frames, marks)
+        drawn, feet, vectors = _arrows(result, load, model, frames, marks)
         vectors = vectors * factor[:, None, None]
         size = np.linalg.norm(vectors, axis=-1).max(axis=1)
         largest = float(size.max())
         if largest == 0.0:
             continue
-        scale, word = scaled(unit, largest)
+        scale, word = scaled(drawn.unit, largest)
         found.append(
             {
-                "kind": load.kind if isinstance(load, Gravity) else "load",
-                "label": label,
+                "kind": "load" if drawn.feet else "gravity",
+                "label": drawn.label,
                 "unit": word,
-                "family": unit,
+                "family": drawn.unit,
                 "scale": scale,
-                "turning": isinstance(load, Moment | DistributedMoment),
+                "turning": drawn.turning,
                 "feet": feet,
                 "arrows": [marks.add(vectors[:, k] / largest) for k in range(vectors.shape[1])],
                 "largest": largest,
@@ -86,57 +79,37 @@ def _factors(result: Result, load: AnyLoad, frames: Frames) -> Floats:
 
 
 def _arrows(
-    result: Result, load: AnyLoad, frames: Frames, marks: Marks
-) -> tuple[str, str, list[int], Floats]:
-    """Label, unit, feet and vectors ``(n, arrows, 3)`` of a load at its full size."""
-    sites = result.sites
-    if isinstance(load, Force | Moment):
-        foot = marks.site(sites.at(load.at))
-        unit = "N" if isinstance(load, Force) else "N m"
-        return (
-            f"{load.kind} at {load.at}",
-            unit,
-            [foot],
-            _carried(marks, [foot], [np.array(load.value)], load.following),
-        )
-    if isinstance(load, DistributedForce | DistributedMoment):
-        ends = sites.ends(load.rod)
-        s = np.linspace(load.from_s or ends[0].s, load.to_s or ends[1].s, ALONG)
-        feet = [marks.site(sites.along(load.rod, float(x))) for x in s]
-        values = [load.density(float(x)) for x in s]
-        unit = "N/m" if isinstance(load, DistributedForce) else "N m/m"
-        return f"load along {load.rod}", unit, feet, _carried(marks, feet, values, load.following)
-    if isinstance(load, MovingForce):
-        return _moving(result, load, frames, marks)
-    if isinstance(load, Gravity):
-        vector = np.tile(np.array(load.acceleration), (frames.count, 1, 1))
-        return "gravity", "m/s²", [], vector
-    return "load", "", [], np.zeros((frames.count, 0, 3))
-
-
-def _carried(marks: Marks, feet: list[int], values: list[Floats], following: bool) -> Floats:
-    """Vectors ``(n, feet, 3)`` in global components, turned with the sections where the load follows them."""
-    vectors = np.tile(np.stack(values), (marks.frames, 1, 1))
-    if following:
+    result: Result, load: AnyLoad, model: ModelDescription, frames: Frames, marks: Marks
+) -> tuple[Arrows, list[int], Floats]:
+    """What is drawn of a load, its feet, and its vectors ``(n, arrows, 3)`` at its full size in global components."""
+    times = frames.instants if result.dimension == "time" else np.zeros(frames.count)
+    shown = [load.arrows(model, float(t)) for t in (times if load.travels else times[:1])]
+    if load.travels:
+        feet = [
+            _travelling_foot(result, places, marks)
+            for places in zip(*(each.feet for each in shown), strict=True)
+        ]
+    else:
+        feet = [marks.site(_site(result, place)) for place in shown[0].feet]
+    values = np.stack([each.acting * each.values for each in shown])
+    vectors = np.broadcast_to(values, (frames.count, *values.shape[1:]))
+    if shown[0].following:
         turns = marks.turns[:, feet]
         R = matrices(turns.reshape(-1, 4)).reshape(*turns.shape[:2], 3, 3)
         vectors = np.einsum("nfij,nfj->nfi", R, vectors)
-    return vectors
+    return shown[0], feet, vectors
 
 
-def _moving(
-    result: Result, load: MovingForce, frames: Frames, marks: Marks
-) -> tuple[str, str, list[int], Floats]:
-    sites = result.sites
-    first, last = sites.ends(load.rod)
-    track, turn = np.empty((frames.count, 3)), np.empty((frames.count, 4))
-    on = np.empty(frames.count)
-    for k, t in enumerate(frames.instants if result.dimension == "time" else np.zeros(frames.count)):
-        s = load.arc_length(float(t))
-        on[k] = float(first.s <= s <= last.s)
-        site = sites.along(load.rod, float(np.clip(s, first.s, last.s)))
-        track[k] = site.of(marks.positions[k])
-        turn[k] = site.rotation(marks.rotations[k])
-    foot = marks.add(track, turn)
-    vectors = _carried(marks, [foot], [np.array(load.value)], load.following)
-    return f"force travelling on {load.rod}", "N", [foot], vectors * on[:, None, None]
+def _site(result: Result, place: AnyPlace) -> ResultPlace:
+    if isinstance(place, BodyPlace):
+        return result.sites.at(str(place))
+    return result.sites.along(place.rod, place.s)
+
+
+def _travelling_foot(result: Result, places: Sequence[AnyPlace], marks: Marks) -> int:
+    """Add a mark that is at another place in every frame."""
+    track, turn = np.empty((marks.frames, 3)), np.empty((marks.frames, 4))
+    for k, place in enumerate(places):
+        site = _site(result, place)
+        track[k], turn[k] = site.of(marks.positions[k]), site.rotation(marks.rotations[k])
+    return marks.add(track, turn)

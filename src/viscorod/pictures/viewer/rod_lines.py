@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
-from viscorod.model.sections.section_shapes import Annulus, SquareTube
 from viscorod.pictures.viewer.contours import contours_of
 from viscorod.typing import Floats, Integers
 
@@ -141,50 +140,15 @@ def _half_widths(data: xr.Dataset, rod: str, s: Floats) -> Floats:
 
 
 def _section(rod: Rod | None, s: Floats) -> tuple[Outline, Floats, Floats]:
-    """Outline, half widths and holes of the sections at arc lengths; zeros where they have no known outline."""
+    """Outline, half widths and holes of the sections at arc lengths; zeros where they are neither ellipse nor box."""
     halves, holes = np.zeros((s.size, 2)), np.zeros(s.size)
     if rod is None:
         return "round", halves, holes
-    sections = [rod.section_at(float(np.clip(x, 0.0, rod.length))) for x in s]
-    kinds = {str(getattr(section, "shape", "")) for section in sections}
-    for k, section in enumerate(sections):
-        size = _extent(section)
-        if size is None:
+    round_ = False
+    for k, x in enumerate(s):
+        extent = rod.section_at(float(np.clip(x, 0.0, rod.length))).extent
+        if extent is None:
             return "round", np.zeros((s.size, 2)), np.zeros(s.size)
-        halves[k], holes[k] = size, _hole(section)
-    return ("box" if kinds <= {"rectangle", "square_tube"} else "round"), halves, holes
-
-
-def _hole(section: object) -> float:
-    """Size of the hole of a tube as a part of the outer one, 0 of a solid section."""
-    if isinstance(section, Annulus):
-        return section.inner_radius / section.outer_radius
-    if isinstance(section, SquareTube):
-        return 1.0 - 2.0 * section.thickness / section.width
-    return 0.0
-
-
-def _extent(section: object) -> tuple[float, float] | None:
-    """Half width and half height of a section whose outline is an ellipse or a rectangle."""
-    value = {name: getattr(section, name, None) for name in _SIZES.get(getattr(section, "shape", ""), ())}
-    if not value or any(not isinstance(v, float) for v in value.values()):
-        return None
-    sizes = [float(v) for v in value.values() if v is not None]
-    match getattr(section, "shape", ""):
-        case "rectangle":
-            return sizes[0] / 2.0, sizes[1] / 2.0
-        case "square_tube":
-            return sizes[0] / 2.0, sizes[0] / 2.0
-        case "ellipse":
-            return sizes[0], sizes[1]
-        case _:
-            return sizes[0], sizes[0]
-
-
-_SIZES = {
-    "circle": ("radius",),
-    "annulus": ("outer_radius",),
-    "rectangle": ("width", "height"),
-    "square_tube": ("width",),
-    "ellipse": ("semi_axis_1", "semi_axis_2"),
-}
+        halves[k], holes[k] = extent.halves, extent.hole[0] / extent.halves[0] if extent.hole else 0.0
+        round_ |= extent.round
+    return ("round" if round_ else "box"), halves, holes

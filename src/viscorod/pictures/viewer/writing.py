@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError, writing
+from viscorod.pictures.drawing.load_arrows import gravity
 from viscorod.pictures.style import scaled
-from viscorod.pictures.viewer.camera import first_look, weight_of
+from viscorod.pictures.viewer.camera import first_look
 from viscorod.pictures.viewer.coloured_fields import fields_of, points_of, speed_of
 from viscorod.pictures.viewer.colours import colour_tables
 from viscorod.pictures.viewer.frames import Frames
@@ -147,7 +148,9 @@ def _text(result: Run | Equilibrium, limit: int) -> str:
         "fields": fields,
         "colours": colour_tables(),
         "look": first_look(
-            np.concatenate([positions, reference[None]]), weight_of(model), tips_of(scene["loads"], marks)
+            np.concatenate([positions, reference[None]]),
+            np.zeros(3) if model is None else gravity(model),
+            tips_of(scene["loads"], marks),
         ),
         "histories": histories_of(result, samples, pack),
         "main": AXES.index(result.main_motion[1]),

@@ -8,20 +8,19 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.mechanics.rotations.quaternion import matrices
-from viscorod.model.actions.load import DistributedForce, DistributedMoment, Force, Moment, MovingForce
 from viscorod.model.actions.time_function import Sine, TimeFunction
 from viscorod.model.connections.motion_words import MOTIONS
-from viscorod.model.connections.place import AnyPlace, BodyPlace, Place
+from viscorod.model.connections.place import AnyPlace, BodyPlace
 from viscorod.model.connections.resolved_places import find, required_breaks
 from viscorod.model.connections.support_base import ResolvedSupport
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.strain_multipliers import held_cliques, held_strains
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem.joint_set import joint_set
-from viscorod.solve.problem.load_placing import passages, place_load
+from viscorod.solve.problem.load_placing import place_loads
 from viscorod.solve.problem.mesh import Mesh, divide, element_nodes, element_sets, join, stations_of
 from viscorod.solve.problem.placement import Placement
-from viscorod.solve.problem.problem import NodalLoad, Problem, StationLoad, SupportSet
+from viscorod.solve.problem.problem import Problem, SupportSet
 from viscorod.typing import Floats, Integers
 
 
@@ -55,14 +54,7 @@ def discretise(model: ModelDescription, *, validated: bool = False) -> Problem:
     pattern = Pattern.of(nodes + multipliers, [*elements, *joints.cliques(nodes), *held_members])
     sets, mass, relaxation_times = element_sets(mesh, pattern)
     supports = _supports(model, places)
-    nodal: list[NodalLoad] = []
-    moving: list[StationLoad] = []
-    for load in model.loads:
-        placed = place_load(load, model, places)
-        if isinstance(placed, NodalLoad):
-            nodal.append(placed)
-        else:
-            moving.append(placed)
+    nodal_loads, station_loads = place_loads(model, places)
     motions = [motion for _, _, motion in supports.motions] + [motion for _, motion in joints.motions]
     breakpoints, jumps, periods = _times(model, motions)
     return Problem(
@@ -82,8 +74,8 @@ def discretise(model: ModelDescription, *, validated: bool = False) -> Problem:
         multipliers=multipliers,
         interiors=_interiors(mesh, elements),
         supports=supports,
-        nodal_loads=tuple(nodal),
-        station_loads=tuple(moving),
+        nodal_loads=nodal_loads,
+        station_loads=station_loads,
         stations=stations_of(mesh),
         initial_strain={mesh.rod_index(strain.rod): strain.at for strain in model.strains},
         initial_twist=_initial_twist(model, places),
@@ -102,12 +94,8 @@ def _mesh(model: ModelDescription) -> Mesh:
     for place in required_breaks(model):
         breaks[place.rod].append(place.s)
     for load in model.loads:
-        if isinstance(load, Force | Moment):
-            at = find(model, load.at)
-            if isinstance(at, Place):
-                wishes[at.rod].append(at.s)
-        elif isinstance(load, DistributedForce | DistributedMoment):
-            wishes[load.rod].extend(s for s in (load.from_s, load.to_s) if s is not None)
+        for place in load.breaks(model):
+            wishes[place.rod].append(place.s)
     rods = [divide(name, rod, breaks[name], wishes[name]) for name, rod in model.rods.items()]
     bodies = {name: i for i, name in enumerate(model.bodies)}
     first = len(bodies) + np.cumsum([0, *(len(rod.s) for rod in rods)])
@@ -189,10 +177,9 @@ def _times(
     for load in model.loads:
         corners.update(load.breakpoints)
         jumps.update(load.jumps)
-        if isinstance(load, MovingForce):
-            ends = passages(load, model.rods[load.rod].length)
-            corners.update(ends)
-            jumps.update(ends)
+        passages = load.passages(model)
+        corners.update(passages)
+        jumps.update(passages)
     for motion in motions:
         corners.update(motion.breakpoints)
         jumps.update(motion.breakpoints)

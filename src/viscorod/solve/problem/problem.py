@@ -9,13 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from viscorod.mechanics.elements.held_strains import HeldStrains
+from viscorod.model.actions.load_effects import TimeFactor
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.problem.joint_set import JointSet
 from viscorod.typing import Floats, Integers
-
-TimeFactor = Callable[[float, bool], float]
 
 
 @dataclass(frozen=True)
@@ -91,9 +90,10 @@ class SupportSet:
 class NodalLoad:
     """Dead (global) and following (body) wrenches on some nodes with one time factor; or gravity.
 
-    Dead forces act at ``arms (k, 3)`` from the nodes, node axes [m].
+    Dead forces act at ``arms (k, 3)`` from the nodes, node axes [m]. ``load`` is the number of the model's load.
     """
 
+    load: int
     nodes: Integers
     dead: Floats
     following: Floats
@@ -106,6 +106,7 @@ class NodalLoad:
 class StationLoad:
     """A concentrated wrench at an arc length of a rod, which may move; outside the rod it does not act."""
 
+    load: int
     rod: int
     position: TimeFactor
     dead: Floats

@@ -8,7 +8,7 @@ from enum import Enum
 import numpy as np
 
 from viscorod.errors import Fault, InputError
-from viscorod.model.actions.load import AnyLoad, MovingForce
+from viscorod.model.actions.load import AnyLoad
 from viscorod.model.actions.time_function import Constant
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.rigid_motions import free_motions
@@ -83,7 +83,7 @@ def require(model: ModelDescription, problem: Problem, settings: SteadySettings)
             )
         )
     for index, load in enumerate(model.loads):
-        faults += _load(index, load, model, problem, settings)
+        faults += _load(index, load, problem, settings)
     if settings.formulation == "intrinsic":
         faults += _intrinsic_supports(model, problem, settings)
     if faults:
@@ -105,12 +105,9 @@ def _size(problem: Problem, settings: SteadySettings) -> Iterator[Fault]:
         yield Fault("rods", "", "the rods are not connected", "attach them, or compute them one by one")
 
 
-def _load(
-    index: int, load: AnyLoad, model: ModelDescription, problem: Problem, settings: SteadySettings
-) -> Iterator[Fault]:
+def _load(index: int, load: AnyLoad, problem: Problem, settings: SteadySettings) -> Iterator[Fault]:
     """Loads must stay as they are while everything turns."""
-    kind = str(type(load).model_fields["kind"].default)
-    where = f"loads[{index}]"
+    kind, where = load.word, f"loads[{index}]"
     if load.until is not None and load.until <= 0.0:
         return  # gone
     if not settings.driven:
@@ -121,13 +118,21 @@ def _load(
             "leave it out, or give spin as three numbers",
         )
         return
-    if isinstance(load, MovingForce):
+    if load.travels:
         yield Fault(where, kind, "it travels along the rod", "leave it out")
         return
     if load.until is not None or not (load.time is None or isinstance(load.time, Constant)):
         yield Fault(where, kind, "it changes with time", "leave out time and until")
         return
-    if getattr(load, "following", False):
+    if any(placed.load == index for placed in problem.station_loads):
+        yield Fault(
+            where,
+            kind,
+            "it acts between nodes, and a steady rotation takes loads at nodes only",
+            "leave out elements, so that one ends there",
+        )
+        return
+    if load.follows:
         return
     if settings.formulation == "intrinsic":
         yield Fault(
@@ -137,10 +142,10 @@ def _load(
             "leave out formulation, or let it follow (following = true)",
         )
         return
-    earlier = sum(not isinstance(other, MovingForce) for other in model.loads[:index])
-    placed = problem.nodal_loads[earlier]
     spin = np.asarray(settings.spin, dtype=float)
-    if _across(np.vstack([placed.dead[:, :3], placed.dead[:, 3:], placed.gravity]), spin):
+    nodal = [placed for placed in problem.nodal_loads if placed.load == index]
+    vectors = [placed.dead.reshape(-1, 3) for placed in nodal] + [placed.gravity for placed in nodal]
+    if _across(np.vstack(vectors), spin):
         yield Fault(
             where,
             kind,

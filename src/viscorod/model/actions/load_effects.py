@@ -1,0 +1,68 @@
+"""What a load does: it puts wrenches on the model, and it is drawn as arrows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+from viscorod.model.connections.place import AnyPlace
+from viscorod.typing import Floats
+
+__all__ = ["Arrows", "Placing", "TimeFactor"]
+
+TimeFactor: TypeAlias = Callable[[float, bool], float]
+"""A function of the time t, s, and of whether its limit from the left is meant."""
+
+
+class Placing(Protocol):
+    """Takes the wrenches of a load; the solver hands it to :meth:`AnyLoad.place`.
+
+    A wrench (6,) is a force (N) and a moment (N m): global components, or along d1, d2, d3 if it follows.
+    """
+
+    def at(self, place: str, wrench: Floats, factor: TimeFactor, *, following: bool = False) -> None:
+        """Put a wrench on a place, such as "beam.end"."""
+
+    def along(
+        self,
+        rod: str,
+        density: Callable[[float], Floats],
+        factor: TimeFactor,
+        *,
+        start: float = 0.0,
+        end: float | None = None,
+        following: bool = False,
+    ) -> None:
+        """Spread wrenches per length, a function of the arc length, over a rod from `start` to `end`, m."""
+
+    def travelling(
+        self, rod: str, position: TimeFactor, wrench: Floats, factor: TimeFactor, *, following: bool = False
+    ) -> None:
+        """Let a wrench travel along a rod; its arc length, m, is a function of time. Beside the rod it does not act."""
+
+    def everywhere(self, acceleration: Floats, factor: TimeFactor) -> None:
+        """Let everything have weight; the acceleration (3,) in m/s^2, global axes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Arrows:
+    """How a load is drawn at one time, at its full size (without its factor).
+
+    Attributes:
+        label: the load in words, such as "force at beam.end".
+        unit: of the values: "N", "N m", "N/m", "N m/m", or "m/s²" where there are no feet.
+        feet: places where it acts, (n,); none if it acts on everything.
+        values: what acts there (n, 3), or (1, 3) without feet; global components, along d1, d2, d3 if it follows.
+        following: whether it turns with the sections.
+        turning: whether it is a moment.
+        acting: whether it acts at this time; a load that travels does not when it is beside its rod.
+    """
+
+    label: str
+    unit: str
+    feet: tuple[AnyPlace, ...]
+    values: Floats
+    following: bool = False
+    turning: bool = False
+    acting: bool = True

@@ -1,0 +1,185 @@
+"""A load and a section that the package does not know: one class and one line each, and all that comes with them."""
+
+import math
+from typing import Literal
+
+import numpy as np
+import pytest
+from pydantic import Field
+
+import pages
+import viscorod as vr
+from viscorod.model.actions.load import LOADS, AnyLoad
+from viscorod.model.actions.load_effects import Arrows
+from viscorod.model.connections.place import PlaceField
+from viscorod.model.fields.values import Direction, Positive
+from viscorod.model.sections.section_profile import SECTIONS
+from viscorod.model.sections.section_shapes import SHAPES, Shape
+from viscorod.pictures.drawing.model_drawing import draw_assembly
+from viscorod.pictures.viewer import view
+from viscorod.solve.problem.discretise import discretise
+
+
+class Rope(AnyLoad):
+    """A rope that pulls in a direction.
+
+    Args:
+        tied_to: place.
+        tension: N.
+        towards: direction, global axes.
+        time: function of time that scales it.
+        until: time from which on it is zero, s.
+    """
+
+    kind: Literal["rope"] = Field(default="rope", kw_only=True, repr=False)
+    tied_to: PlaceField = Field(description="place, such as 'beam.end'")
+    tension: Positive = Field(description="N")
+    towards: Direction = (0.0, 0.0, 1.0)
+
+    def places(self):
+        return {"tied_to": self.tied_to}
+
+    def place(self, model, placing):
+        force = self.tension * np.array(self.towards)
+        placing.at(self.tied_to, np.array([*force, 0.0, 0.0, 0.0]), self.factor)
+
+    def arrows(self, model, t):
+        feet = (model.place(self.tied_to),)
+        return Arrows(f"rope at {self.tied_to}", "N", feet, self.tension * np.array([self.towards]))
+
+
+class Hexagon(Shape):
+    """Solid regular hexagon with two corners on d1.
+
+    Args:
+        side: m.
+    """
+
+    shape: Literal["hexagon"] = Field(default="hexagon", kw_only=True, repr=False)
+    side: Positive = Field(description="m")
+
+    def moments(self):
+        second_moment = 5.0 * math.sqrt(3.0) / 16.0 * self.side**4
+        return 1.5 * math.sqrt(3.0) * self.side**2, second_moment, second_moment
+
+    @property
+    def outline(self):
+        angles = math.pi / 3.0 * np.arange(6)
+        corners = self.side * np.column_stack([np.cos(angles), np.sin(angles)])
+        return ((tuple(map(tuple, corners.tolist())), ()),)
+
+    def _torsion(self):
+        return 1.0355 * self.side**4  # Roark's formulas for stress and strain
+
+    def _cowper(self, nu):
+        return 0.9, 0.9
+
+
+E, NU, LENGTH, AT, SIDE, TENSION = 2e11, 0.3, 1.0, 0.6, 0.01, 0.05
+CASE = f"""
+title = "A rope"
+[materials.steel]
+youngs_modulus = {E}
+poissons_ratio = {NU}
+density = 7850.0
+[rods.beam]
+shape = "straight"
+start = [0, 0, 0]
+end = [{LENGTH}, 0, 0]
+section = {{shape = "hexagon", side = {SIDE}}}
+material = "steel"
+[[supports]]
+kind = "clamp"
+at = "beam.start"
+[[loads]]
+kind = "rope"
+tied_to = "beam@{AT}"
+tension = "50 mN"
+[equilibrium]
+"""
+
+
+@pytest.fixture
+def registered(monkeypatch):
+    monkeypatch.setitem(LOADS, "rope", Rope)
+    monkeypatch.setitem(SHAPES, "hexagon", Hexagon)
+
+
+@pytest.fixture
+def case(registered, tmp_path):
+    path = tmp_path / "rope.toml"
+    path.write_text(CASE)
+    return vr.load_case(path)
+
+
+def test_a_case_file_has_the_words(case):
+    assert case.description.loads == [Rope(f"beam@{AT}", TENSION)]
+    assert case.description.rods["beam"].section == Hexagon(SIDE)
+    assert case.to_dict()["loads"] == [{"kind": "rope", "tied_to": f"beam@{AT}", "tension": TENSION}]
+    assert case.to_dict()["rods"]["beam"]["section"] == {"shape": "hexagon", "side": SIDE}
+
+
+def test_a_mistyped_place_is_reported_with_its_key(registered, tmp_path):
+    path = tmp_path / "rope.toml"
+    path.write_text(CASE.replace(f'"beam@{AT}"', '"baem@0.6"'))
+    with pytest.raises(vr.InputError, match=r"loads\[0\]\.tied_to.*did you mean 'beam'"):
+        vr.load_case(path)
+
+
+def test_an_element_ends_at_the_load(case):
+    assert case.description.stations("beam") == (0.0, AT, LENGTH)
+    (elements,) = discretise(case.description).sets
+    assert np.abs(elements.start - AT).min() < 1e-12
+
+
+def test_the_equilibrium_is_that_of_beam_theory(case):
+    """A cantilever under a force at 0.6 of its length: bending and shear up to it, straight beyond."""
+    result = case.model(vr.Model).equilibrium()
+    _, bending, _ = Hexagon(SIDE).moments()
+    area, G = Hexagon(SIDE).area, E / (2.0 * (1.0 + NU))
+    at_load = TENSION * AT**3 / (3.0 * E * bending) + TENSION * AT / (0.9 * G * area)
+    slope = TENSION * AT**2 / (2.0 * E * bending)
+    lift = result.history("beam.end", "displacement").values[-1, 2]
+    assert lift == pytest.approx(at_load + slope * (LENGTH - AT), rel=1e-6)
+
+
+def test_the_picture_of_the_model_has_the_arrow(case):
+    axes = draw_assembly(case.description).axes[0]
+    assert "0.05 N" in [text.get_text() for text in axes.texts]
+    assert "force" in [text.get_text() for text in axes.get_legend().get_texts()]
+
+
+def test_the_page_has_arrow_and_outline(case, tmp_path):
+    result = case.model(vr.Model).equilibrium()
+    text = view(result, tmp_path / "page.html").read_text(encoding="utf-8")
+    meta, data = pages.parts(text)
+    (load,) = meta["scene"]["loads"]
+    assert (load["label"], load["family"], load["largest"]) == (f"rope at beam@{AT}", "N", TENSION)
+    marks, _ = pages.array(meta, data, "marks")
+    assert marks[-1, load["arrows"][0]] == pytest.approx([0.0, 0.0, 1.0], abs=1e-4)
+    assert marks[-1, load["feet"][0], 0] == pytest.approx(AT, abs=1e-3)
+    ((contour,),) = meta["lines"][0]["contours"]
+    assert np.hypot(*np.array(contour).T) == pytest.approx(np.ones(6))
+    halves, _ = pages.array(meta, data, "halves")
+    assert halves == pytest.approx(SIDE)
+
+
+def test_the_section_can_be_a_region_and_taper(registered):
+    steel = vr.Material(E, NU, 7850.0)
+    rod = vr.Rod.straight(
+        (0, 0, 0), (1, 0, 0), section=vr.Taper(Hexagon(SIDE), Hexagon(0.5 * SIDE)), material=steel
+    )
+    assert rod.section_at(0.5).half_width == pytest.approx(0.75 * SIDE)
+    whole = vr.Composite([vr.CompositeRegion(material=steel, section={"shape": "hexagon", "side": SIDE})])
+    assert whole.matrices()[0][2, 2] == pytest.approx(E * Hexagon(SIDE).area)
+    assert whole.half_width == pytest.approx(SIDE)
+
+
+def test_what_is_not_registered_is_refused(tmp_path):
+    assert "rope" not in LOADS
+    assert "hexagon" not in SECTIONS
+    path = tmp_path / "rope.toml"
+    path.write_text(CASE)
+    with pytest.raises(vr.InputError, match="no such kind") as refused:
+        vr.load_case(path)
+    assert "no such shape" in str(refused.value)
