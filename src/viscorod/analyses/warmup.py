@@ -17,7 +17,13 @@ from numba.core import event
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.model import Model
 from viscorod.analyses.transient import simulate
-from viscorod.mechanics.compilation.compiled import KERNELS, await_compilation, cache_folder, compile_aside
+from viscorod.mechanics.compilation.compiled import (
+    KERNELS,
+    PURE_PYTHON,
+    await_compilation,
+    cache_folder,
+    compile_aside,
+)
 from viscorod.model.actions.time_function import Ramp
 from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.rod import Rod
@@ -63,6 +69,8 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
     Args:
         progress: called with the number of kernels that are ready, as they are compiled.
     """
+    if PURE_PYTHON:
+        return WarmUp(0.0, 0, ())
     begin = time.perf_counter()
     before = _misses()
     with _watched(progress), _unannounced():
