@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.transient import TOLERANCE, described, initial_state, stepping
+from viscorod.analyses.transient import described, initial_state, stepping
 from viscorod.errors import InputError, SolveError
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.model.actions.time_table import FunctionOfTime
@@ -20,6 +20,7 @@ from viscorod.solve.history import StationReader
 from viscorod.solve.settings import SimulateSettings
 from viscorod.solve.settings_checks import require_fit
 from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.saved_state import SavedTree
 from viscorod.solve.transient.step_control import ErrorControl
 from viscorod.solve.transient.transient_solver import Transient
@@ -65,8 +66,9 @@ class CoSimulation:
                 axis = tuple(float(k == component) for k in range(3))
                 coupled.force(port, axis, time=FunctionOfTime(self._component(port, component)))
                 coupled.moment(port, axis, time=FunctionOfTime(self._component(port, 3 + component)))
-        if settings.get("integrator", "radau") == "radau":
-            settings = {"tolerance": TOLERANCE, **settings}
+        method = INTEGRATORS.get(str(settings.get("integrator", "radau")))
+        if method is not None and method.tolerance is not None:
+            settings = {"tolerance": method.tolerance, **settings}
         self.settings = SimulateSettings(duration=LONGEST, **settings)
         require_fit(coupled, self.settings)
         self._work = work = DiscreteModel.of(coupled, self.settings.formulation, self.settings.damping)

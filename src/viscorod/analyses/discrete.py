@@ -87,7 +87,7 @@ class DiscreteModel:
             announce_formulation(joint_forces if problem.joints.count else add_held_strains)
         if problem.relaxing:
             announce_formulation(remember)
-        system = FORMULATIONS[formulation, damping](problem)
+        system = FORMULATIONS[formulation, damping].make(problem)
         supports = SupportState(problem)
         require_independent(system, supports)
         static = StaticSolver(system, supports, stop=stop)
