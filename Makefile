@@ -8,11 +8,12 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-com
 WORKERS ?= 2
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test search fuzz check docs figures bench peers clean
+.PHONY: help demo test coverage search fuzz check docs figures bench peers clean
 
 help:
 	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
 	@echo "make test   all checks and all tests"
+	@echo "make coverage  tests of kernels in pure Python: how many lines of the mechanics they reach"
 	@echo "make search property tests with new random examples"
 	@echo "make fuzz   10 000 damaged versions of every shipped case, checked and computed for some steps (hours)"
 	@echo "make check  ruff, mypy, import contracts, documentation with warnings as errors"
@@ -47,6 +48,17 @@ check: $(VENV)/.stamp-test
 
 test: check
 	$(BIN)/python -m pytest -n $(WORKERS)
+
+# Tests of kernels, in pure Python: lines of compiled code cannot be counted.
+KERNEL_TESTS := $(patsubst %,tests/unit/test_%.py,element_kernels collocation_kernels intrinsic_kernels motion_kernels \
+  joint_coordinates angular_variation assembly_tangent system_tangent block_matrices direct_solvers tableau callback)
+MACHINE_CODE := tests/unit/test_direct_solvers.py::test_machine_code_on_disk_calls_the_functions_of_this_process
+
+coverage: $(VENV)/.stamp-test
+	$(BIN)/coverage erase
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -n $(WORKERS) $(KERNEL_TESTS) --deselect $(MACHINE_CODE)
+	$(BIN)/coverage combine --quiet
+	$(BIN)/coverage report
 
 search: $(VENV)/.stamp-test
 	$(BIN)/python -m pytest -n $(WORKERS) tests/property --hypothesis-profile=search

@@ -34,7 +34,7 @@ from viscorod.solve.linear.plan import plans
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
-from viscorod.solve.transient.integrators import Radau
+from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.typing import Floats, Integers
 
 ROUNDS, STEPS, STEP = 5, 20, 1e-3

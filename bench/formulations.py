@@ -26,8 +26,9 @@ from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.plan import plans
 from viscorod.solve.problem.discretise import discretise
-from viscorod.solve.transient.integrators import Midpoint, Radau
 from viscorod.solve.transient.integrators.collocation import Collocation
+from viscorod.solve.transient.integrators.midpoint import Midpoint
+from viscorod.solve.transient.integrators.radau import Radau
 
 NAMES = ("geometric", "intrinsic")
 
@@ -60,7 +61,7 @@ def hinged(elements: int, order: int) -> vr.Model:
 def moving(method: type[Collocation], formulation: str, elements: int, order: int) -> Collocation:
     """An integrator that has made a few steps with the cantilever."""
     problem = discretise(cantilever(elements, order))
-    system = FORMULATIONS[formulation, "full"](problem)
+    system = FORMULATIONS[formulation, "full"].make(problem)
     given = {"tolerance": 1e-4} if method is Radau else {}
     integrator = method(system, SupportState(problem), **given)
     state = State.reference(problem)

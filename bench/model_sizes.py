@@ -21,7 +21,7 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.discretise import discretise
-from viscorod.solve.transient.integrators import Radau
+from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.step_control import FixedSteps
 from viscorod.solve.transient.transient_solver import Transient
 

@@ -16,6 +16,7 @@ from viscorod.model.connections.motion_words import MOTIONS, VELOCITIES
 from viscorod.model.rod import Rod
 from viscorod.model.sections.section_profile import SECTIONS
 from viscorod.model.sections.section_shapes import SHAPES
+from viscorod.solve.transient.integrators import INTEGRATORS
 
 SECTION = "name of a section in quotes, or a table with `shape`"
 FILE = {
@@ -98,6 +99,7 @@ TEXTS = {
     "motion_functions": "table from motion words to numbers or functions of time",
     "two_directions": "2 perpendicular directions, 3 numbers each",
     "one_section": SECTION,
+    "integrator_name": " or ".join(f'`"{word}"`' for word in INTEGRATORS),
     "time_function": "number, or table with `kind`, see Functions of time",
     "material._damping": "table, see below",
     "stiffness_section._damping": "6 numbers (a diagonal) or 6 rows of 6",

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from viscorod.solve.transient.integrators import INTEGRATORS
 
 
 def curved(elements, order, damping=None, full=True):
@@ -121,7 +122,7 @@ def test_order_in_time_with_prescribed_motion_and_partial_support():
     assert slope(steps, errors) == pytest.approx(2.0, abs=0.2)
 
 
-@pytest.mark.parametrize("integrator", ["radau", "generalized_alpha", "midpoint"])
+@pytest.mark.parametrize("integrator", INTEGRATORS)
 @pytest.mark.parametrize("jump", [0.3, 0.1 + 0.2, 1 / 3, 0.7])
 def test_no_step_straddles_a_jump(jump, integrator):
     """The load is on up to its jump and off from it on, whatever the rounding of the times of steps."""

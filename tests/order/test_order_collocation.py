@@ -1,4 +1,4 @@
-"""Orders in time of the collocation methods and their dense output by regression; error against the tolerance."""
+"""Orders in time of the integrators and their dense output by regression; error against the tolerance."""
 
 from __future__ import annotations
 
@@ -6,40 +6,8 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from viscorod.solve.constraints.support_state import SupportState
-from viscorod.solve.formulations.geometric_system import GeometricSystem
-from viscorod.solve.formulations.system import State
-from viscorod.solve.history import StationReader
-from viscorod.solve.problem.discretise import discretise
-from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.statics.static_solver import StaticSolver
-from viscorod.solve.transient.integrators import GeneralizedAlpha, Midpoint, Radau
-from viscorod.solve.transient.step_control import FixedSteps
-from viscorod.solve.transient.transient_solver import Transient
-
-TIGHT = 2.5e-8
-"""Tolerance of radau with fixed steps, for which only the error left by Newton's method matters: 1e-12."""
-
-
-def curved(damping, elements=3, order=4):
-    """A curved and twisted cantilever with a full section."""
-    stiffness = np.diag([800.0, 700.0, 2e3, 1.0, 1.4, 0.8])
-    stiffness[2, 3] = stiffness[3, 2] = 10.0
-    stiffness[3, 5] = stiffness[5, 3] = 0.2
-    section = vr.StiffnessSection(stiffness, [1, 1, 1, 1e-2, 1e-2, 2e-2], damping * stiffness)
-    model = vr.Model()
-    given = {"section": section, "elements": elements, "order": order, "twist": 0.8}
-    model.add("rod", vr.Rod.arc((0, 0, 0), (1, 0, 0), (0, 1, 0), 1.0, 1.2, **given))
-    return model
-
-
-def swung(damping=0.01):
-    """Smooth dead and following loads."""
-    model = curved(damping)
-    model.clamp("rod.start")
-    model.force("rod.end", (0.4, 0.8, 1.5), time=vr.Sine(1.0))
-    model.moment("rod.end", (0.3, 0.0, -0.4), following=True, time=vr.Sine(0.7))
-    return model
+from orders import March, check_order_of_accuracy, curved, orders_against, slope, swung
+from viscorod.solve.transient.integrators import INTEGRATORS
 
 
 def whirled():
@@ -67,59 +35,27 @@ def released():
     return model
 
 
-class March:
-    """A run with equal steps: positions and velocities ``(instants, stations, 3)``, and what the integrator did."""
-
-    def __init__(self, model, duration, step, method=Radau, interval=None, settle=False, **given):
-        problem = discretise(model)
-        system, supports = GeometricSystem(problem), SupportState(problem)
-        n = problem.size
-        state = State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((n, 6)))
-        if settle:
-            StaticSolver(system, supports).solve(state)
-        if method is Radau:
-            given = {"tolerance": TIGHT} | given
-        self.integrator = method(system, supports, **given)
-        self.integrator.iterations = 50  # partly held nodes that turn converge slowly to round-off
-        control = FixedSteps(step)
-        self.result = Transient(problem, self.integrator, control, system.worst_place).run(
-            state, duration, output_interval=interval
-        )
-        assert self.result.outcome is Outcome.COMPLETED
-        assert self.result.effort.rejected == 0
-        snapshots = self.result.history.snapshots
-        self.t = np.array(self.result.history.instant)
-        r, q, twist = (np.array([getattr(s.state, name) for s in snapshots]) for name in ("r", "q", "twist"))
-        self.r, self.q, self.v, self.spin = StationReader(problem).read(r, q, twist)
+def orders(make, duration, steps, fine, settle=False):
+    """Orders of radau against its own fine run."""
+    exact = March(make(), duration, fine, settle=settle)
+    return orders_against(exact, make, duration, steps, settle=settle)
 
 
-def slope(sizes, errors):
-    return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
+@pytest.mark.parametrize(
+    ("integrator", "formulation"),
+    [(name, formulation) for name, method in INTEGRATORS.items() for formulation in method.formulations],
+)
+def test_order_of_accuracy(integrator, formulation):
+    """Every integrator has the order that it states, in positions and velocities under smooth loads (theory)."""
+    check_order_of_accuracy(integrator, formulation)
 
 
-def orders(make, duration, steps, fine, method=Radau, settle=False, at=slice(None), **given):
-    """Orders of positions and velocities at the end."""
-    exact = March(make(), duration, fine, method, settle=settle, **given)
-    errors = []
-    for h in steps:
-        run = March(make(), duration, h, method, settle=settle, **given)
-        errors.append([np.abs(getattr(run, n)[-1, at] - getattr(exact, n)[-1, at]).max() for n in "rv"])
-    return [slope(steps, e) for e in np.transpose(errors)], np.array(errors)
-
-
-def test_order_of_radau():
-    """Order five of positions and velocities under smooth loads (theory; against a fine run on the same mesh)."""
+def test_accuracy_of_radau():
+    """Order five of positions and velocities, and the size of the error, against a fine run on the same mesh."""
     (positions, velocities), errors = orders(swung, 0.8, (0.08, 0.04, 0.02), 0.005)
     assert positions == pytest.approx(5.0, abs=0.35)
     assert velocities == pytest.approx(5.0, abs=0.5)
     assert errors[-1, 0] < 5e-8
-
-
-@pytest.mark.parametrize("method", [Midpoint, GeneralizedAlpha])
-def test_order_of_the_methods_of_second_order(method):
-    """Order two of positions and velocities under smooth loads (theory)."""
-    found, _ = orders(swung, 0.8, (0.02, 0.01, 0.005), 0.0005, method)
-    assert found == pytest.approx([2.0, 2.0], abs=0.1)
 
 
 def test_order_of_radau_with_prescribed_motion_and_partial_support():
@@ -157,12 +93,12 @@ def test_order_of_radau_with_heavily_damped_modes(tau):
     assert local[clear[1:]].min() > 3.0
 
 
-def between_steps(method, steps, **given):
+def between_steps(integrator, steps):
     """Orders of positions, velocities, orientations and strains at 77 equal times, most of them between steps."""
     exact = March(swung(), 0.8, 0.0025, interval=0.8 / 77)
     errors = []
     for h in steps:
-        run = March(swung(), 0.8, h, method, interval=0.8 / 77, **given)
+        run = March(swung(), 0.8, h, integrator, interval=0.8 / 77)
         assert run.t == pytest.approx(exact.t, abs=1e-12)
         strain = [
             np.abs(a.strain - b.strain).max()
@@ -174,17 +110,17 @@ def between_steps(method, steps, **given):
 
 def test_order_between_the_steps_of_radau():
     """Order by regression of the dense output against a fine run."""
-    positions, velocities, rotations, strains = between_steps(Radau, (0.08, 0.04, 0.02))
+    positions, velocities, rotations, strains = between_steps("radau", (0.08, 0.04, 0.02))
     assert positions > 4.0
     assert rotations > 3.0
     assert velocities > 2.0
     assert strains > 2.0
 
 
-@pytest.mark.parametrize("method", [Midpoint, GeneralizedAlpha])
-def test_order_between_the_steps_of_second_order(method):
+@pytest.mark.parametrize("integrator", [name for name, method in INTEGRATORS.items() if method.order == 2])
+def test_order_between_the_steps_of_second_order(integrator):
     """Order by regression of the dense output against a fine run: that of the methods."""
-    positions, velocities, rotations, strains = between_steps(method, (0.02, 0.01, 0.005))
+    positions, velocities, rotations, strains = between_steps(integrator, (0.02, 0.01, 0.005))
     assert [positions, velocities, rotations] == pytest.approx([2.0] * 3, abs=0.15)
     assert strains > 0.7
 

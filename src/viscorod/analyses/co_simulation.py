@@ -11,7 +11,7 @@ import numpy as np
 
 from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.motion import TOLERANCE, described, initial_state, stepping
+from viscorod.analyses.motion import described, initial_state, stepping
 from viscorod.analyses.provenance import provenance
 from viscorod.errors import InputError, SolveError
 from viscorod.mechanics.rotations.quaternion import matrices
@@ -22,6 +22,7 @@ from viscorod.results.run import Run
 from viscorod.solve.history import StationReader
 from viscorod.solve.settings import CoSimulationSettings
 from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.saved_state import SavedTree
 from viscorod.solve.transient.step_control import ErrorControl
 from viscorod.solve.transient.transient_solver import Transient
@@ -76,9 +77,10 @@ class CoSimulation:
                 axis = tuple(float(k == component) for k in range(3))
                 coupled.force(port, axis, time=_entry(wrench, component))
                 coupled.moment(port, axis, time=_entry(wrench, 3 + component))
-        if settings.integrator == "radau" and settings.tolerance is None:
+        usual = INTEGRATORS[settings.integrator].tolerance
+        if settings.tolerance is None and usual is not None:
             # not less for a start near to rest, as in motions: what the ports will do is not known
-            settings = settings.model_copy(update={"tolerance": TOLERANCE})
+            settings = settings.model_copy(update={"tolerance": usual})
         discrete = DiscreteModel.of(coupled, settings, options)
         # results tell of the model as it was given, without the loads at the ports
         own = provenance(model, discrete.options.title, discrete.options.attributes)

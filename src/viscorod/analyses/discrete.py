@@ -114,7 +114,7 @@ class DiscreteModel:
         attributes: dict[str, str],
         options: CallOptions,
     ) -> DiscreteModel:
-        system, supports = FORMULATIONS[formulation](problem), SupportState(problem)
+        system, supports = FORMULATIONS[formulation].make(problem), SupportState(problem)
         static = StaticSolver(system, supports)
         began = time.perf_counter()
         return cls(model, problem, formulation, system, supports, static, attributes, options, began)

@@ -34,7 +34,8 @@ from viscorod.solve.transient.events import (
     Monitor,
     StillStrains,
 )
-from viscorod.solve.transient.integrators import INTEGRATORS, LINEAR_INTEGRATORS, Integrator
+from viscorod.solve.transient.integrators import INTEGRATORS
+from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
 from viscorod.solve.transient.time_step import chosen_time_step
@@ -45,12 +46,10 @@ if TYPE_CHECKING:
 
 __all__ = ["described", "failure", "initial_state", "motion", "stepping"]
 
-TOLERANCE = 1e-4
 PART_OF_MOTION = 1e-3
 """Largest tolerance as a part of the displacement from which a free vibration starts."""
 ROUND_OFF = 1e-9
 """Displacement over the size of the model that is none."""
-SPECTRAL_RADIUS = 0.6
 LEAST_STEPS = 10
 """Steps of a run at least, when steps follow the error."""
 STEPS_PER_PERIOD = 6
@@ -208,20 +207,19 @@ def stepping(
     discrete: DiscreteModel, settings: SimulateSettings, state: State
 ) -> tuple[Integrator, StepControl, dict[str, Any]]:
     """Return integrator, step control and what was chosen, by name."""
+    method = INTEGRATORS[settings.integrator]
     tolerance, duration = settings.tolerance, settings.duration
-    if settings.integrator == "radau" and tolerance is None:
-        tolerance = _chosen_tolerance(discrete, state, duration)
-    make = (LINEAR_INTEGRATORS if settings.dynamics == "linear" else INTEGRATORS)[settings.integrator]
-    given: dict[str, Any] = {}
-    if settings.integrator == "generalized_alpha":
-        radius = settings.spectral_radius
-        given["spectral_radius"] = SPECTRAL_RADIUS if radius is None else radius
+    if tolerance is None and method.tolerance is not None:
+        tolerance = _chosen_tolerance(discrete, state, duration, method.tolerance)
+    make: Any = method.make_linear if settings.dynamics == "linear" else method.make
+    given: dict[str, Any] = dict(method.parameters)
+    given |= {name: getattr(settings, name) for name in given if getattr(settings, name) is not None}
     if tolerance is not None:
         largest = settings.time_step or duration / LEAST_STEPS
         for period in discrete.problem.periods:
             largest = min(largest, period / STEPS_PER_PERIOD)
         integrator = make(discrete.system, discrete.supports, **given, tolerance=tolerance)
-        control: StepControl = ErrorControl(integrator.order, largest, duration)
+        control: StepControl = ErrorControl(integrator.estimate_order, largest, duration)
         return integrator, control, given | {"tolerance": tolerance, "largest_step": largest}
     step = settings.time_step
     if step is None:
@@ -233,17 +231,17 @@ def stepping(
     return make(discrete.system, discrete.supports, **given), FixedSteps(step), given | {"time_step": step}
 
 
-def _chosen_tolerance(discrete: DiscreteModel, state: State, duration: float) -> float:
-    """The usual tolerance, or less where a free vibration starts so near to rest that this would swallow it."""
+def _chosen_tolerance(discrete: DiscreteModel, state: State, duration: float, usual: float) -> float:
+    """Return the usual tolerance, or less where a free vibration starts so near to rest that it would swallow it."""
     problem = discrete.problem
     loads = discrete.static.loads.at(0.0)
     later = any(0.0 < t < duration for t in problem.breakpoints) or problem.periods
     if not loads.none or later or discrete.supports.moving or problem.joints.motions or state.twist.any():
-        return TOLERANCE
+        return usual
     moved = float(np.linalg.norm(state.r - problem.positions, axis=1).max()) / problem.length
     if moved < ROUND_OFF:
-        return TOLERANCE
-    return min(TOLERANCE, max(PART_OF_MOTION * moved, LEAST_TOLERANCE))
+        return usual
+    return min(usual, max(PART_OF_MOTION * moved, LEAST_TOLERANCE))
 
 
 # --- events

@@ -17,22 +17,28 @@ from numba.core import event
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.model import Model
 from viscorod.analyses.motion import motion
-from viscorod.mechanics.compilation.compiled import KERNELS, await_compilation, cache_folder, compile_aside
+from viscorod.mechanics.compilation.compiled import (
+    KERNELS,
+    PURE_PYTHON,
+    await_compilation,
+    cache_folder,
+    compile_aside,
+)
 from viscorod.model.actions.time_function import Ramp
 from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.rod import Rod
 from viscorod.model.sections.section_shapes import Rectangle
 from viscorod.model.sections.stiffness_section import MaxwellBranch, StiffnessSection
 from viscorod.solve.formulations.geometric_system import GeometricSystem
-from viscorod.solve.formulations.registry import FORMULATIONS
+from viscorod.solve.formulations.registry import FORMULATIONS, Formulation
 from viscorod.solve.settings import SimulateSettings
-from viscorod.solve.transient.integrators import INTEGRATORS, Radau
+from viscorod.solve.transient.integrators import INTEGRATORS
+from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.integrators.solved_step import try_step
 
 SIZE = 0.01
 """Length of the rods [m]: small enough to need the scaling of the linear algebra."""
 GEOMETRIC = (("geometric", "full"),)
-RELAXING = (("geometric", "full"), ("intrinsic", "full"))
 SPAN = 1e-5
 """Simulated time [s]; a few steps do."""
 
@@ -63,6 +69,8 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
     Args:
         progress: called with the number of kernels that are ready, as they are compiled.
     """
+    if PURE_PYTHON:
+        return WarmUp(0.0, 0, ())
     begin = time.perf_counter()
     before = _misses()
     with _watched(progress), _unannounced():
@@ -79,8 +87,7 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
         relaxing.modes(1)
         for integrator in INTEGRATORS:
             _simulate(assembly, integrator)
-            formulations = GEOMETRIC if integrator == "generalized_alpha" else RELAXING
-            _simulate(relaxing, integrator, formulations)
+            _simulate(relaxing, integrator, _formulations(integrator, lambda kind: kind.branches))
         await_compilation()
     if progress is not None:
         progress(_ready())  # what the second process compiled was only read here
@@ -92,7 +99,15 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
 def transients(model: Model) -> None:
     """Run every integrator, from the reference shape: that needs no kernels of statics."""
     for integrator in INTEGRATORS:
-        _simulate(model, integrator, GEOMETRIC if integrator == "generalized_alpha" else tuple(FORMULATIONS))
+        _simulate(model, integrator, _formulations(integrator))
+
+
+def _formulations(
+    integrator: str, can: Callable[[Formulation], bool] = lambda _: True
+) -> list[tuple[str, str]]:
+    """Return the formulations, with their dampings, that an integrator takes and that can do something."""
+    taken = INTEGRATORS[integrator].formulations
+    return [(name, damping) for (name, damping), kind in FORMULATIONS.items() if name in taken and can(kind)]
 
 
 def _simulate(model: Model, integrator: str, formulations: Iterable[tuple[str, str]] = GEOMETRIC) -> None:
@@ -184,7 +199,7 @@ def compile_step() -> None:
 def compile_transients() -> None:
     """Compile the kernels of transients, those first that a first run needs and that statics does without."""
     compile_step()
-    FORMULATIONS["unassembled", "full"] = _Unassembled
+    FORMULATIONS["unassembled", "full"] = Formulation(_Unassembled)
     _simulate(soft_model(), "radau", [("unassembled", "full")])
     for integrator in ("radau", "midpoint"):
         _simulate(small_model(), integrator)

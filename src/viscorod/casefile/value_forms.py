@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeAlias
 
 from viscorod.model.connections.motion_words import MOTIONS, VELOCITIES
+from viscorod.solve.transient.integrators import INTEGRATORS
 
 __all__ = ["Form", "form_of", "listed", "of_kind", "quantity"]
 
@@ -140,6 +141,7 @@ FORMS: dict[str, Maker] = {
     "_part": lambda units: quantity(units, **PART),
     "_decrement": lambda units: quantity(units, **POSITIVE),
     "_mode": lambda _: {"anyOf": [{"type": "integer", "minimum": 1, "maximum": 50}, TEXT]},
+    "integrator_name": lambda _: {"enum": list(INTEGRATORS)},
     "_spin": lambda units: {
         "anyOf": [*quantity(units, **POSITIVE)["anyOf"], _triple(units)],
         "x-unit": units[0],

@@ -13,6 +13,9 @@ def warmup() -> None:
     from viscorod.cli.progress import counting
 
     count = len(kernels())
+    if count == 0:
+        typer.echo("nothing to compile: NUMBA_DISABLE_JIT is set, kernels are Python functions")
+        return
     with counting(count, "kernels") as progress:
         done = warm_up(progress)
     folders = ", ".join(map(str, done.folders))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
@@ -26,6 +27,8 @@ from viscorod.model.fields.values import (
     whole_number,
     word,
 )
+from viscorod.solve.formulations.registry import FORMULATIONS, dampings
+from viscorod.solve.transient.integrators import INTEGRATORS, Method, integrators_that
 
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-10, 0.1
 
@@ -38,6 +41,16 @@ __all__ = [
     "SimulateSettings",
     "SteadySettings",
 ]
+
+
+def integrator_name(value: Any) -> str:
+    """`value` as the name of one of the integrators that there are now."""
+    known: Any = one_of(*INTEGRATORS)
+    return str(known.func(value))
+
+
+def _has(parameter: str, method: Method) -> bool:
+    return parameter in method.parameters
 
 
 class SimulateSettings(Definition):
@@ -71,9 +84,7 @@ class SimulateSettings(Definition):
     initial: Annotated[Literal["equilibrium", "reference"], one_of("equilibrium", "reference")] = (
         "equilibrium"
     )
-    integrator: Annotated[
-        Literal["radau", "generalized_alpha", "midpoint"], one_of("radau", "generalized_alpha", "midpoint")
-    ] = "radau"
+    integrator: Annotated[str, PlainValidator(integrator_name)] = "radau"
     spectral_radius: OptionalUnitInterval = None
     output_interval: OptionalPositive = None
     formulation: Annotated[Literal["geometric", "intrinsic"], one_of("geometric", "intrinsic")] = "geometric"
@@ -83,28 +94,38 @@ class SimulateSettings(Definition):
 
     @model_validator(mode="after")
     def _fits_formulation(self) -> Self:
-        if self.formulation == "geometric":
-            for name, wanted in (("damping", "linearised"), ("dynamics", "linear")):
-                if getattr(self, name) == wanted:
-                    raise RefusedError(
-                        "the geometric formulation has full damping and nonlinear dynamics only",
-                        f"add formulation = 'intrinsic', or leave out {name}",
-                        found=show(wanted),
-                        at=(name,),
-                    )
-        elif self.integrator == "generalized_alpha":
+        own, method = dampings(self.formulation), INTEGRATORS[self.integrator]
+        linear = {word: kind for word, kind in own.items() if kind.linear}
+        if self.damping not in own or (self.dynamics == "linear" and not linear):
+            name = "dynamics" if self.damping in own else "damping"
             raise RefusedError(
-                "generalised-alpha integrates the geometric formulation only",
-                "give integrator = 'radau' or 'midpoint', or formulation = 'geometric'",
+                f"the {self.formulation} formulation has {' or '.join(own)} damping"
+                f"{'' if linear else ' and nonlinear dynamics'} only",
+                f"add formulation = 'intrinsic', or leave out {name}",
+                found=show(getattr(self, name)),
+                at=(name,),
+            )
+        if self.formulation not in method.formulations:
+            others = integrators_that(lambda other: self.formulation in other.formulations)
+            raise RefusedError(
+                f"{method.title} integrates the {' and '.join(method.formulations)} formulation only",
+                f"give integrator = {others}, or formulation = {method.formulations[0]!r}",
                 found=show(self.integrator),
                 at=("integrator",),
             )
-        if self.dynamics == "linear" and self.damping == "full":
+        if self.dynamics == "linear" and self.damping not in linear:
             raise RefusedError(
-                "linear dynamics have linearised damping",
-                "add damping = 'linearised', or leave out dynamics",
+                f"linear dynamics have {' or '.join(linear)} damping",
+                f"add damping = {' or '.join(map(repr, linear))}, or leave out dynamics",
                 found=show(self.dynamics),
                 at=("dynamics",),
+            )
+        if self.dynamics == "linear" and method.make_linear is None:
+            raise RefusedError(
+                f"{method.title} integrates nonlinear dynamics only",
+                f"give integrator = {integrators_that(lambda other: other.make_linear)}, or leave out dynamics",
+                found=show(self.integrator),
+                at=("integrator",),
             )
         return self
 
@@ -123,11 +144,13 @@ class SimulateSettings(Definition):
 
     @model_validator(mode="after")
     def _fits_integrator(self) -> Self:
+        method = INTEGRATORS[self.integrator]
         if self.tolerance is not None:
-            if self.integrator == "midpoint":
+            if not method.adaptive:
+                others = integrators_that(lambda other: other.adaptive)
                 raise RefusedError(
-                    "the midpoint rule has equal steps and no error estimate",
-                    "leave it out and give time_step, or take the integrator 'radau' or 'generalized_alpha'",
+                    f"{method.title} has equal steps and no error estimate",
+                    f"leave it out and give time_step, or take the integrator {others}",
                     found=show(self.tolerance),
                     at=("tolerance",),
                 )
@@ -138,13 +161,16 @@ class SimulateSettings(Definition):
                     found=show(self.tolerance),
                     at=("tolerance",),
                 )
-        if self.spectral_radius is not None and self.integrator != "generalized_alpha":
-            raise RefusedError(
-                f"the integrator '{self.integrator}' has no such parameter",
-                "leave it out, or add integrator = 'generalized_alpha'",
-                found=show(self.spectral_radius),
-                at=("spectral_radius",),
-            )
+        for name in sorted({name for other in INTEGRATORS.values() for name in other.parameters}):
+            value = getattr(self, name)
+            if value is not None and name not in method.parameters:
+                others = integrators_that(partial(_has, name))
+                raise RefusedError(
+                    f"the integrator '{self.integrator}' has no such parameter",
+                    f"leave it out, or add integrator = {others}",
+                    found=show(value),
+                    at=(name,),
+                )
         return self
 
 
@@ -286,9 +312,9 @@ class SteadySettings(Definition):
                 found=show(self.about),
                 at=("about",),
             )
-        if self.formulation == "geometric" and self.damping == "linearised":
+        if (self.formulation, self.damping) not in FORMULATIONS:
             raise RefusedError(
-                "the geometric formulation has full damping only",
+                f"the {self.formulation} formulation has {' or '.join(dampings(self.formulation))} damping only",
                 "add formulation = 'intrinsic', or leave out damping",
                 found=show(self.damping),
                 at=("damping",),

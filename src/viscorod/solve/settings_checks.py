@@ -1,4 +1,4 @@
-"""Whether a model can be computed as the settings ask for."""
+"""Check that a model can be computed as the settings ask for."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from viscorod.model.actions.event import Crossing
 from viscorod.model.connections.resolved_places import find
 from viscorod.model.connections.velocity_support import VelocitySupport
 from viscorod.model.fields.definition import RefusedError, show
+from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.settings import SimulateSettings
+from viscorod.solve.transient.integrators import INTEGRATORS, integrators_that
 
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
@@ -45,13 +47,16 @@ def unfit_for_steady(model: ModelDescription) -> Iterator[Fault]:
 
 
 def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
+    method = INTEGRATORS[settings.integrator]
+    formulation = FORMULATIONS[settings.formulation, settings.damping]
     for index, support in enumerate(model.supports):
-        if isinstance(support, VelocitySupport) and settings.integrator == "generalized_alpha":
+        if isinstance(support, VelocitySupport) and not method.velocity_supports:
+            others = integrators_that(lambda other: other.velocity_supports)
             yield Fault(
                 f"supports[{index}].kind",
                 support.label,
-                "generalised-alpha cannot hold velocities along moving axes",
-                "give integrator = 'radau' or 'midpoint', or hold positions by another support",
+                f"{method.title} cannot hold velocities along moving axes",
+                f"give integrator = {others}, or hold positions by another support",
             )
         if settings.dynamics == "linear" and (
             support.motion or (isinstance(support, VelocitySupport) and support.velocity)
@@ -70,15 +75,14 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
         yield from _branches(
             model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("take dynamics = 'nonlinear'")
         )
-    elif settings.formulation == "intrinsic":
-        why, instead = (
-            "the intrinsic formulation has no {}",
-            "leave it out, or take formulation = 'geometric'",
-        )
-        yield from _joints(model, why.format("joints"), instead)
-        yield from _constraints(model, why.format("constrained strains"), instead)
-        if settings.damping == "linearised":
-            why = "linearised damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
+    else:
+        if not formulation.constraints:
+            why = f"the {settings.formulation} formulation has no {{}}"
+            instead = "leave it out, or take formulation = 'geometric'"
+            yield from _joints(model, why.format("joints"), instead)
+            yield from _constraints(model, why.format("constrained strains"), instead)
+        if not formulation.branches:
+            why = f"{settings.damping} damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
             yield from _branches(model, why, "take damping = 'full'")
     for index, event in enumerate(settings.events):
         if isinstance(event, Crossing):

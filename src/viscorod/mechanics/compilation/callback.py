@@ -23,6 +23,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
+from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.typing import Floats
 
 _SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64)
@@ -71,5 +72,10 @@ def _call(_context: Any, address: Any, pointer: Any, number: Any) -> Any:
     return types.void(types.int64, types.voidptr, types.int64), generate
 
 
-_compiled: Any = intrinsic(_call)
+def _call_python(address: int, pointer: Any, number: int) -> None:
+    """Do the same in pure Python."""
+    _SIGNATURE(int(address))(pointer.data, number)
+
+
+_compiled: Any = _call_python if PURE_PYTHON else intrinsic(_call)
 call: Callable[[int, Any, int], None] = _compiled

@@ -1,4 +1,8 @@
-"""Decorators that compile kernels once and cache them on disk: fused multiply-add, else strict floating point."""
+"""Compile kernels: once, cached on disk, with fused multiply-add but otherwise strict floating point.
+
+With ``NUMBA_DISABLE_JIT=1`` nothing is compiled: kernels are the Python functions themselves, some hundred times
+slower, which debuggers and measurements of coverage can follow.
+"""
 
 from __future__ import annotations
 
@@ -33,8 +37,11 @@ _CONSTRUCTORS = {"empty", "zeros", "dot"}
 _njit: Any = numba.njit
 _config: Any = numba.config
 
+PURE_PYTHON = bool(_config.DISABLE_JIT)
+"""Whether kernels stay the Python functions that they are."""
+
 KERNELS: list[Any] = []
-"""All kernels that have been imported, as Numba's dispatchers."""
+"""All kernels that have been imported, as Numba's dispatchers; none in pure Python."""
 
 
 @functools.lru_cache
@@ -76,6 +83,8 @@ def part(function: Kernel) -> Kernel:
 
     It must not return arrays.
     """
+    if PURE_PYTHON:
+        return function
     compiled: Any = _njit(
         error_model="numpy",
         fastmath={"contract", "nsz"},
@@ -94,6 +103,8 @@ def kernel(function: Kernel) -> Kernel:
     Copy rows entry by entry: one assignment of an array to a slice compiles, for the message of its error, two to
     three seconds of text formatting.
     """
+    if PURE_PYTHON:
+        return function
     folder, given = cache_folder(), _config.CACHE_DIR
     _config.CACHE_DIR = given if folder is None else str(folder)
     compiled: Any = _njit(
@@ -121,6 +132,8 @@ def on_disk(compiled: Any) -> bool:
 
 def lane_kernel(function: Kernel) -> Kernel:
     """Compile ``function`` into its callers only: loops over lanes vectorise where row lengths are constants."""
+    if PURE_PYTHON:
+        return function
     compiled = _njit(
         error_model="numpy",
         fastmath={"contract", "nsz"},
@@ -133,17 +146,22 @@ def lane_kernel(function: Kernel) -> Kernel:
     return cast(Kernel, compiled)
 
 
+def _uncompiled(compiled: Any) -> bool:
+    """Whether machine code of a kernel is neither in memory nor on disk yet."""
+    return not PURE_PYTHON and not compiled.signatures and not on_disk(compiled)
+
+
 def announce_formulation(first: Any) -> None:
-    """Warn if an optional kernel, ``first``, still has to be compiled."""
-    if not first.signatures and not on_disk(first):
+    """Warn if ``first``, a kernel that only some runs need, still has to be compiled."""
+    if _uncompiled(first):
         logging.getLogger("viscorod").warning(
             "viscorod: compiling the kernels that this kind of model needs, once, for about a quarter of a minute"
         )
 
 
 def announce_compilation(largest: Any) -> None:
-    """Warn if the kernel ``largest`` still has to be compiled, and start a second process that helps."""
-    if not largest.signatures and not on_disk(largest):
+    """Warn if the kernel ``largest`` still has to be compiled, and get help."""
+    if _uncompiled(largest):
         logging.getLogger("viscorod").warning(
             "viscorod: compiling its kernels, once, for about half a minute; later runs start at once "
             "(viscorod warmup compiles all of them)"

@@ -1,18 +1,46 @@
-"""Formulations by name. A new one implements ``System`` and adds a line here."""
+"""Formulations by name, and what each of them can do. A new one implements ``System`` and adds a line here."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
 
-from viscorod.solve.formulations.geometric_system import GeometricSystem
-from viscorod.solve.formulations.intrinsic_system import IntrinsicSystem
-from viscorod.solve.formulations.system import System
-from viscorod.solve.problem.problem import Problem
+from viscorod.solve.deferred import deferred
 
-FORMULATIONS: dict[tuple[str, str], Callable[[Problem], System]] = {
-    ("geometric", "full"): GeometricSystem,
-    ("intrinsic", "full"): IntrinsicSystem,
-    ("intrinsic", "linearised"): partial(IntrinsicSystem, linearised=True),
+if TYPE_CHECKING:
+    from viscorod.solve.formulations.system import System
+    from viscorod.solve.problem.problem import Problem
+
+
+class Formulation(NamedTuple):
+    """What a formulation with one kind of damping can do.
+
+    Attributes:
+        make: returns the :class:`~viscorod.solve.formulations.system.System` of a discretised model.
+        constraints: it has joints and constrained strains.
+        branches: it has Maxwell branches.
+        linear: it has linear dynamics.
+    """
+
+    make: Callable[[Problem], System]
+    constraints: bool = True
+    branches: bool = True
+    linear: bool = False
+
+
+_INTRINSIC = deferred("formulations.intrinsic_system:IntrinsicSystem")
+
+FORMULATIONS: dict[tuple[str, str], Formulation] = {
+    ("geometric", "full"): Formulation(deferred("formulations.geometric_system:GeometricSystem")),
+    ("intrinsic", "full"): Formulation(_INTRINSIC, constraints=False),
+    ("intrinsic", "linearised"): Formulation(
+        partial(_INTRINSIC, linearised=True), constraints=False, branches=False, linear=True
+    ),
 }
 """By formulation and damping."""
+
+
+def dampings(formulation: str) -> dict[str, Formulation]:
+    """Return the kinds of damping of a formulation."""
+    return {damping: kind for (name, damping), kind in FORMULATIONS.items() if name == formulation}

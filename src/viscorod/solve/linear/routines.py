@@ -6,6 +6,7 @@ they start at: ``getrf(a, (size, size, a, size, pivots, result))``. Integers are
 
 from __future__ import annotations
 
+import ctypes
 from typing import Any
 
 import llvmlite.binding
@@ -15,6 +16,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import get_cython_function_address, intrinsic
 
+from viscorod.mechanics.compilation.compiled import PURE_PYTHON
+
 LETTERS = np.array([0x01010101 * ord(letter) for letter in "NLUR"], dtype=np.int32)
 """LAPACK's letters: no transposed matrix or no unit diagonal, lower or left, upper or unit diagonal, right."""
 
@@ -22,8 +25,16 @@ _insert: Any = cgutils.get_or_insert_function
 
 
 def _routine(module: str, name: str) -> Any:
-    for kind in "dz":
-        address = get_cython_function_address(f"scipy.linalg.{module}", kind + name)
+    addresses = {kind: get_cython_function_address(f"scipy.linalg.{module}", kind + name) for kind in "dz"}
+    if PURE_PYTHON:
+
+        def call_python(like: Any, arrays: Any) -> None:
+            kind = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * len(arrays))
+            kind(addresses["z" if like.dtype == complex else "d"])(*(array.ctypes.data for array in arrays))
+
+        return call_python
+
+    for kind, address in addresses.items():
         llvmlite.binding.add_symbol(f"viscorod_{kind}{name}", address)
 
     @intrinsic

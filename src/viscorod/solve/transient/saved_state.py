@@ -70,13 +70,18 @@ def _saved(value: Any, seen: set[int]) -> SavedTree:
         if id(value) in seen:
             return _LEFT_OUT
         seen.add(id(value))
+    if isinstance(value, dict):
+        items = [[_saved(part, seen) for part in entry] for entry in value.items()]
+        if any(part is _LEFT_OUT for entry in items for part in entry):
+            return _LEFT_OUT
+        return {"kind": "dict", "items": items}
     if isinstance(value, list | deque) or (isinstance(value, tuple) and not hasattr(value, "_fields")):
         items = [_saved(item, seen) for item in value]
         if any(item is _LEFT_OUT for item in items):
             return _LEFT_OUT
         return {"kind": "sequence", "type": name, "items": items}
     fields = value._asdict() if hasattr(value, "_asdict") else getattr(value, "__dict__", None)
-    if fields is None or isinstance(value, dict):
+    if fields is None:
         return _LEFT_OUT
     content = {key: _saved(item, seen) for key, item in fields.items()}
     return {
@@ -103,6 +108,13 @@ def _restored(value: Any, tree: SavedTree) -> Any:
         return tree
     if tree["kind"] == "complex":
         return complex(*tree["parts"])
+    if tree["kind"] == "dict":
+        known = value if isinstance(value, dict) else {}
+        entries = [(_restored(None, key), item) for key, item in tree["items"]]
+        items = {key: _restored(known.get(key), item) for key, item in entries}
+        known.clear()
+        known.update(items)
+        return known
     if tree["kind"] == "sequence":
         return _sequence(value, tree)
     if tree["type"] in MADE:  # others may hold the one that is there

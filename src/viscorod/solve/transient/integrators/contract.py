@@ -67,8 +67,8 @@ class Integrator(Protocol):
 
     ``drift`` is how far joints and held strains were from what they hold: the largest gap of positions over the length
     of the model (or in rad, or strain) and of velocities over the fastest one, so far; zeros without any.
-    ``order`` is that of the error estimate: it grows as the power ``order + 1`` of the step. ``records`` is the number
-    of states per step that draw the motion smoothly.
+    ``estimate_order`` is that of the error estimate, if there is one: it grows as the power ``estimate_order + 1`` of
+    the step. ``records`` is the number of states per step that draw the motion smoothly.
     """
 
     t: float
@@ -82,7 +82,7 @@ class Integrator(Protocol):
     jacobians: int
 
     @property
-    def order(self) -> int:
+    def estimate_order(self) -> int:
         """Order of the error estimate."""
 
     @property

@@ -88,7 +88,7 @@ class GeneralizedAlpha:
         iterations: allowed Newton iterations per step.
     """
 
-    order = 2
+    estimate_order = 2
     records = 1
 
     def __init__(

@@ -37,8 +37,7 @@ class LinearMotion:
     step_factor = 2.0
     """Error that a step may have by its estimate, over the tolerance, as for nonlinear motions."""
 
-    order = 3
-    """Of the error estimate."""
+    estimate_order = 3
 
     drift = 0.0, 0.0
     """There are no joints in linear motions."""

@@ -24,7 +24,7 @@ class Midpoint(Collocation):
         newton_tolerance: error left by the iteration (displacement over model length, rotation in rad).
     """
 
-    order = 2
+    estimate_order = 2
     records = 1
     oldest = 8
     """Steps with one Jacobian, where there are constraints.

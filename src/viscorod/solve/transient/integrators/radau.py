@@ -34,7 +34,7 @@ class Radau(Collocation):
     newton_factor, newton_power = 3e-3, 1.25
     """Error left by the iteration is ``factor tolerance^power``: it changes velocities, which free motion adds up."""
 
-    order = 3
+    estimate_order = 3
     """Of the estimate; the method itself is of order 5."""
 
     largest_turn = 2.0
@@ -50,7 +50,7 @@ class Radau(Collocation):
     def _judge(self, error: float, unknown: int) -> tuple[float, int]:
         self._turn, turning = largest_turn(self.stages.X[self._last])
         error /= self.step_tolerance
-        too_far = (self._turn / self.largest_turn) ** (self.order + 1)
+        too_far = (self._turn / self.largest_turn) ** (self.estimate_order + 1)
         return (too_far, 6 * turning + 3) if too_far > error else (error, unknown)
 
     @property
