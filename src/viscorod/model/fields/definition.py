@@ -7,8 +7,10 @@ same classes serve the Python API (``Rectangle(0.01, 0.02)``) and the case files
 from __future__ import annotations
 
 import difflib
+import inspect
 import re
 import reprlib
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, ClassVar, TypeVar, dataclass_transform
@@ -16,6 +18,7 @@ from typing import Any, ClassVar, TypeVar, dataclass_transform
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from viscorod.errors import Fault, InputError
+from viscorod.model.fields.metadata import Key, accepted, expected, meaning
 
 __all__ = [
     "Definition",
@@ -39,6 +42,8 @@ _SHORT = reprlib.Repr()
 _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 60, 60, 30
 _SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = 8
 _LONGEST, _MOST = 160, 12
+
+_ARGUMENT = textwrap.TextWrapper(100, " " * 4, " " * 8, break_long_words=False, break_on_hyphens=False)
 
 
 class RefusedError(InputError):
@@ -78,7 +83,7 @@ def base_init(function: F) -> F:
     return function
 
 
-@dataclass_transform(kw_only_default=False, field_specifiers=(Field,))
+@dataclass_transform(kw_only_default=False, field_specifiers=(Field, Key))
 class Definition(BaseModel):
     """Base class of the user's objects: immutable; unknown keys refused; errors are `InputError`.
 
@@ -89,6 +94,17 @@ class Definition(BaseModel):
 
     #: The field that tells the kind of an object in a case file (``shape`` or ``kind``); always written out.
     tag: ClassVar[str | None] = None
+
+    #: Fields that the class inherits and refuses to fill: its users need not know of them.
+    unused: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        """Add the arguments to the docstring of the class, from the descriptions and units of its fields."""
+        super().__pydantic_init_subclass__(**kwargs)
+        lines = _arguments(cls)
+        if lines and cls.__doc__:
+            cls.__doc__ = "\n".join([inspect.cleandoc(cls.__doc__), "", "Args:", *lines])
 
     @base_init
     def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -123,8 +139,8 @@ class Definition(BaseModel):
                 marked[str(key)] = _unknown(cls, str(key), data)
         for name, field in cls.model_fields.items():
             if field.is_required() and name not in data:
-                what = f" ({field.description})" if field.description else ""
-                marked[name] = FaultyValue(None, "this key is required and missing", f"add {name}{what}")
+                what = f"add {name} ({expected(field)})"
+                marked[name] = FaultyValue(None, "this key is required and missing", what)
         return marked
 
     def to_dict(self) -> dict[str, Any]:
@@ -137,6 +153,19 @@ class Definition(BaseModel):
             ):
                 plain[name] = plain_value(value)
         return plain
+
+
+def _arguments(cls: type[Definition]) -> list[str]:
+    """Lines of a docstring about the fields of a class, those given by position first."""
+    lines: list[str] = []
+    for name, field in sorted(cls.model_fields.items(), key=lambda item: item[1].kw_only is True):
+        check, text = accepted(field), meaning(field)
+        if not text or name == cls.tag or name in cls.unused:
+            continue
+        python = f", {check.python} (in Python only)" if check and check.python else ""
+        text = f"{name}: {text}{python}{'; by name only' if field.kw_only else ''}."
+        lines += _ARGUMENT.wrap(text)
+    return lines
 
 
 def plain_value(value: Any) -> Any:

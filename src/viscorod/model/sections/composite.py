@@ -7,10 +7,12 @@ from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainValidator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from viscorod.model.fields.definition import Definition, RefusedError, inside, show
-from viscorod.model.fields.values import Number, choose, optional, pair, sequence
+from viscorod.model.fields.forms import listed, named_or, of_kind
+from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts, optional
+from viscorod.model.fields.values import Number, choose, pair, sequence
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.meshed_section import (
     Axes,
@@ -49,6 +51,7 @@ SIMPLE: dict[str, type[Definition]] = {
 """The sections that can be a region of a composite one."""
 
 
+@accepts(named_or("material"), "name of a material in quotes, or a table")
 def _material(value: Any) -> Material:
     material = value if isinstance(value, Material) else Material.model_validate(value)
     if material.pending:
@@ -61,24 +64,32 @@ def _material(value: Any) -> Material:
     return material
 
 
+_simple_section = choose(
+    "shape", SIMPLE, form=named_or("section"), words="name of a section in quotes, or a table with `shape`"
+)
+
+
 class CompositeRegion(Definition):
-    """A part of a composite section, of one material: a polygon or a simple shape, at its place.
+    """A part of a composite section, of one material: a polygon or a simple shape, at its place."""
 
-    Args:
-        material: of the region.
-        section: a circle, annulus, rectangle, ellipse or square tube; or `points`.
-        points: corners of a polygon in order, once around, [along d1, along d2]; m; or `section`.
-        holes: of the polygon, each a list of corners; m.
-        at: where the centre of the section, or the origin of the points, lies in the whole section; m.
-        angle: by which the region is turned about that point, from d1 towards d2; rad.
-    """
-
-    material: Annotated[Material, PlainValidator(_material)] = Field(description="of the region")
-    section: Annotated[AnySection | None, PlainValidator(optional(choose("shape", SIMPLE)))] = None
-    points: Annotated[Sequence[Sequence[float]] | None, PlainValidator(optional(corners))] = None
-    holes: Holes = ()
-    at: Annotated[Sequence[float], PlainValidator(pair)] = (0.0, 0.0)
-    angle: Number = 0.0
+    material: Annotated[Material, _material] = Key("of the region")
+    section: Annotated[AnySection | None, optional(_simple_section)] = Key(
+        "a circle, annulus, rectangle, ellipse or square tube; or `points`", default=None
+    )
+    points: Annotated[Sequence[Sequence[float]] | None, optional(corners)] = Key(
+        "corners of a polygon in order, once around, [along d1, along d2]; {}; or `section`",
+        "m",
+        default=None,
+    )
+    holes: Holes = Key("of the polygon, each a list of corners; {}", "m", default=())
+    at: Annotated[Sequence[float], pair] = Key(
+        "where the centre of the section, or the origin of the points, lies in the whole section; {}",
+        "m",
+        default=(0.0, 0.0),
+    )
+    angle: Number = Key(
+        "by which the region is turned about that point, from d1 towards d2; {}", "rad", default=0.0
+    )
 
     @model_validator(mode="after")
     def _one_outline(self) -> Self:
@@ -129,24 +140,32 @@ class Composite(AnySection):
     shear and torsion. In extension, bending and torsion this is the first order of the section's complex stiffness
     in the frequency, since the elastic energy is stationary in the warping; the shear of flexure keeps the
     distribution of the elastic section. Maxwell branches are taken in the same way.
-
-    Args:
-        regions: the parts, which share edges and do not overlap.
-        origin: where the centre line goes through: "centroid" (the tension centre, weighted by Young's modulus),
-            "shear_centre", or "given" (the point [0, 0]).
-        axes: "given", or "principal": d1 and d2 turned into the principal axes of bending, d1 the nearer to the first.
-        mesh_size: side of the largest triangles, m; None refines until the stiffnesses stay within 0.2 %.
     """
 
     no_material: ClassVar[str | None] = "the regions of a composite section have their own materials"
     can_taper: ClassVar[bool] = False
     shape: Literal["composite"] = Field(default="composite", kw_only=True, repr=False)
-    regions: Annotated[Sequence[CompositeRegion], BeforeValidator(_some_regions)] = Field(
-        description="list of tables"
+    regions: Annotated[
+        Sequence[CompositeRegion],
+        BeforeValidator(_some_regions),
+        Accepts(listed(of_kind("sections.region"), 1), TABLES),
+    ] = Key("the parts, which share edges and do not overlap")
+    origin: Origin = Key(
+        'where the centre line goes through: "centroid" (the tension centre, weighted by Young\'s '
+        'modulus), "shear_centre", or "given" (the point [0, 0])',
+        default="centroid",
     )
-    origin: Origin = "centroid"
-    axes: Axes = "given"
-    mesh_size: MeshSize = None
+    axes: Axes = Key(
+        '"given", or "principal": d1 and d2 turned into the principal axes of bending, d1 the nearer '
+        "to the first",
+        default="given",
+    )
+    mesh_size: MeshSize = Key(
+        "side of the largest triangles, {}; left out, they are refined until the stiffnesses stay "
+        "within 0.2 %",
+        "m",
+        default=None,
+    )
 
     @model_validator(mode="after")
     def _usable(self) -> Self:

@@ -19,10 +19,10 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from pydantic import BeforeValidator
 
 from viscorod.model.fields.definition import show
-from viscorod.model.fields.values import one_of, optional, positive
+from viscorod.model.fields.metadata import optional
+from viscorod.model.fields.values import one_of, positive
 from viscorod.model.sections.polygons import Polygon
 from viscorod.model.sections.saint_venant import SectionAnalysis
 from viscorod.typing import Floats
@@ -31,7 +31,7 @@ __all__ = ["Axes", "MeshSize", "Origin", "Parts", "SectionPoints", "meshed_remar
 
 Origin = Annotated[str, one_of("centroid", "shear_centre", "given")]
 Axes = Annotated[str, one_of("given", "principal")]
-MeshSize = Annotated[float | None, BeforeValidator(optional(positive))]
+MeshSize = Annotated[float | None, optional(positive)]
 
 
 @dataclass(frozen=True)
