@@ -11,7 +11,7 @@ from viscorod.casefile import case_reader as schema
 from viscorod.casefile.json_schema import GROUPS, PARTS, fields_of, is_required
 from viscorod.model.fields.metadata import accepted, meaning
 from viscorod.model.rod import Rod
-from viscorod.model.sections.section_profile import SECTION
+from viscorod.model.sections.section_base import SECTION
 
 FILE = {
     "title": ("text", "name of the file", "heading of reports and pictures"),
@@ -39,7 +39,7 @@ ROD = {
 
 
 def default(field):
-    """The default of a key as it would stand in a file."""
+    """Return the default of a key as it would stand in a file."""
     if is_required(field):
         return "required"
     value = field.default
@@ -53,7 +53,7 @@ def default(field):
 
 
 def keys(kind):
-    """Rows (key, allowed values, default, meaning) of a class: its kind, what it requires, what it may have."""
+    """Yield rows (key, allowed values, default, meaning) of a class: its kind, what it requires, what it may have."""
     fields = fields_of(kind).items()
     for name, field in sorted(fields, key=lambda pair: (pair[0] != kind.tag, not pair[1].is_required())):
         if name == kind.tag:
@@ -65,7 +65,7 @@ def keys(kind):
 
 
 def part_rows(part):
-    """Rows of a part of the case file."""
+    """Return the rows of a part of the case file."""
     if part == "file":
         rows, expected = [(key, *texts) for key, texts in FILE.items()], schema.KEYS
     elif part == "rods":

@@ -103,7 +103,7 @@ FILE = {
 
 @cache
 def forms() -> Form:
-    """The schema as every reading of a case shares it: not to be changed."""
+    """Return the schema as every reading of a case shares it: not to be changed."""
     definitions: Form = {
         "quantity": {
             "type": "string",
@@ -151,12 +151,12 @@ def forms() -> Form:
 
 
 def case_schema() -> Form:
-    """The JSON Schema of a case file (draft 7): every key with its form, unit (``x-unit``), default and meaning."""
+    """Return the JSON Schema of a case file (draft 7): each key with form, unit (``x-unit``), default and meaning."""
     return copy.deepcopy(forms())
 
 
 def _table(kind: type[Definition], standard: bool = False) -> Form:
-    """The form of the table that describes an object of the class; `standard` if its word may be left out."""
+    """Return the form of the table that describes an object; `standard` if the word of its kind may be left out."""
     fields = fields_of(kind)
     required = [
         name for name, field in fields.items() if (not standard if name == kind.tag else is_required(field))
@@ -170,7 +170,7 @@ def _table(kind: type[Definition], standard: bool = False) -> Form:
 
 
 def _key(kind: type[Definition], name: str) -> Form:
-    """The form of one key of a class, with meaning and default."""
+    """Return the form of one key of a class, with meaning and default."""
     field = kind.model_fields[name]
     if name == kind.tag:
         return {"const": field.default, "description": "tells the kind"}
@@ -188,7 +188,7 @@ def _key(kind: type[Definition], name: str) -> Form:
 
 
 def _rod(kind: type[Definition]) -> Form:
-    """The form of a rod's table: keys of its centre line, section, material and mesh."""
+    """Return the form of a rod's table: keys of its centre line, section, material and mesh."""
     section = {"anyOf": [NAME, of_kind("section")]}
     special: Form = {
         "section": section | {"description": "the section of the whole rod"},

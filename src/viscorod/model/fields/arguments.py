@@ -1,4 +1,4 @@
-"""What the methods of a model are given."""
+"""Argument types of the methods of a model."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from viscorod.model.actions.time_function import TimeFunction
 __all__ = ["Motion", "Time", "Vector", "given"]
 
 Time: TypeAlias = TimeFunction | Callable[[float], float] | float | None
-"""What can be given as a function of time: one of the kinds, a Python function, a number."""
+"""A function of time: one of the kinds, a Python function, or a number."""
 Motion: TypeAlias = Mapping[str, TimeFunction | Callable[[float], float] | float]
 Vector: TypeAlias = Sequence[float]
 
 
 def given(**arguments: Any) -> dict[str, Any]:
-    """The arguments that are not None."""
+    """Return the arguments that are not None."""
     return {name: value for name, value in arguments.items() if value is not None}

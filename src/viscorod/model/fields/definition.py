@@ -24,9 +24,9 @@ __all__ = [
     "Definition",
     "FaultyValue",
     "RefusedError",
+    "at_key",
     "base_init",
     "did_you_mean",
-    "inside",
     "nearest",
     "path_text",
     "plain_value",
@@ -62,16 +62,16 @@ class RefusedError(InputError):
 class FaultyValue:
     """Stands in for a value that is known to be wrong (a misspelt or missing key, an unknown name).
 
-    Whatever the validators say of it, the problem reported is the one told here; `replaces` names the
-    missing key that a misspelt one explains; `silent` leaves the problem out because it has been told
+    Whatever the validators say of it, the problem reported is the one given here; `replaces` names the
+    missing key that a misspelt one explains; `reported` leaves the problem out because it has been reported
     elsewhere.
     """
 
     def __init__(
-        self, value: Any, why: str = "", instead: str = "", *, replaces: str = "", silent: bool = False
+        self, value: Any, why: str = "", instead: str = "", *, replaces: str = "", reported: bool = False
     ) -> None:
         self.value, self.why, self.instead = value, why, instead
-        self.replaces, self.silent = replaces, silent
+        self.replaces, self.reported = replaces, reported
 
     def __repr__(self) -> str:
         return repr(self.value)
@@ -92,7 +92,7 @@ class Definition(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
 
-    #: The field that tells the kind of an object in a case file (``shape`` or ``kind``); always written out.
+    #: The field that names the kind of an object in a case file (``shape`` or ``kind``); always written out.
     tag: ClassVar[str | None] = None
 
     #: Fields that the class inherits and refuses to fill: its users need not know of them.
@@ -116,7 +116,7 @@ class Definition(BaseModel):
             raise InputError(p.within(cls.__name__) for p in problems_from(error)) from None
 
     def __eq__(self, other: object) -> bool:
-        """Whether both are of one class and were given the same; what they have worked out since does not count."""
+        """Say whether both are of one class and were given the same; what they have worked out does not count."""
         if not isinstance(other, Definition):
             return NotImplemented
         if type(self) is not type(other) or self.__pydantic_private__ != other.__pydantic_private__:
@@ -144,7 +144,7 @@ class Definition(BaseModel):
         return marked
 
     def to_dict(self) -> dict[str, Any]:
-        """The object as plain data in the words of the case file; defaults left out."""
+        """Return the object as plain data in the words of the case file; defaults left out."""
         plain: dict[str, Any] = {}
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
@@ -156,7 +156,7 @@ class Definition(BaseModel):
 
 
 def _arguments(cls: type[Definition]) -> list[str]:
-    """Lines of a docstring about the fields of a class, those given by position first."""
+    """Return lines of a docstring about the fields of a class, those given by position first."""
     lines: list[str] = []
     for name, field in sorted(cls.model_fields.items(), key=lambda item: item[1].kw_only is True):
         check, text = accepted(field), meaning(field)
@@ -169,7 +169,7 @@ def _arguments(cls: type[Definition]) -> list[str]:
 
 
 def plain_value(value: Any) -> Any:
-    """`value` with tuples as lists, described objects as dicts and functions as a note."""
+    """Return `value` with tuples as lists, described objects as dicts and functions as a note."""
     if isinstance(value, Definition):
         return value.to_dict()
     if isinstance(value, Mapping):
@@ -182,27 +182,27 @@ def plain_value(value: Any) -> Any:
 
 
 def nearest(word: str, allowed: Iterable[str]) -> str | None:
-    """The allowed word that looks most like `word`, or None when none does."""
+    """Find the allowed word that looks most like `word`; None when none does."""
     words = list(allowed)
     close = difflib.get_close_matches(word.lower(), [w.lower() for w in words], n=1, cutoff=0.6)
     return next((w for w in words if w.lower() == close[0]), None) if close else None
 
 
 def did_you_mean(word: Any, allowed: Iterable[str], text: Callable[[str], str] = repr) -> str:
-    """The beginning of an advice that names the nearest of the allowed words as `text`; empty without one."""
+    """Return the beginning of an advice, with the nearest of the allowed words as `text`; empty without one."""
     close = nearest(word, allowed) if isinstance(word, str) else None
     return f"did you mean {text(close)}? " if close else ""
 
 
 def some_of(names: Iterable[str]) -> str:
-    """The names that a user gave, for a message: those after the first twelve are counted only."""
+    """Return the names that a user gave, for a message: those after the first twelve are only counted."""
     words = list(names)
     rest = len(words) - _MOST
     return ", ".join(words[:_MOST]) + (f" and {rest} more" if rest > 0 else "")
 
 
 def show(value: Any) -> str:
-    """`value` as short text for a message."""
+    """Return `value` as short text for a message."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, int) and value.bit_length() > 1000:
@@ -217,20 +217,20 @@ def show(value: Any) -> str:
 
 
 @contextmanager
-def inside(key: str | int, value: Any) -> Iterator[None]:
-    """What refuses `value`, which stands under `key`, is told with the key before its path."""
+def at_key(key: str | int, value: Any) -> Iterator[None]:
+    """Prefix the paths of errors about `value` with its `key`."""
     try:
         yield
     except RefusedError as error:
         found = show(value) if error.found is None else error.found
         raise RefusedError(error.why, error.instead, found=found, at=(key, *error.at)) from None
     except (ValidationError, InputError) as error:
-        told = problems_of(error, value)
-        raise InputError(problem.within(path_text((key,))) for problem in told) from None
+        problems = problems_of(error, value)
+        raise InputError(problem.within(path_text((key,))) for problem in problems) from None
 
 
 def problems_from(error: ValidationError) -> list[Fault]:
-    """Pydantic's errors in the user's words; the missing key that a misspelt one explains is left out."""
+    """Put Pydantic's errors in the user's words; the missing key that a misspelt one explains is left out."""
     details = error.errors(include_url=False)
     explained = {
         (*item["loc"][:-1], item["input"].replaces)
@@ -242,7 +242,7 @@ def problems_from(error: ValidationError) -> list[Fault]:
         value, loc = item["input"], item["loc"]
         cause = item.get("ctx", {}).get("error")
         if isinstance(value, FaultyValue) and (
-            value.silent or (item["type"] != "extra_forbidden" and loc in explained)
+            value.reported or (item["type"] != "extra_forbidden" and loc in explained)
         ):
             continue
         if isinstance(cause, InputError) and not isinstance(cause, RefusedError):
@@ -253,18 +253,18 @@ def problems_from(error: ValidationError) -> list[Fault]:
 
 
 def problems_of(error: ValidationError | InputError, value: Any) -> list[Fault]:
-    """The problems that a parser raised when it was given `value`, in the user's words."""
+    """Return the problems that a parser raised when it was given `value`, in the user's words."""
     if isinstance(error, ValidationError):
         return problems_from(error)
     if isinstance(value, FaultyValue):
-        return [] if value.silent else [_problem("", (), value, "", None)]
+        return [] if value.reported else [_problem("", (), value, "", None)]
     if isinstance(error, RefusedError):
         return [_problem("", (), value, "", error)]
     return list(error.problems)
 
 
 def path_text(loc: Iterable[str | int]) -> str:
-    """A key path as text: ``("loads", 0, "value")`` -> ``loads[0].value``."""
+    """Return a key path as text: ``("loads", 0, "value")`` -> ``loads[0].value``."""
     text = ""
     for part in loc:
         if isinstance(part, int):
@@ -301,7 +301,7 @@ def _keys(cls: type[Definition]) -> str:
 
 
 def _bind(cls: type[Definition], args: tuple[Any, ...], kwargs: dict[str, Any]) -> dict[str, Any]:
-    """Positional arguments by the names of the fields, in their order."""
+    """Name positional arguments by the fields, in their order."""
     if not args:
         return kwargs
     names = [name for name, field in cls.model_fields.items() if not field.kw_only]

@@ -19,7 +19,7 @@ Pair: TypeAlias = tuple[Triple, Triple]
 
 @accepts(listed(TRIPLE, 2, 2), "2 perpendicular directions, 3 numbers each")
 def two_directions(value: Any) -> Pair:
-    """`value` as two perpendicular unit vectors, global components."""
+    """Return `value` as two perpendicular unit vectors, global components."""
     items = sequence(value)
     if len(items) != 2:
         raise RefusedError("two directions are needed here", "give [[x, y, z], [x, y, z]], perpendicular")
@@ -35,7 +35,7 @@ def two_directions(value: Any) -> Pair:
 
 @accepts(listed(TRIPLE, 2, 3), "2 perpendicular directions, 3 numbers each")
 def axes_of(value: Any) -> Pair:
-    """`value`, two or three perpendicular directions, as the first two; the third must be x cross y."""
+    """Return the first two of two or three perpendicular directions; the third must be x cross y."""
     items = sequence(value)
     if len(items) != 3:
         return two_directions(items)
@@ -51,12 +51,12 @@ def axes_of(value: Any) -> Pair:
 
 
 def columns(pair: Pair | None) -> Floats:
-    """Right-handed axes (3, 3), columns, with the two directions as x and y; the global ones for None."""
+    """Return right-handed axes (3, 3), columns, with the two directions as x and y; the global ones for None."""
     return np.eye(3) if pair is None else np.column_stack([*pair, np.cross(*pair)])
 
 
 def axes_from(first: Triple) -> Floats:
-    """Right-handed axes (3, 3), columns, with the unit vector `first` as x."""
+    """Return right-handed axes (3, 3), columns, with the unit vector `first` as x."""
     x = np.array(first)
     y = np.eye(3)[np.argmin(np.abs(x))]
     y = y - (y @ x) * x

@@ -1,6 +1,6 @@
 """Forms of values as JSON Schema, and the form of a field with its units.
 
-The numbers of a form say which unit of their field is theirs: the first, unless told otherwise. In a schema ``x-unit``
+The numbers of a form say which unit of their field is theirs: the first unless stated otherwise. In a schema ``x-unit``
 is the SI unit of a number: "*" is that of the quantity which a function of time stands for. ``x-unit-by`` picks it by
 another key of the same table.
 """
@@ -77,7 +77,7 @@ def of_kind(name: str) -> Form:
 
 
 def named_or(name: str) -> Form:
-    """Return the form of what is told by its name or by its table."""
+    """Return the form of what is given by its name or by its table."""
     return {"anyOf": [NAME, of_kind(name)]}
 
 

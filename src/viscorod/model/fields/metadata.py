@@ -1,4 +1,4 @@
-"""What stands beside the type of a field: the check of its values with their form, its text, and its units.
+"""Metadata of fields: the check of the values with their form, what the field means, and its units.
 
     width: Positive = Key("along d1", "m")
 

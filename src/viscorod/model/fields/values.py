@@ -13,7 +13,7 @@ from typing import Annotated, Any, TypeAlias, TypeVar
 import numpy as np
 
 from viscorod.errors import Fault, InputError
-from viscorod.model.fields.definition import Definition, RefusedError, did_you_mean, inside, show
+from viscorod.model.fields.definition import Definition, RefusedError, at_key, did_you_mean, show
 from viscorod.model.fields.forms import NAME, POSITIVE, TEXT, Form, listed, quantity
 from viscorod.model.fields.metadata import Check, accepts, optional
 
@@ -35,7 +35,7 @@ TRIPLE = listed(quantity(), 3, 3)
 
 @accepts(quantity(), "number")
 def number(value: Any) -> float:
-    """`value` as a finite float."""
+    """Return `value` as a finite float."""
     if isinstance(value, np.ndarray) and value.ndim == 0:  # what SciPy's interpolants return for one time
         value = value[()]
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
@@ -73,7 +73,7 @@ def bounded(allowed: str, **bounds: float) -> Check[float]:
 
 @accepts(quantity(bounds=POSITIVE), "number > 0")
 def positive(value: Any) -> float:
-    """`value` as a float > 0 that is not absurdly small."""
+    """Return `value` as a float > 0 that is not absurdly small."""
     converted = number(value)
     if converted <= 0.0:
         raise RefusedError("outside what is allowed", "give a number > 0")
@@ -83,7 +83,7 @@ def positive(value: Any) -> float:
 
 
 def whole_number(low: int, high: int) -> Check[int]:
-    """A check for whole numbers from `low` to `high`."""
+    """Return a check for whole numbers from `low` to `high`."""
 
     @accepts({"type": "integer", "minimum": low, "maximum": high}, f"whole number, {low} to {high}")
     def check(value: Any) -> int:
@@ -95,7 +95,7 @@ def whole_number(low: int, high: int) -> Check[int]:
 
 
 def numbers(value: Any, *, count: int | None = None, at_least: int = 1) -> tuple[float, ...]:
-    """`value` (list, tuple, array) as a tuple of finite floats."""
+    """Return `value` (list, tuple, array) as a tuple of finite floats."""
     items = sequence(value)
     if count is not None and len(items) != count:
         raise RefusedError(
@@ -108,7 +108,7 @@ def numbers(value: Any, *, count: int | None = None, at_least: int = 1) -> tuple
 
 @accepts(listed(quantity(bounds=POSITIVE), 2, 2), "2 numbers > 0, the lower first")
 def frequency_band(value: Any) -> tuple[float, float]:
-    """`value` as a lower and a higher frequency > 0."""
+    """Return `value` as a lower and a higher frequency > 0."""
     low, high = pair(value)
     if not 1.0 / LARGEST <= low < high:
         raise RefusedError(
@@ -118,7 +118,7 @@ def frequency_band(value: Any) -> tuple[float, float]:
 
 
 def sequence(value: Any) -> Sequence[Any]:
-    """`value` if it is a list, tuple or array, as a list or tuple."""
+    """Return `value` if it is a list, tuple or array, as a list or tuple."""
     if isinstance(value, np.ndarray):
         items: list[Any] = value.tolist() if value.ndim else []
         return items
@@ -128,20 +128,20 @@ def sequence(value: Any) -> Sequence[Any]:
 
 
 def each(value: Any, check: Callable[[Any], T]) -> tuple[T, ...]:
-    """What `check` makes of the items of a list; what it refuses is told with its index."""
+    """Check the items of a list; errors begin with the index of the item."""
     items, found = sequence(value), []
     try:
         for item in items:
             found.append(check(item))
     except ValueError:
-        # once for the list: to enter `inside` for every item takes longer than the check of a number
-        with inside(len(found), items[len(found)]):
+        # once for the list: to enter `at_key` for every item takes longer than the check of a number
+        with at_key(len(found), items[len(found)]):
             raise
     return tuple(found)
 
 
 def different(value: Any, check: Callable[[Any], str], noun: str) -> tuple[str, ...]:
-    """The words of a list, each once."""
+    """Check the words of a list, each of which may stand there once."""
     words = each(value, check)
     for index, given in enumerate(words):
         if given in words[:index]:
@@ -150,7 +150,7 @@ def different(value: Any, check: Callable[[Any], str], noun: str) -> tuple[str, 
 
 
 def entries(table: Mapping[Any, Any], name: Callable[[Any], str], check: Callable[[Any], T]) -> dict[str, T]:
-    """The keys of a table, checked by `name`, and what `check` makes of their values.
+    """Check the keys of a table by `name` and their values by `check`.
 
     Raises:
         InputError: everything that is wrong with keys and values.
@@ -159,9 +159,9 @@ def entries(table: Mapping[Any, Any], name: Callable[[Any], str], check: Callabl
     problems: list[Fault] = []
     for key, value in table.items():
         try:
-            with inside(str(key), key):
+            with at_key(str(key), key):
                 checked = name(key)
-            with inside(checked, value):
+            with at_key(checked, value):
                 found[checked] = check(value)
         except InputError as error:
             problems += error.problems
@@ -172,21 +172,21 @@ def entries(table: Mapping[Any, Any], name: Callable[[Any], str], check: Callabl
 
 @accepts(listed(quantity(), 2, 2), "2 numbers")
 def pair(value: Any) -> tuple[float, float]:
-    """`value` as two finite floats."""
+    """Return `value` as two finite floats."""
     x, y = numbers(value, count=2)
     return x, y
 
 
 @accepts(TRIPLE, "3 numbers")
 def vector(value: Any) -> Triple:
-    """`value` as three finite floats."""
+    """Return `value` as three finite floats."""
     x, y, z = numbers(value, count=3)
     return x, y, z
 
 
 @accepts(TRIPLE, "3 numbers, not all 0; any length")
 def direction(value: Any) -> Triple:
-    """`value` as three floats scaled to unit length."""
+    """Return `value` as three floats scaled to unit length."""
     x, y, z = vector(value)
     size = math.hypot(x, y, z)
     if size == 0.0 or not math.isfinite(size):
@@ -200,7 +200,7 @@ def direction(value: Any) -> Triple:
 
 @accepts(TEXT, "text, in quotes")
 def word(value: Any) -> str:
-    """`value` as text."""
+    """Return `value` as text."""
     if not isinstance(value, str):
         raise RefusedError("text is needed here", "give it in quotes")
     return value
@@ -208,14 +208,14 @@ def word(value: Any) -> str:
 
 @accepts(NAME, "name, in quotes")
 def name_of_part(value: Any) -> str:
-    """A name of a rod, material or section: letters, digits, _ and -."""
+    """Return `value` if it is a name for a rod, material or section: letters, digits, _ and -."""
     if not re.fullmatch(r"[A-Za-z_][\w-]{0,59}", word(value), flags=re.ASCII):
         raise RefusedError("not usable as a name", "use a letter, then letters, digits, _ or - (60 at most)")
     return str(value)
 
 
 def one_of(*allowed: str) -> Check[str]:
-    """A check for one of some fixed words."""
+    """Return a check for one of some fixed words."""
 
     @accepts({"enum": list(allowed)}, " or ".join(f'`"{word}"`' for word in allowed))
     def check(value: Any) -> str:
@@ -231,7 +231,7 @@ def one_of(*allowed: str) -> Check[str]:
 
 @accepts({"type": "boolean"}, "`true` or `false`")
 def true_or_false(value: Any) -> bool:
-    """`value` if it is a boolean."""
+    """Return `value` if it is a boolean."""
     if not isinstance(value, bool):
         raise RefusedError("neither true nor false", "give true or false")
     return value
@@ -239,7 +239,7 @@ def true_or_false(value: Any) -> bool:
 
 @accepts(None)
 def function(value: Any) -> Callable[..., Any]:
-    """`value` if it can be called."""
+    """Return `value` if it can be called."""
     if not callable(value):
         raise RefusedError("a Python function is needed here", "this can be given in the Python API only")
     result: Callable[..., Any] = value
@@ -253,7 +253,7 @@ def choose(
     form: Form | None = None,
     words: str = "",
 ) -> Check[Definition]:
-    """A check that lets objects of the given kinds through and reads a table by its key `tag`."""
+    """Return a check that lets objects of the given kinds through and reads a table by its key `tag`."""
 
     @accepts(form, words)
     def parse(value: Any) -> Definition:

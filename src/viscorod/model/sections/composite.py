@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from viscorod.model.fields.definition import Definition, RefusedError, inside, show
+from viscorod.model.fields.definition import Definition, RefusedError, at_key, show
 from viscorod.model.fields.forms import listed, named_or, of_kind
 from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts, optional
 from viscorod.model.fields.values import Number, choose, pair, sequence
@@ -35,7 +35,7 @@ from viscorod.model.sections.polygons import (
     refuse_improper,
 )
 from viscorod.model.sections.saint_venant import SectionAnalysis, analysed
-from viscorod.model.sections.section_base import AnySection, Branches, Matrices
+from viscorod.model.sections.section_base import SECTION, AnySection, Branches, Matrices
 from viscorod.model.sections.section_mesh import refuse_misfits
 from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
 
@@ -64,9 +64,7 @@ def _material(value: Any) -> Material:
     return material
 
 
-_simple_section = choose(
-    "shape", SIMPLE, form=named_or("section"), words="name of a section in quotes, or a table with `shape`"
-)
+_simple_section = choose("shape", SIMPLE, form=named_or("section"), words=SECTION)
 
 
 class CompositeRegion(Definition):
@@ -106,7 +104,7 @@ class CompositeRegion(Definition):
                 at=("holes",),
             )
         if self.section is not None:
-            with inside("section", self.section):
+            with at_key("section", self.section):
                 polygon_of(self.section)
         else:
             refuse_improper(self._own)

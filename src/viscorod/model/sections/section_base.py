@@ -10,7 +10,10 @@ from viscorod.model.fields.definition import Definition
 from viscorod.model.materials.material import Material
 from viscorod.typing import Floats
 
-__all__ = ["AnySection", "Branches", "Matrices"]
+__all__ = ["SECTION", "AnySection", "Branches", "Matrices"]
+
+SECTION = "name of a section in quotes, or a table with `shape`"
+"""A section in a case file, in words."""
 
 Matrices: TypeAlias = tuple[Floats, Floats, Floats]
 Branches: TypeAlias = tuple[Floats, Floats]

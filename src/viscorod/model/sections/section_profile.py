@@ -16,7 +16,7 @@ from viscorod.model.fields.values import Positive, choose, sequence
 from viscorod.model.sections.composite import Composite
 from viscorod.model.sections.isotropic_section import SectionProperties
 from viscorod.model.sections.outline import PolygonSection
-from viscorod.model.sections.section_base import AnySection
+from viscorod.model.sections.section_base import SECTION, AnySection
 from viscorod.model.sections.section_shapes import Annulus, Circle, Ellipse, Rectangle, SquareTube
 from viscorod.model.sections.stiffness_section import StiffnessSection
 
@@ -35,7 +35,6 @@ SECTIONS: dict[str, type[Definition]] = {
 }
 """The sections by their word in a case file; a new section is one class and one line here."""
 
-SECTION = "name of a section in quotes, or a table with `shape`"
 one_section = choose("shape", SECTIONS, form=named_or("section"), words=SECTION)
 SectionField = Annotated[AnySection, one_section]
 
