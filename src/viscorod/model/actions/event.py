@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Literal, TypeAlias
+from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import BeforeValidator, Field
 
@@ -15,9 +15,9 @@ from viscorod.model.fields.values import (
     Proportion,
     Text,
     choose,
+    items,
     number,
     one_of,
-    sequence,
 )
 
 __all__ = ["EVENTS", "QUANTITIES", "AnyEvent", "Crossing", "Decayed", "Events", "SteadyState"]
@@ -100,13 +100,9 @@ EVENTS: dict[str, type[Definition]] = {"crossing": Crossing, "decayed": Decayed,
 """The events by their word in a case file; a new one is one class and one line here."""
 
 
-def _some_events(value: Any) -> Any:
-    return tuple(sequence(value))
-
-
 Events = Annotated[
     tuple[Annotated[AnyEvent, choose("kind", EVENTS)], ...],
-    BeforeValidator(_some_events),
+    BeforeValidator(items),
     Accepts(listed(of_kind("event")), TABLES),
 ]
 """A list of events, or of tables that describe them."""

@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 Triple: TypeAlias = tuple[float, float, float]
 
-TRIPLE = listed(quantity(), 3, 3)
+TRIPLE: Form = listed(quantity(), 3, 3)
 
 
 @accepts(quantity(), "number")
@@ -125,6 +125,11 @@ def sequence(value: Any) -> Sequence[Any]:
     if not isinstance(value, list | tuple):
         raise RefusedError("a list is needed here", "give a list in brackets, such as [0.0, 1.0, 2.0]")
     return value
+
+
+def items(value: Any) -> tuple[Any, ...]:
+    """Return `value` as a tuple if it is a list, tuple or array."""
+    return tuple(sequence(value))
 
 
 def each(value: Any, check: Callable[[Any], T]) -> tuple[T, ...]:

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from viscorod.model.fields.definition import Definition, RefusedError, at_key, show
 from viscorod.model.fields.forms import listed, named_or, of_kind
 from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts, optional
-from viscorod.model.fields.values import Number, choose, pair, sequence
+from viscorod.model.fields.values import Number, choose, items, pair
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.meshed_section import (
     Axes,
@@ -123,10 +123,10 @@ class CompositeRegion(Definition):
 
 
 def _some_regions(value: Any) -> tuple[Any, ...]:
-    items = tuple(sequence(value))
-    if not items:
+    regions = items(value)
+    if not regions:
         raise RefusedError("a composite section needs at least one region", "give regions")
-    return items
+    return regions
 
 
 class Composite(AnySection):

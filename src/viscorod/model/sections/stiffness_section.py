@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, blocks, listed, of_kind, quantity
 from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts
-from viscorod.model.fields.values import Positive, each, numbers, sequence
+from viscorod.model.fields.values import Positive, each, items, numbers, sequence
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.typing import Floats
@@ -205,10 +205,6 @@ class MaxwellBranch(Definition):
     )
 
 
-def _some_branches(value: Any) -> Any:
-    return tuple(sequence(value))
-
-
 class StiffnessSection(AnySection):
     """A section given by symmetric 6x6 matrices per length, or by their six diagonal numbers.
 
@@ -233,7 +229,7 @@ class StiffnessSection(AnySection):
     )
     branches: Annotated[
         Sequence[MaxwellBranch],
-        BeforeValidator(_some_branches),
+        BeforeValidator(items),
         Accepts(listed(of_kind("sections.branch")), TABLES),
     ] = Key("Maxwell branches, each with its relaxation `time` and its `stiffness`", default=())
     times: Annotated[Sequence[float] | None, _times] = Key(
