@@ -43,10 +43,9 @@ class SimulateSettings(Definition):
         default=None,
     )
     tolerance: OptionalPositive = Key(
-        "wanted accuracy of the motion: displacements over the size of the model and rotations in "
-        'rad; the steps follow from it. 1e-4 for "radau" unless given, less for free vibrations that '
-        'start from displacements below a tenth of the size; "generalized_alpha" has equal steps '
-        "without it",
+        "wanted accuracy of the motion: displacements over the size of the model and rotations in rad; the steps "
+        'follow from it. 1e-4 for "radau" unless given, less for free vibrations that start from displacements below '
+        'a tenth of the size; "generalized_alpha" has equal steps without it',
         default=None,
     )
     initial: Annotated[Literal["equilibrium", "reference"], one_of("equilibrium", "reference")] = Key(
@@ -69,15 +68,13 @@ class SimulateSettings(Definition):
         "time between stored states, {}; left out, every step", "s", default=None
     )
     formulation: Annotated[Literal["geometric", "intrinsic"], one_of("geometric", "intrinsic")] = Key(
-        '"geometric" (strains follow from positions and rotations) or "intrinsic" (strains and body '
-        'velocities; positions follow by integration in time), which goes with "radau" and '
-        '"midpoint"',
+        '"geometric" (strains follow from positions and rotations) or "intrinsic" (strains and body velocities; '
+        'positions follow by integration in time), which goes with "radau" and "midpoint"',
         default="geometric",
     )
     damping: Annotated[Literal["full", "linearised"], one_of("full", "linearised")] = Key(
-        '"full" Kelvin-Voigt damping, which never damps rigid motions, or "linearised" (Artola, Wynn '
-        "and Palacios), which also damps rotations of bent rods; the latter with the intrinsic "
-        "formulation",
+        '"full" Kelvin-Voigt damping, which never damps rigid motions, or "linearised" (Artola, Wynn and Palacios), '
+        "which also damps rotations of bent rods; the latter with the intrinsic formulation",
         default="full",
     )
     dynamics: Annotated[Literal["nonlinear", "linear"], one_of("nonlinear", "linear")] = Key(
@@ -184,9 +181,8 @@ class PathSettings(Definition):
         "number of points at most, 2 to 100 000", default=200
     )
     arc_length: Positive = Key(
-        "largest distance between two points, in which a change of the load factor by its unit "
-        "(load_factor, or 1), a displacement by the model's length and a rotation by 1 rad count "
-        "alike",
+        "largest distance between two points, in which a change of the load factor by its unit (load_factor, or 1), a "
+        "displacement by the model's length and a rotation by 1 rad count alike",
         default=0.1,
     )
 
@@ -230,9 +226,8 @@ class SteadySettings(Definition):
     """
 
     spin: Annotated[float | Triple | None, optional(_spin)] = Key(
-        "{}. Three numbers: the angular velocity, global axes, with which the supports turn, or "
-        "about which a rod on a ball joint or without supports does. One number: how fast such a rod "
-        "turns, about an axis that is found",
+        "{}. Three numbers: the angular velocity, global axes, with which the supports turn, or about which a rod on "
+        "a ball joint or without supports does. One number: how fast such a rod turns, about an axis that is found",
         "rad/s",
         default=None,
     )

@@ -60,8 +60,7 @@ class Body(AnyBody):
     shape: Literal["mass"] = Field(default="mass", kw_only=True, repr=False)
     mass: Positive = Key("", "kg")
     inertia: Annotated[Inertia, _inertia] = Key(
-        "about the mass centre along the body's axes: three principal values, or three rows of a "
-        "symmetric matrix; {}",
+        "about the mass centre along the body's axes: three principal values, or three rows of a symmetric matrix; {}",
         "kg m^2",
     )
     axes: OptionalAxes = Key(AXES, default=None, kw_only=True)

@@ -45,8 +45,7 @@ class Support(AnySupport):
         '"global" axes, or "node": the rod\'s d1, d2, d3 at the place', default="global"
     )
     axes: Annotated[tuple[Triple, Triple] | None, optional(two_directions)] = Key(
-        "other axes for the motion words: directions x and y, perpendicular, global components (z = "
-        "x cross y)",
+        "other axes for the motion words: directions x and y, perpendicular, global components (z = x cross y)",
         default=None,
     )
 

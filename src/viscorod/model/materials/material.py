@@ -54,8 +54,7 @@ class Material(Definition):
     density: Positive = Key("mass per volume > 0", "kg/m^3", default=REQUIRED)
     shear_modulus: Positive = Key("G > 0, {}, instead of Poisson's ratio", "Pa", default=NOT_GIVEN)
     damping: Annotated[Damping | None, _damping] = Key(
-        "`KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `MeasuredDamping`; left out, an "
-        "elastic material",
+        "`KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `MeasuredDamping`; left out, an elastic material",
         default=None,
     )
 

@@ -79,19 +79,16 @@ class Prony(Damping):
     extension_ratios: Moduli = Key("in place of extension_moduli, fractions of Young's modulus", default=None)
     constant: Annotated[str | None, optional(one_of("poissons_ratio", "bulk_modulus", "shear_modulus"))] = (
         Key(
-            'what does not relax if only one modulus is given: "poissons_ratio", "bulk_modulus" or '
-            '"shear_modulus"',
+            'what does not relax if only one modulus is given: "poissons_ratio", "bulk_modulus" or "shear_modulus"',
             default=None,
         )
     )
     moduli: Annotated[str, one_of(*REFERENCES)] = Key(
-        'what the elastic constants of the material are: "equilibrium" (after a long time) or '
-        '"instantaneous"',
+        'what the elastic constants of the material are: "equilibrium" (after a long time) or "instantaneous"',
         default="equilibrium",
     )
     ratios_of: Annotated[str | None, optional(one_of(*REFERENCES))] = Key(
-        'the modulus of which ratios are fractions, "equilibrium" or "instantaneous"; left out, that '
-        "of moduli",
+        'the modulus of which ratios are fractions, "equilibrium" or "instantaneous"; left out, that of moduli',
         default=None,
     )
     law: Annotated[str, one_of("maxwell", "kelvin_voigt")] = Key(
@@ -99,9 +96,8 @@ class Prony(Damping):
         default="maxwell",
     )
     band: Annotated[tuple[float, float] | None, optional(frequency_band)] = Key(
-        'lowest and highest frequency of the motion, {}: with the law "kelvin_voigt", moduli and '
-        "viscosities are then those nearest to the Prony series over this band, not those of slow "
-        "motion",
+        'lowest and highest frequency of the motion, {}: with the law "kelvin_voigt", moduli and viscosities are then '
+        "those nearest to the Prony series over this band, not those of slow motion",
         "Hz",
         default=None,
     )

@@ -15,6 +15,8 @@ from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts, option
 from viscorod.model.fields.values import Number, choose, items, pair
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.meshed_section import (
+    AXES,
+    MESH_SIZE,
     Axes,
     MeshSize,
     Origin,
@@ -153,17 +155,8 @@ class Composite(AnySection):
         'modulus), "shear_centre", or "given" (the point [0, 0])',
         default="centroid",
     )
-    axes: Axes = Key(
-        '"given", or "principal": d1 and d2 turned into the principal axes of bending, d1 the nearer '
-        "to the first",
-        default="given",
-    )
-    mesh_size: MeshSize = Key(
-        "side of the largest triangles, {}; left out, they are refined until the stiffnesses stay "
-        "within 0.2 %",
-        "m",
-        default=None,
-    )
+    axes: Axes = Key(AXES, default="given")
+    mesh_size: MeshSize = Key(MESH_SIZE, "m", default=None)
 
     @model_validator(mode="after")
     def _usable(self) -> Self:

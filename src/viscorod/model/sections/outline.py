@@ -10,6 +10,8 @@ from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.metadata import Key
 from viscorod.model.sections.isotropic_section import MaterialSection
 from viscorod.model.sections.meshed_section import (
+    AXES,
+    MESH_SIZE,
     Axes,
     MeshSize,
     Origin,
@@ -43,17 +45,8 @@ class PolygonSection(MaterialSection):
         'where the centre line goes through: "centroid", "shear_centre", or "given" (the point [0, 0])',
         default="centroid",
     )
-    axes: Axes = Key(
-        '"given", or "principal": d1 and d2 turned into the principal axes of bending, d1 the nearer '
-        "to the first",
-        default="given",
-    )
-    mesh_size: MeshSize = Key(
-        "side of the largest triangles, {}; left out, they are refined until the stiffnesses stay "
-        "within 0.2 %",
-        "m",
-        default=None,
-    )
+    axes: Axes = Key(AXES, default="given")
+    mesh_size: MeshSize = Key(MESH_SIZE, "m", default=None)
 
     @classmethod
     def from_geometry(
