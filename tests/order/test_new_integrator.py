@@ -10,7 +10,7 @@ import viscorod as vr
 from orders import check_order_of_accuracy
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import parse_case
-from viscorod.casefile.json_schema import case_schema, forms
+from viscorod.casefile.json_schema import case_schema
 from viscorod.solve.transient.integrators import INTEGRATORS, Method
 from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.tableau import Tableau
@@ -37,9 +37,6 @@ class ImplicitEuler(Collocation):
 def registered(monkeypatch):
     """Restores the registry after each test."""
     monkeypatch.setitem(INTEGRATORS, "implicit_euler", Method(ImplicitEuler, "implicit Euler", order=1))
-    forms.cache_clear()
-    yield
-    forms.cache_clear()
 
 
 def pendulum():
@@ -126,7 +123,7 @@ def test_case_files_name_it():
 
 
 def test_it_returns_to_a_saved_state_with_all_that_it_keeps():
-    system = pendulum().system(["rod.end"], integrator="implicit_euler", time_step=0.005)
+    system = pendulum().co_simulation(["rod.end"], integrator="implicit_euler", time_step=0.005)
     integrator = system._transient.integrator
     system.step(0.02)
     state, kept = system.saved(), dict(integrator.lengths)

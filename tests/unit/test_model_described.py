@@ -1,17 +1,17 @@
 """The base of the user's objects, the texts of its errors, and the settings built on it."""
 
 import pytest
-from pydantic import Field
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import Definition, nearest, path_text, show, some_of
+from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import Number, Positive
 from viscorod.solve.settings import EquilibriumSettings, SimulateSettings
 
 
 class Inner(Definition):
-    width: Positive = Field(description="m")
-    height: Positive = Field(description="m")
+    width: Positive = Key("", "m")
+    height: Positive = Key("", "m")
 
 
 class Outer(Definition):
@@ -42,7 +42,7 @@ def test_a_misspelt_key_explains_the_missing_one():
 
 def test_a_missing_key_is_told_with_its_unit():
     with pytest.raises(
-        InputError, match=r"Inner\.height: this key is required and missing; add height \(m\)"
+        InputError, match=r"Inner\.height: this key is required and missing; add height \(number > 0, m\)"
     ):
         Inner(1)
 

@@ -12,6 +12,7 @@ import viscorod as vr
 from viscorod.model.actions.load import LOADS, AnyLoad
 from viscorod.model.actions.load_effects import Arrows
 from viscorod.model.connections.place import PlaceField
+from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import Direction, Positive
 from viscorod.model.sections.section_profile import SECTIONS
 from viscorod.model.sections.section_shapes import SHAPES, Shape
@@ -21,20 +22,12 @@ from viscorod.solve.problem.discretise import discretise
 
 
 class Rope(AnyLoad):
-    """A rope that pulls in a direction.
-
-    Args:
-        tied_to: place.
-        tension: N.
-        towards: direction, global axes.
-        time: function of time that scales it.
-        until: time from which on it is zero, s.
-    """
+    """A rope that pulls in a direction."""
 
     kind: Literal["rope"] = Field(default="rope", kw_only=True, repr=False)
-    tied_to: PlaceField = Field(description="place, such as 'beam.end'")
-    tension: Positive = Field(description="N")
-    towards: Direction = (0.0, 0.0, 1.0)
+    tied_to: PlaceField = Key("place")
+    tension: Positive = Key("size of the force", "N")
+    towards: Direction = Key("direction, global axes", default=(0.0, 0.0, 1.0))
 
     def places(self):
         return {"tied_to": self.tied_to}
@@ -49,14 +42,10 @@ class Rope(AnyLoad):
 
 
 class Hexagon(Shape):
-    """Solid regular hexagon with two corners on d1.
-
-    Args:
-        side: m.
-    """
+    """Solid regular hexagon with two corners on d1."""
 
     shape: Literal["hexagon"] = Field(default="hexagon", kw_only=True, repr=False)
-    side: Positive = Field(description="m")
+    side: Positive = Key("length of a side", "m")
 
     def moments(self):
         second_moment = 5.0 * math.sqrt(3.0) / 16.0 * self.side**4

@@ -12,12 +12,11 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
-
-from pydantic import Field
+from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
 from viscorod.errors import InputError
 from viscorod.model.fields.definition import Definition
+from viscorod.model.fields.metadata import Accepts, Key
 from viscorod.solve.settings import (
     CoSimulationSettings,
     EquilibriumSettings,
@@ -76,13 +75,9 @@ R = TypeVar("R")
 
 
 class Titled(Definition):
-    """What every call can be given.
+    """What every call can be given."""
 
-    Args:
-        title: kept with the result.
-    """
-
-    title: str = Field(default="", kw_only=True)
+    title: Annotated[str, Accepts(None, "text")] = Key("kept with the result", default="", kw_only=True)
 
     @property
     def options(self) -> CallOptions:
@@ -99,23 +94,23 @@ _ACCOMPANYING = frozenset(CallOptions.__dataclass_fields__)
 
 
 class Watched(Titled):
-    """What calls that go on by steps or iterations can be given.
+    """What calls that go on by steps or iterations can be given."""
 
-    Args:
-        stop: called in every step or iteration; a reason that it returns ends the computation, which keeps what it has.
-    """
-
-    stop: Callable[[], str] | None = Field(default=None, kw_only=True)
+    stop: Annotated[Callable[[], str] | None, Accepts(None, "a function")] = Key(
+        "called in every step or iteration; a reason that it returns ends the computation, which keeps what it has",
+        default=None,
+        kw_only=True,
+    )
 
 
 class Progressing(Watched):
-    """What calls that show their progress can be given.
+    """What calls that show their progress can be given."""
 
-    Args:
-        progress: called after every step with the time [s] or load factor that was reached, and the size of the step.
-    """
-
-    progress: Progress | None = Field(default=None, kw_only=True)
+    progress: Annotated[Progress | None, Accepts(None, "a function")] = Key(
+        "called after every step with the time [s] or load factor that was reached, and the size of the step",
+        default=None,
+        kw_only=True,
+    )
 
 
 class EquilibriumArguments(EquilibriumSettings, Progressing):
@@ -127,16 +122,19 @@ class PathArguments(PathSettings, Progressing):
 
 
 class SimulateArguments(SimulateSettings, Progressing):
-    """Those of ``Model.simulate``.
+    """Those of ``Model.simulate``."""
 
-    Args:
-        folder: where the states go as they come, so that memory stays bounded and a run that is stopped can go on;
-            ``run.nc`` is there in the end. Without it everything stays in memory.
-        resume: go on with the run that was stopped in that folder; model and settings have to be the same.
-    """
-
-    folder: Path | None = Field(default=None, kw_only=True)
-    resume: bool = Field(default=False, kw_only=True)
+    folder: Annotated[Path | None, Accepts(None, "a path")] = Key(
+        "where the states go as they come, so that memory stays bounded and a run that is stopped can go on; "
+        "``run.nc`` is there in the end. Without it everything stays in memory",
+        default=None,
+        kw_only=True,
+    )
+    resume: Annotated[bool, Accepts(None, "True or False")] = Key(
+        "go on with the run that was stopped in that folder; model and settings have to be the same",
+        default=False,
+        kw_only=True,
+    )
 
 
 class CoSimulationArguments(CoSimulationSettings, Titled):
@@ -144,13 +142,11 @@ class CoSimulationArguments(CoSimulationSettings, Titled):
 
 
 class SteadyArguments(SteadySettings, Watched):
-    """Those of ``Model.steady``.
+    """Those of ``Model.steady``."""
 
-    Args:
-        start: a result whose last state is the first guess.
-    """
-
-    start: Result | None = Field(default=None, kw_only=True)
+    start: Annotated[Result | None, Accepts(None, "a result")] = Key(
+        "a result whose last state is the first guess", default=None, kw_only=True
+    )
 
 
 def takes(arguments: Callable[P, A]) -> Callable[[Callable[[M, A], R]], Callable[Concatenate[M, P], R]]:

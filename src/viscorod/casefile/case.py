@@ -48,15 +48,15 @@ class Case:
 
     @property
     def kind(self) -> str:
-        """The analysis: "simulate", "equilibrium", "path" or "steady"."""
+        """Return the analysis: "simulate", "equilibrium", "path" or "steady"."""
         return next(word for word, settings in ANALYSES.items() if isinstance(self.settings, settings))
 
     def model(self, kind: type[M]) -> M:
-        """The model as an object of a class derived from `ModelDescription`."""
+        """Return the model as an object of a class derived from `ModelDescription`."""
         return kind.of(**self.description.parts())
 
     def to_dict(self) -> dict[str, Any]:
-        """The content of a case file that describes the same."""
+        """Return the content of a case file that describes the same."""
         return {"title": self.title, **self.description.to_dict(), self.kind: self.settings.to_dict()}
 
 
@@ -99,8 +99,8 @@ def case_from_dict(data: Mapping[str, Any], source: Path | None = None, text: st
     plain, conversions, refused = converted(data)
     reader = CaseReader(plain if source is None else _found_from(source.parent, plain))
     reader.read()
-    told = {problem.where for problem in refused}
-    problems = [*refused, *(problem for problem in reader.problems if problem.where not in told)]
+    reported = {problem.where for problem in refused}
+    problems = [*refused, *(problem for problem in reader.problems if problem.where not in reported)]
     if not problems and reader.settings is not None:
         problems = size_problems(reader.model, reader.settings)
     if problems or reader.settings is None:
@@ -110,7 +110,7 @@ def case_from_dict(data: Mapping[str, Any], source: Path | None = None, text: st
 
 
 def _found_from(folder: Path, value: Any) -> Any:
-    """The same content with the paths of files (the keys ``file``) that are told from the case file's folder on."""
+    """Return the same content with paths of files (the keys ``file``) taken from the case file's folder on."""
     if isinstance(value, Mapping):
         return {
             key: str(folder / item) if key == "file" and isinstance(item, str) else _found_from(folder, item)
@@ -147,7 +147,7 @@ def _content(path: Path) -> str:
 
 
 def _syntax(error: tomllib.TOMLDecodeError, text: str) -> Fault:
-    """A TOML syntax error with its line."""
+    """Describe a TOML syntax error with its line."""
     position = re.search(r"line (\d+)", str(error))
     lines = text.splitlines()
     where, line = "end of the file", ""

@@ -1,4 +1,4 @@
-"""What stands in a case file: its tables, turned into a model and the settings of one analysis.
+"""Read a case file: its tables, turned into a model and the settings of one analysis.
 
 The words are those of the Python API. Everything that is wrong is collected and reported in one message.
 """
@@ -117,7 +117,7 @@ class CaseReader:
         self.problems.append(Fault(where, found, why, instead))
 
     def _parsed(self, path: str, parse: Callable[[Any], T], value: Any) -> T | None:
-        """What `parse` makes of `value`; None, with the problems noted, if it refuses."""
+        """Parse `value`; None, with the problems noted, if it is refused."""
         try:
             return parse(value)
         except (ValidationError, InputError) as error:
@@ -125,9 +125,9 @@ class CaseReader:
             return None
 
     def _named(self, path: str, parse: Callable[[Any], Any], value: Any) -> Any:
-        """As `_parsed`, with a mark for what was refused, so that its uses are not reported again."""
+        """Parse `value` as `_parsed` does, with a mark for what was refused: its uses are not reported again."""
         parsed = self._parsed(path, parse, value)
-        return FaultyValue(value, silent=True) if parsed is None else parsed
+        return FaultyValue(value, reported=True) if parsed is None else parsed
 
     def _unknown(self, table: Mapping[str, Any], allowed: tuple[str, ...], path: str) -> list[str]:
         """Report the keys that are not allowed; the ones that they were probably meant to be."""
@@ -142,7 +142,7 @@ class CaseReader:
         return meant
 
     def _tables(self, key: str) -> list[tuple[str, Any]]:
-        """The named tables under `key`."""
+        """Return the named tables under `key`."""
         tables = self.data.get(key, {})
         if not isinstance(tables, Mapping):
             self._wrong(key, show(tables), "named tables are needed here", f"write them as [{key}.NAME]")
@@ -178,13 +178,13 @@ class CaseReader:
                 self.settings = parsed
 
     def _lookup(self, value: Any, named: Mapping[str, Any], noun: str) -> Any:
-        """`value`, or what it names if it is a text."""
+        """Return `value`, or what it names if it is a text."""
         if not isinstance(value, str):
             return value
         if value in named:
             return named[value]
         if f"{noun}s" in self._meant:
-            return FaultyValue(value, silent=True)
+            return FaultyValue(value, reported=True)
         hint = did_you_mean(value, named)
         known = (
             f"the {noun}s of this file are {some_of(named)}"
@@ -204,7 +204,7 @@ class CaseReader:
         kind = CENTRELINES.get(shape) if isinstance(shape, str) else None
         own = tuple(kind.model_fields) if kind else tuple(table)
         meant = self._unknown(table, (*own, *ROD_KEYS), path) if kind else []
-        curve: dict[str, Any] = {key: FaultyValue(None, silent=True) for key in meant if key in own}
+        curve: dict[str, Any] = {key: FaultyValue(None, reported=True) for key in meant if key in own}
         curve |= {key: value for key, value in table.items() if key in own and key not in ROD_KEYS}
         given: dict[str, Any] = {key: table[key] for key in PLAIN_KEYS if key in table}
         given["centreline"] = self._named(path, choose("shape", CENTRELINES), curve)
@@ -228,7 +228,7 @@ class CaseReader:
             self.problems += error.problems
 
     def _section(self, path: str, table: Mapping[str, Any], meant: list[str]) -> Any:
-        """The section, pieces or taper of a rod's table."""
+        """Read the section, pieces or taper of a rod's table."""
         given = [key for key in SECTION_KEYS if key in table]
         if len(given) != 1:
             if given or not set(meant) & set(SECTION_KEYS):
@@ -240,7 +240,7 @@ class CaseReader:
                     else "this key is required and missing",
                     "give one of section, sections (pieces with until) and taper (start and end)",
                 )
-            return FaultyValue(None, silent=True)
+            return FaultyValue(None, reported=True)
         value = table[given[0]]
         if given[0] == "section":
             return self._named(f"{path}.section", one_section, self._section_named(value))
@@ -255,7 +255,7 @@ class CaseReader:
                 "a list of pieces is needed here",
                 "give [{until = .., section = ..}]",
             )
-            return FaultyValue(None, silent=True)
+            return FaultyValue(None, reported=True)
         pieces = [self._sections_inside(item, ("section",)) for item in value]
         parsed = self._named(
             f"{path}.sections", lambda items: Piecewise.model_validate({"pieces": items}), pieces
@@ -270,7 +270,7 @@ class CaseReader:
         return self._materials_inside(self._lookup(value, self._sections, "section"))
 
     def _materials_inside(self, section: Any) -> Any:
-        """A composite section's table with materials, and sections, in the place of their names."""
+        """Put materials and sections in the place of their names in a composite section's table."""
         regions = section.get("regions") if isinstance(section, Mapping) else None
         if not isinstance(regions, list):
             return section
@@ -297,7 +297,7 @@ def _as_material(value: Any) -> Material:
 
 
 def _in_file_words(problem: Fault, path: str) -> Fault:
-    """Problems of the finished rod, in which pieces and centre line have other paths than in the file."""
+    """Put the paths of the finished rod, with its pieces and centre line, in those of the file."""
     where = problem.where
     for inside, outside in ((".section.pieces", ".sections"), (".centreline", "")):
         where = where.replace(path + inside, path + outside)

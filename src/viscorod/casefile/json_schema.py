@@ -6,31 +6,32 @@ import copy
 from collections.abc import Mapping
 from functools import cache
 
+from pydantic.fields import FieldInfo
+
 from viscorod.casefile.case_reader import ANALYSES, ROD_KEYS
-from viscorod.casefile.meanings import meanings, units_in
-from viscorod.casefile.value_forms import NAME, TEXT, Form, Units, form_of, listed, of_kind, quantity
-from viscorod.model.actions.event import EVENTS, Crossing
+from viscorod.model.actions.event import EVENTS
 from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import LOADS
-from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.actions.time_table import TIME_FUNCTIONS
 from viscorod.model.bodies.body import BODIES, Body
-from viscorod.model.connections.joint import JOINTS, Rigid
+from viscorod.model.connections.joint import JOINTS
 from viscorod.model.connections.rigid_attachment import Attachment
 from viscorod.model.connections.spring import SPRINGS, Spring
 from viscorod.model.connections.support import SUPPORTS, Support
-from viscorod.model.connections.velocity_support import VelocitySupport
 from viscorod.model.fields.definition import Definition
-from viscorod.model.fields.values import NOT_GIVEN
+from viscorod.model.fields.forms import NAME, TEXT, Form, in_units, listed, of_kind
+from viscorod.model.fields.metadata import accepted, meaning, units_of
+from viscorod.model.fields.values import REQUIRED
 from viscorod.model.materials.complex_moduli import ModulusTable
 from viscorod.model.materials.material import DAMPINGS, KelvinVoigt, Material
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.composite import CompositeRegion
 from viscorod.model.sections.section_profile import SECTIONS, Piece, Taper
 from viscorod.model.sections.stiffness_section import MaxwellBranch
+from viscorod.solve.transient.integrators import INTEGRATORS
 
-__all__ = ["GROUPS", "PARTS", "PYTHON_ONLY_KEYS", "REQUIRED", "case_schema", "forms"]
+__all__ = ["GROUPS", "PARTS", "case_schema", "fields_of", "forms", "is_required"]
 
 DRAFT = "http://json-schema.org/draft-07/schema#"
 """The draft that editors of TOML understand."""
@@ -61,30 +62,43 @@ SINGLE: dict[str, type[Definition]] = {
     "strains": InitialStrain,
     **ANALYSES,
 }
-PYTHON_ONLY = {"function", "curve"}
-"""Words of kinds that hold a Python function."""
+
+
+def fields_of(kind: type[Definition]) -> dict[str, FieldInfo]:
+    """Return the fields of a class that a case file can fill: the word of the kind, and what has a form."""
+
+    def fillable(name: str, field: FieldInfo) -> bool:
+        found = accepted(field)
+        return name == kind.tag or (name not in kind.unused and found is not None and found.form is not None)
+
+    return {name: field for name, field in kind.model_fields.items() if fillable(name, field)}
+
+
+def is_required(field: FieldInfo) -> bool:
+    """Say whether a key must be given."""
+    return field.is_required() or field.default is REQUIRED
+
+
+def _in_files(kinds: Mapping[str, type[Definition]]) -> dict[str, type[Definition]]:
+    """Return the kinds that a case file can describe: not those that need a Python function."""
+    return {
+        word: kind
+        for word, kind in kinds.items()
+        if all(name in fields_of(kind) for name, field in kind.model_fields.items() if field.is_required())
+    }
 
 
 def parts() -> dict[str, type[Definition]]:
-    """The parts of a case file that have keys, with the kinds that are registered by now."""
+    """Return the parts of a case file that have keys, with the kinds that are registered by now."""
     return SINGLE | {
         f"{part}.{word}": kind
         for part, kinds, _ in GROUPS.values()
-        for word, kind in kinds.items()
-        if word not in PYTHON_ONLY
+        for word, kind in _in_files(kinds).items()
     }
 
 
 PARTS: dict[str, type[Definition]] = parts()
 """Every part of a case file that has keys: its class by its name. A rod has the keys ROD_KEYS beside these."""
-PYTHON_ONLY_KEYS = {
-    (InitialVelocity, "field"),
-    (VelocitySupport, "motion"),
-    *((Rigid, name) for name in ("stiffness", "damping", "rest", "motion")),
-}
-"""Keys that a case file cannot have: functions, and what a class inherits and refuses."""
-REQUIRED = {(Material, "density")}
-"""Required although their fields have defaults."""
 
 FILE = {
     "title": "heading of reports and pictures",
@@ -96,12 +110,14 @@ FILE = {
 
 
 def forms() -> Form:
-    """The schema as every reading of a case shares it: not to be changed."""
-    return _forms(tuple(parts().items()))
+    """Return the schema as every reading of a case shares it: not to be changed."""
+    return _forms(tuple(parts().items()), tuple(INTEGRATORS))
 
 
 @cache
-def _forms(kinds: tuple[tuple[str, type[Definition]], ...]) -> Form:
+def _forms(kinds: tuple[tuple[str, type[Definition]], ...], integrators: tuple[str, ...]) -> Form:
+    """Return the schema with what is registered: ``integrators`` only tells that others have been."""
+    del integrators
     definitions: Form = {
         "quantity": {
             "type": "string",
@@ -115,8 +131,7 @@ def _forms(kinds: tuple[tuple[str, type[Definition]], ...]) -> Form:
         for name, kind in kinds
     }
     for name, (part, known, _) in GROUPS.items():
-        words = [word for word in known if word not in PYTHON_ONLY]
-        definitions[name] = {"oneOf": [of_kind(f"{part}.{word}") for word in words]}
+        definitions[name] = {"oneOf": [of_kind(f"{part}.{word}") for word in _in_files(known)]}
     properties: Form = {"title": TEXT | {"description": FILE["title"]}}
     for key, noun in (
         ("materials", "material"),
@@ -150,73 +165,44 @@ def _forms(kinds: tuple[tuple[str, type[Definition]], ...]) -> Form:
 
 
 def case_schema() -> Form:
-    """The JSON Schema of a case file (draft 7): every key with its form, unit (``x-unit``), default and meaning."""
+    """Return the JSON Schema of a case file (draft 7): each key with form, unit (``x-unit``), default and meaning."""
     return copy.deepcopy(forms())
 
 
 def _table(kind: type[Definition], standard: bool = False) -> Form:
-    """The form of the table that describes an object of the class; `standard` if its word may be left out."""
-    tag = getattr(kind, "tag", None)
-    known = meanings(kind)  # what the class inherits and does not document is not for its users
-    keys = [
-        name
-        for name in kind.model_fields
-        if name == tag or (name in known and (kind, name) not in PYTHON_ONLY_KEYS)
-    ]
+    """Return the form of the table that describes an object; `standard` if the word of its kind may be left out."""
+    fields = fields_of(kind)
     required = [
-        name
-        for name in keys
-        if (name == tag and not standard)
-        or (name != tag and (kind.model_fields[name].is_required() or (kind, name) in REQUIRED))
+        name for name, field in fields.items() if (not standard if name == kind.tag else is_required(field))
     ]
     found: Form = {
         "type": "object",
-        "properties": {name: _key(kind, name) for name in keys},
+        "properties": {name: _key(kind, name) for name in fields},
         "additionalProperties": False,
     }
     return found | ({"required": required} if required else {})
 
 
 def _key(kind: type[Definition], name: str) -> Form:
-    """The form of one key of a class, with meaning and default."""
+    """Return the form of one key of a class, with meaning and default."""
     field = kind.model_fields[name]
-    if name == getattr(kind, "tag", None):
+    if name == kind.tag:
         return {"const": field.default, "description": "tells the kind"}
-    meaning = meanings(kind).get(name, "")
-    form = dict(_by_quantity(kind, name) or form_of(field.metadata[0].func, _units(kind, meaning)))
-    unit = form.get("x-unit")
-    if meaning:
-        form["description"] = meaning
+    accepts = accepted(field)
+    assert accepts is not None
+    form: Form = in_units(accepts.form, units_of(field))
+    if meaning(field):
+        form["description"] = f"{meaning(field)}."
     if "$ref" in form:  # other keywords beside a reference are ignored in draft 7
         form = {"allOf": [{"$ref": form.pop("$ref")}], **form}
     default = None if field.is_required() else field.default
-    if default not in (None, (), {}) and default is not NOT_GIVEN:
+    if default not in (None, (), {}) and str(default) != "nan":  # NaN marks what is not given
         form["default"] = list(default) if isinstance(default, tuple) else default
-    return form | ({"x-unit": unit} if unit else {})
-
-
-def _units(kind: type[Definition], meaning: str) -> Units:
-    """The documented units of a key; functions of time have that of what they describe."""
-    units = units_in(meaning)
-    if issubclass(kind, TimeFunction):
-        if units == ("rad/s", "m/s"):  # speed of an angle or a length
-            return ("*/s",)
-        return units or ("*",)
-    return units
-
-
-def _by_quantity(kind: type[Definition], name: str) -> Form | None:
-    """A crossed value has the unit of its quantity: the word's first letter tells positions from velocities."""
-    if kind is not Crossing or name != "value":
-        return None
-    length, speed = units_in(meanings(kind)[name])
-    words = form_of(kind.model_fields["quantity"].metadata[0].func, ())["enum"]
-    units = {word: speed if word.startswith("v") else length for word in words}
-    return quantity((length,)) | {"x-unit-by": ["quantity", units]}
+    return form
 
 
 def _rod(kind: type[Definition]) -> Form:
-    """The form of a rod's table: keys of its centre line, section, material and mesh."""
+    """Return the form of a rod's table: keys of its centre line, section, material and mesh."""
     section = {"anyOf": [NAME, of_kind("section")]}
     special: Form = {
         "section": section | {"description": "the section of the whole rod"},
@@ -225,7 +211,6 @@ def _rod(kind: type[Definition]) -> Form:
             "allOf": [of_kind("sections.taper")],
             "description": "section that changes along the rod",
         },
-        "material": {"anyOf": [NAME, of_kind("material")], "description": "of the sections"},
     }
     form = _table(kind)
     form["properties"] |= {key: special[key] if key in special else _key(Rod, key) for key in ROD_KEYS}

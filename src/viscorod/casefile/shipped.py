@@ -11,7 +11,7 @@ __all__ = ["shipped_case", "shipped_cases"]
 
 
 def shipped_cases() -> dict[str, Path]:
-    """The files of the shipped cases by name, sorted.
+    """Return the files of the shipped cases by name, sorted.
 
     They stand in the installed package, or in the folder `examples` of a source tree.
     """
@@ -22,7 +22,7 @@ def shipped_cases() -> dict[str, Path]:
 
 
 def shipped_case(name: str) -> Path:
-    """The file of the shipped case called `name`.
+    """Return the file of the shipped case called `name`.
 
     Raises:
         InputError: there is none; the nearest name is suggested.

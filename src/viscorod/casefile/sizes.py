@@ -1,4 +1,4 @@
-"""How much a case asks for, estimated before anything is allocated."""
+"""Size limits of cases, checked by estimates before anything is allocated."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ __all__ = ["size_problems", "too_deep"]
 
 
 def too_deep(value: Any, path: tuple[str | int, ...] = ()) -> str | None:
-    """Where tables and lists are nested deeper than any case needs: the path down to there, shortened."""
+    """Find where tables and lists are nested deeper than any case needs: the path to there, shortened."""
     if not isinstance(value, Mapping | list | tuple):
         return None
     if len(path) >= DEEPEST_NESTING:
@@ -38,7 +38,7 @@ def too_deep(value: Any, path: tuple[str | int, ...] = ()) -> str | None:
 
 
 def size_problems(model: ModelDescription, settings: AnySettings) -> list[Fault]:
-    """What is too large in a case: nodes, stored states, steps, with estimates of memory and time."""
+    """List what is too large in a case: nodes, stored states, steps, with estimates of memory and time."""
     return list(_problems(model, settings))
 
 
@@ -98,7 +98,7 @@ def _time(seconds: float) -> str:
 
 @dataclass(frozen=True)
 class _Allowed:
-    """What a step or state of a node costs, how much of it is allowed, and how it is told."""
+    """A limit: the cost of a step or state of a node, how much of it is allowed, and how it is written."""
 
     each: float
     most: float

@@ -1,4 +1,4 @@
-"""The content of a case file with its quantities ("10 mm") in plain SI numbers."""
+"""Convert the quantities of a case file ("10 mm") to plain SI numbers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PLAIN = "1"
 
 
 def converted(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Conversion], list[Fault]]:
-    """The content in SI, what was converted, and what is wrong with quantities.
+    """Return the content in SI, what was converted, and what is wrong with quantities.
 
     A quantity that is refused becomes a mark, so that it is reported once. Texts stay where texts are meant, and
     where no key is known.
@@ -38,7 +38,7 @@ def _has_quantity(value: Any) -> bool:
 
 
 class _Walk:
-    """Goes through a content and the schema side by side."""
+    """A walk through a content and the schema side by side."""
 
     def __init__(self, definitions: Mapping[str, Any]) -> None:
         self.definitions = definitions
@@ -46,7 +46,7 @@ class _Walk:
         self.problems: list[Fault] = []
 
     def value(self, form: Mapping[str, Any], value: Any, path: tuple[str | int, ...], around: str) -> Any:
-        """`value` in SI. `around` is the unit of what a function of time stands for."""
+        """Return `value` in SI. `around` is the unit of what a function of time stands for."""
         unit = form.get("x-unit", "")
         unit = unit.replace("*", around) if "*" in unit else unit
         if isinstance(value, str):
@@ -90,7 +90,7 @@ class _Walk:
         ]
 
     def branch(self, form: Mapping[str, Any], value: Any) -> Mapping[str, Any] | None:
-        """The one of several forms that a table or list is meant to have."""
+        """Find the one of several forms that a table or list is meant to have."""
         if "$ref" in form:
             found: Mapping[str, Any] = self.definitions[form["$ref"].removeprefix("#/definitions/")]
             return found
@@ -130,16 +130,16 @@ class _Walk:
             value = si_value(text, unit, key)
         except RefusedError as error:
             self.problems.append(Fault(where, show(text), error.why, error.instead))
-            return FaultyValue(text, silent=True)
+            return FaultyValue(text, reported=True)
         self.found.append(Conversion(where, text, value, unit))
         return value
 
 
 def _numeric(form: Mapping[str, Any]) -> bool:
-    """Whether a plain number is meant."""
+    """Say whether a plain number is meant."""
     return form.get("type") == "number"
 
 
 def _written(unit: str) -> str:
-    """The unit of a rate in one piece."""
+    """Write the unit of a rate in one piece."""
     return unit.replace("/s/s", "/s^2")

@@ -49,7 +49,7 @@ NAMES = {
     "K": "temperature",
     "1": "plain number",
 }
-"""What quantities of these units are called; the first that fits counts. Others are told by their units."""
+"""What quantities of these units are called; the first that fits counts. Others are named by their units."""
 
 COMMON = (
     *(
@@ -90,12 +90,12 @@ class Conversion:
 
 
 def looks_like_quantity(text: str) -> bool:
-    """Whether a text starts with a number."""
+    """Say whether a text starts with a number."""
     return re.match(r"\s*[+-]?\.?\d", text) is not None
 
 
 def si_value(text: str, unit: str, key: str) -> float:
-    """The number in the SI unit that a key needs.
+    """Return the number in the SI unit that a key needs.
 
     Args:
         text: such as "10 mm".
@@ -136,7 +136,7 @@ TURN = 6.283185307179586
 
 
 def _turns(given: Dimension, wanted: Dimension) -> bool | None:
-    """Whether rad/s stands where Hz is needed; None if the dimensions do not fit."""
+    """Say whether rad/s stands where Hz is needed; None if the dimensions do not fit."""
     if given == wanted:
         return False
     core = dict(_core(given))
@@ -148,13 +148,13 @@ def _turns(given: Dimension, wanted: Dimension) -> bool | None:
 
 
 def _core(dimension: Dimension) -> Dimension:
-    """Without the angle."""
+    """Return a dimension without the angle."""
     return tuple((name, power) for name, power in dimension if name != "radian")
 
 
 @cache
 def _factor(unit: str) -> tuple[Fraction, Dimension]:
-    """A unit in SI: its factor, and the powers of m, kg, s, rad and so on."""
+    """Return a unit in SI: its factor, and the powers of m, kg, s, rad and so on."""
     import pint
 
     text, registry = _plain(unit), _registry()
@@ -185,7 +185,7 @@ def _factor(unit: str) -> tuple[Fraction, Dimension]:
 
 
 def _plain(unit: str) -> str:
-    """A unit in the words of Pint, if it is one of names, powers, products and quotients."""
+    """Write a unit in the words of Pint, if it is one of names, powers, products and quotients."""
     words: list[str] = []
     at = 0
     unit = re.sub(r"°\s*([CF])\b", r"deg\1", unit)
@@ -222,7 +222,7 @@ def _plain(unit: str) -> str:
 
 
 def _noun(dimension: Dimension) -> str:
-    """What a quantity of the dimension is called."""
+    """Return what a quantity of the dimension is called."""
     for unit, name in NAMES.items():
         if unit != "1" and _factor(unit)[1] == dimension:
             return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
@@ -241,7 +241,7 @@ def _advice(unit: str) -> str:
 
 @cache
 def _registry() -> UnitRegistry[Any]:
-    """The units, with exact factors; made when the first quantity is read."""
+    """Return the units, with exact factors; made when the first quantity is read."""
     import pint
 
     return pint.UnitRegistry(non_int_type=Fraction)

@@ -8,13 +8,15 @@ from functools import cached_property
 from typing import Annotated, Any, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import model_validator
 
 from viscorod.errors import InputError
 from viscorod.model.centrelines.centreline import Centreline, Twist
 from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
 from viscorod.model.centrelines.parametric_lines import ParametricCurve, ThroughPoints
 from viscorod.model.fields.definition import Definition, RefusedError, show
+from viscorod.model.fields.forms import named_or, quantity
+from viscorod.model.fields.metadata import Check, Key, accepts
 from viscorod.model.fields.values import LARGEST, OptionalDirection, choose, number, whole_number
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
@@ -47,17 +49,20 @@ FINE = 0.5
 """Turning of a piece that needs no smaller ones, rad."""
 
 
+@accepts(named_or("material"), "name of a material in quotes, or a table")
 def _material(value: Any) -> Material | None:
     return value if value is None or isinstance(value, Material) else Material.model_validate(value)
 
 
+@accepts(quantity(), "number", "or a function of the arc length")
 def _twist(value: Any) -> Twist:
     return value if callable(value) else number(value)
 
 
-def _whole_or_auto(high: int) -> Callable[[Any], int | None]:
+def _whole_or_auto(high: int) -> Check[int | None]:
     check = whole_number(1, high)
 
+    @accepts({"anyOf": [check.form, {"const": "auto"}]}, f'{check.words}, or `"auto"`')
     def parse(value: Any) -> int | None:
         if value is None or value == "auto":
             return None
@@ -72,28 +77,37 @@ def _whole_or_auto(high: int) -> Callable[[Any], int | None]:
 class Rod(Definition):
     """A rod in its reference shape, where it is free of stress.
 
-    Args:
-        centreline: the curve of the section's centres.
-        section: a section, `Piecewise`, `Taper`, or a function of the arc length (in Python only).
-        material: for sections given by their shape; none for `StiffnessSection` and `Composite`.
-        elements: number of elements, 1 to 100 000; None lets the program choose.
-        order: of the elements' polynomials, 1 to 12; None lets the program choose.
-        d1: direction of the section's first axis at the start, global axes (see `Centreline.frames`).
-        twist: angle of the section about d3 relative to the rotation-minimising frame: the total, growing
-            evenly from start to end, or a function of the arc length (in Python only); rad.
-        constraints: strains that keep their reference values at all times: "unshearable" (both shears),
-            "inextensible" (the stretch), "kirchhoff" (all three), or a list of these and of the strain words
-            shear_1, shear_2, stretch, bend_1, bend_2, twist.
+    What the section's axes are without `d1` is said in `Centreline.frames`.
     """
 
-    centreline: Annotated[Centreline, PlainValidator(choose("shape", CENTRELINES))]
-    section: Annotated[SectionProfile, PlainValidator(section_profile)] = Field(description="of the rod")
-    material: Annotated[Material | None, PlainValidator(_material)] = None
-    elements: Annotated[int | None, PlainValidator(_whole_or_auto(MOST_ELEMENTS))] = None
-    order: Annotated[int | None, PlainValidator(_whole_or_auto(HIGHEST_ORDER))] = None
-    d1: OptionalDirection = None
-    twist: Annotated[Twist, PlainValidator(_twist)] = 0.0
-    constraints: Annotated[tuple[str, ...], PlainValidator(constraint_words)] = ()
+    centreline: Annotated[Centreline, choose("shape", CENTRELINES)] = Key(
+        "the curve of the section's centres"
+    )
+    section: Annotated[SectionProfile, section_profile] = Key("a section, `Piecewise` or `Taper`")
+    material: Annotated[Material | None, _material] = Key(
+        "for sections given by their shape; stiffness and composite sections take none", default=None
+    )
+    elements: Annotated[int | None, _whole_or_auto(MOST_ELEMENTS)] = Key(
+        "number of elements, 1 to 100 000; left out, the program chooses", default=None
+    )
+    order: Annotated[int | None, _whole_or_auto(HIGHEST_ORDER)] = Key(
+        "of the elements' polynomials, 1 to 12; left out, the program chooses", default=None
+    )
+    d1: OptionalDirection = Key(
+        "direction of the section's first axis at the start, global axes", default=None
+    )
+    twist: Annotated[Twist, _twist] = Key(
+        "angle of the section about d3 relative to the rotation-minimising frame: the total, growing "
+        "evenly from start to end; {}",
+        "rad",
+        default=0.0,
+    )
+    constraints: Annotated[tuple[str, ...], constraint_words] = Key(
+        'strains that keep their reference values at all times: "unshearable" (both shears), '
+        '"inextensible" (the stretch), "kirchhoff" (all three), or a list of these and of the strain '
+        "words shear_1, shear_2, stretch, bend_1, bend_2, twist",
+        default=(),
+    )
 
     @classmethod
     def straight(

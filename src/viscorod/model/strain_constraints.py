@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from viscorod.model.fields.definition import RefusedError, did_you_mean
+from viscorod.model.fields.forms import TEXT, listed
+from viscorod.model.fields.metadata import accepts
 from viscorod.model.fields.values import different
 from viscorod.model.sections.stiffness_section import STRAINS
 
@@ -18,6 +20,7 @@ CONSTRAINTS: dict[str, tuple[str, ...]] = {
 """Words for sets of strains; a new one is one line here."""
 
 
+@accepts({"anyOf": [TEXT, listed(TEXT)]}, "text, or list of texts")
 def constraint_words(value: Any) -> tuple[str, ...]:
     """Return `value`, one word or a list of words, as a tuple of words."""
     if isinstance(value, str):

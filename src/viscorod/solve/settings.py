@@ -7,21 +7,25 @@ from functools import partial
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import model_validator
 
 from viscorod.model.actions.event import Events
 from viscorod.model.fields.definition import Definition, RefusedError, show
+from viscorod.model.fields.forms import POSITIVE, TEXT, listed, quantity
+from viscorod.model.fields.metadata import Key, accepts, optional
 from viscorod.model.fields.values import (
+    TRIPLE,
     Number,
+    OneOfRegistry,
     OptionalDirection,
     OptionalNumber,
     OptionalPositive,
+    OptionalText,
     OptionalUnitInterval,
     Positive,
     Triple,
     each,
     one_of,
-    optional,
     positive,
     vector,
     whole_number,
@@ -43,54 +47,61 @@ __all__ = [
 ]
 
 
-def integrator_name(value: Any) -> str:
-    """`value` as the name of one of the integrators that there are now."""
-    known: Any = one_of(*INTEGRATORS)
-    return str(known.func(value))
-
-
 def _has(parameter: str, method: Method) -> bool:
     return parameter in method.parameters
 
 
 class SimulateSettings(Definition):
-    """How a motion is computed.
+    """How a motion is computed."""
 
-    Args:
-        duration: simulated time, s.
-        time_step: s; the step of integrators with equal steps (None: chosen from the lowest modes), the largest step of
-            the others.
-        tolerance: wanted accuracy of the motion: displacements over the size of the model and rotations in rad; the
-            steps follow from it. 1e-4 for "radau" unless given, less for free vibrations that start from displacements
-            below a tenth of the size; "generalized_alpha" has equal steps without it.
-        initial: what the motion starts from: "equilibrium" under the loads at t = 0-, or the "reference"
-            shape.
-        integrator: "radau" (order 5, steps that follow the error), "generalized_alpha" or "midpoint" (order 2, which
-            keeps energy exactly).
-        spectral_radius: of "generalized_alpha" at infinite frequency, 0 (strong damping of what is not resolved)
-            to 1 (none); 0.6 unless given.
-        output_interval: time between stored states, s; None stores every step.
-        formulation: "geometric" (strains follow from positions and rotations) or "intrinsic" (strains and body
-            velocities; positions follow by integration in time), which goes with "radau" and "midpoint".
-        damping: "full" Kelvin-Voigt damping, which never damps rigid motions, or "linearised" (Artola, Wynn and
-            Palacios), which also damps rotations of bent rods; the latter with the intrinsic formulation.
-        dynamics: "nonlinear", or "linear" about the state that the motion starts from, with linearised damping.
-        events: what is watched for and recorded, and may end the run: `Crossing`, `Decayed`, `SteadyState`.
-    """
-
-    duration: Positive = Field(description="simulated time, s")
-    time_step: OptionalPositive = None
-    tolerance: OptionalPositive = None
-    initial: Annotated[Literal["equilibrium", "reference"], one_of("equilibrium", "reference")] = (
-        "equilibrium"
+    duration: Positive = Key("simulated time", "s")
+    time_step: OptionalPositive = Key(
+        "{}; the step of integrators with equal steps (left out: chosen from the lowest modes), the "
+        "largest step of the others",
+        "s",
+        default=None,
     )
-    integrator: Annotated[str, PlainValidator(integrator_name)] = "radau"
-    spectral_radius: OptionalUnitInterval = None
-    output_interval: OptionalPositive = None
-    formulation: Annotated[Literal["geometric", "intrinsic"], one_of("geometric", "intrinsic")] = "geometric"
-    damping: Annotated[Literal["full", "linearised"], one_of("full", "linearised")] = "full"
-    dynamics: Annotated[Literal["nonlinear", "linear"], one_of("nonlinear", "linear")] = "nonlinear"
-    events: Events = ()
+    tolerance: OptionalPositive = Key(
+        "wanted accuracy of the motion: displacements over the size of the model and rotations in rad; the steps "
+        'follow from it. 1e-4 for "radau" unless given, less for free vibrations that start from displacements below '
+        'a tenth of the size; "generalized_alpha" has equal steps without it',
+        default=None,
+    )
+    initial: Annotated[Literal["equilibrium", "reference"], one_of("equilibrium", "reference")] = Key(
+        'what the motion starts from: "equilibrium" under the loads at t = 0-, or the "reference" shape',
+        default="equilibrium",
+    )
+    integrator: Annotated[str, OneOfRegistry(INTEGRATORS)] = Key(
+        '"radau" (order 5, steps that follow the error), "generalized_alpha" or "midpoint" (order 2, '
+        "which keeps energy exactly)",
+        default="radau",
+    )
+    spectral_radius: OptionalUnitInterval = Key(
+        'of "generalized_alpha" at infinite frequency, 0 (strong damping of what is not resolved) to '
+        "1 (none); 0.6 unless given",
+        default=None,
+    )
+    output_interval: OptionalPositive = Key(
+        "time between stored states, {}; left out, every step", "s", default=None
+    )
+    formulation: Annotated[Literal["geometric", "intrinsic"], one_of("geometric", "intrinsic")] = Key(
+        '"geometric" (strains follow from positions and rotations) or "intrinsic" (strains and body velocities; '
+        'positions follow by integration in time), which goes with "radau" and "midpoint"',
+        default="geometric",
+    )
+    damping: Annotated[Literal["full", "linearised"], one_of("full", "linearised")] = Key(
+        '"full" Kelvin-Voigt damping, which never damps rigid motions, or "linearised" (Artola, Wynn and Palacios), '
+        "which also damps rotations of bent rods; the latter with the intrinsic formulation",
+        default="full",
+    )
+    dynamics: Annotated[Literal["nonlinear", "linear"], one_of("nonlinear", "linear")] = Key(
+        '"nonlinear", or "linear" about the state that the motion starts from, with linearised damping',
+        default="nonlinear",
+    )
+    events: Events = Key(
+        "what is watched for and recorded, and may end the run: `Crossing`, `Decayed`, `SteadyState`",
+        default=(),
+    )
 
     @model_validator(mode="after")
     def _fits_formulation(self) -> Self:
@@ -175,41 +186,38 @@ class SimulateSettings(Definition):
 
 
 class EquilibriumSettings(Definition):
-    """How a static equilibrium is computed.
+    """How a static equilibrium is computed."""
 
-    Args:
-        load_steps: number of equal load steps to start with, 1 to 10 000; they are halved where needed.
-        load_factor: multiple of all loads and prescribed motions.
-    """
-
-    load_steps: Annotated[int | None, PlainValidator(optional(whole_number(1, 10_000)))] = None
-    load_factor: Number = 1.0
+    load_steps: Annotated[int | None, optional(whole_number(1, 10_000))] = Key(
+        "number of equal load steps to start with, 1 to 10 000; they are halved where needed", default=None
+    )
+    load_factor: Number = Key("multiple of all loads and prescribed motions", default=1.0)
 
 
 class PathSettings(Definition):
-    """How a path of equilibria is followed.
+    """How a path of equilibria is followed."""
 
-    Args:
-        load_factor: multiple of the loads towards which the path begins and where it ends. 1 if neither displacement
-            nor turns is given.
-        place: the place whose displacement ends the path, such as "arch@0.5".
-        axis: global axis of this displacement, "x", "y" or "z".
-        displacement: from the reference shape at which the path ends, m.
-        turns: number of limit points at the last of which the path ends, 1 to 1000.
-        points: number of points at most, 2 to 100 000.
-        arc_length: largest distance between two points, in which a change of the load factor by its unit (load_factor,
-            or 1), a displacement by the model's length and a rotation by 1 rad count alike.
-    """
-
-    load_factor: OptionalNumber = None
-    place: Annotated[str | None, PlainValidator(optional(word))] = None
-    axis: Annotated[Literal["x", "y", "z"] | None, PlainValidator(optional(one_of("x", "y", "z").func))] = (
-        None
+    load_factor: OptionalNumber = Key(
+        "multiple of the loads towards which the path begins and where it ends. 1 if neither "
+        "displacement nor turns is given",
+        default=None,
     )
-    displacement: OptionalNumber = None
-    turns: Annotated[int | None, PlainValidator(optional(whole_number(1, 1000)))] = None
-    points: Annotated[int, PlainValidator(whole_number(2, 100_000))] = 200
-    arc_length: Positive = 0.1
+    place: OptionalText = Key('the place whose displacement ends the path, such as "arch@0.5"', default=None)
+    axis: Annotated[Literal["x", "y", "z"] | None, optional(one_of("x", "y", "z"))] = Key(
+        'global axis of this displacement, "x", "y" or "z"', default=None
+    )
+    displacement: OptionalNumber = Key("from the reference shape at which the path ends", "m", default=None)
+    turns: Annotated[int | None, optional(whole_number(1, 1000))] = Key(
+        "number of limit points at the last of which the path ends, 1 to 1000", default=None
+    )
+    points: Annotated[int, whole_number(2, 100_000)] = Key(
+        "number of points at most, 2 to 100 000", default=200
+    )
+    arc_length: Positive = Key(
+        "largest distance between two points, in which a change of the load factor by its unit (load_factor, or 1), a "
+        "displacement by the model's length and a rotation by 1 rad count alike",
+        default=0.1,
+    )
 
     @property
     def target(self) -> float | None:
@@ -232,11 +240,12 @@ class PathSettings(Definition):
         return self
 
 
+@accepts(listed(TEXT), "list of places, in quotes")
 def _ports(value: Any) -> tuple[str, ...]:
-    """Names of places."""
     return each(value, word)
 
 
+@accepts(quantity(TRIPLE, bounds=POSITIVE), "number > 0, or 3 numbers")
 def _spin(value: Any) -> float | Triple:
     """An angular speed, or an angular velocity."""
     if isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim):
@@ -252,31 +261,41 @@ class SteadySettings(Definition):
     """Which steady rotation is sought.
 
     Exactly one of `spin`, `energy` and `momentum` is given.
-
-    Args:
-        spin: rad/s. Three numbers: the angular velocity, global axes, with which the supports turn, or about which a
-            rod on a ball joint or without supports does. One number: how fast such a rod turns, about an axis that
-            is found.
-        energy: kinetic and elastic energy of a rod that turns freely, J.
-        momentum: its angular momentum about the ball joint or the mass centre, N m s.
-        axis: of a rod that turns freely: the reference shape about this axis, global axes, is the first guess; without
-            it a bent shape is sought.
-        about: a point on the axis of a given angular velocity, m. Unless given it is the origin, for a rod that turns
-            freely the ball joint or the mass centre.
-        formulation: "geometric" (positions and rotations) or "intrinsic" (body velocities and strains).
-        damping: "full" Kelvin-Voigt damping or "linearised" (Artola, Wynn and Palacios), which lets rods turn about
-            their own axis only; the latter with the intrinsic formulation.
-        modes: number of small motions about the rotation to report, 1 to 1000.
     """
 
-    spin: Annotated[float | Triple | None, PlainValidator(optional(_spin))] = None
-    energy: OptionalPositive = None
-    momentum: OptionalPositive = None
-    axis: OptionalDirection = None
-    about: Annotated[Triple | None, PlainValidator(optional(vector))] = None
-    formulation: Annotated[Literal["geometric", "intrinsic"], one_of("geometric", "intrinsic")] = "geometric"
-    damping: Annotated[Literal["full", "linearised"], one_of("full", "linearised")] = "full"
-    modes: Annotated[int, PlainValidator(whole_number(1, 1000))] = 6
+    spin: Annotated[float | Triple | None, optional(_spin)] = Key(
+        "{}. Three numbers: the angular velocity, global axes, with which the supports turn, or about which a rod on "
+        "a ball joint or without supports does. One number: how fast such a rod turns, about an axis that is found",
+        "rad/s",
+        default=None,
+    )
+    energy: OptionalPositive = Key("kinetic and elastic energy of a rod that turns freely", "J", default=None)
+    momentum: OptionalPositive = Key(
+        "its angular momentum about the ball joint or the mass centre", "N m s", default=None
+    )
+    axis: OptionalDirection = Key(
+        "of a rod that turns freely: the reference shape about this axis, global axes, is the first "
+        "guess; without it a bent shape is sought",
+        default=None,
+    )
+    about: Annotated[Triple | None, optional(vector)] = Key(
+        "a point on the axis of a given angular velocity, {}. Unless given it is the origin, for a "
+        "rod that turns freely the ball joint or the mass centre",
+        "m",
+        default=None,
+    )
+    formulation: Annotated[Literal["geometric", "intrinsic"], one_of("geometric", "intrinsic")] = Key(
+        '"geometric" (positions and rotations) or "intrinsic" (body velocities and strains)',
+        default="geometric",
+    )
+    damping: Annotated[Literal["full", "linearised"], one_of("full", "linearised")] = Key(
+        '"full" Kelvin-Voigt damping or "linearised" (Artola, Wynn and Palacios), which lets rods '
+        "turn about their own axis only; the latter with the intrinsic formulation",
+        default="full",
+    )
+    modes: Annotated[int, whole_number(1, 1000)] = Key(
+        "number of small motions about the rotation to report, 1 to 1000", default=6
+    )
 
     @property
     def measure(self) -> Literal["spin", "energy", "momentum"]:
@@ -323,18 +342,16 @@ class SteadySettings(Definition):
 
 
 class ModesSettings(Definition):
-    """Which small vibrations are sought.
+    """Which small vibrations are sought."""
 
-    Args:
-        count: number of modes, 1 to 100 000.
-        about: "equilibrium" under the loads at t = 0- (just before t = 0), the equilibrium once "released", under
-            those just after t = 0, or the "reference" shape (as if free of load).
-    """
-
-    count: Annotated[int, PlainValidator(whole_number(1, 100_000))] = 6
+    count: Annotated[int, whole_number(1, 100_000)] = Key("number of modes, 1 to 100 000", default=6)
     about: Annotated[
         Literal["equilibrium", "released", "reference"], one_of("equilibrium", "released", "reference")
-    ] = "equilibrium"
+    ] = Key(
+        '"equilibrium" under the loads at t = 0- (just before t = 0), the equilibrium once "released", under those '
+        'just after t = 0, or the "reference" shape (as if free of load)',
+        default="equilibrium",
+    )
 
 
 LONGEST_COUPLING = 1e6
@@ -342,18 +359,15 @@ LONGEST_COUPLING = 1e6
 
 
 class _Ports(Definition):
-    ports: Annotated[tuple[str, ...], PlainValidator(_ports)] = ()
+    ports: Annotated[tuple[str, ...], _ports] = Key(
+        'places where the other program acts, such as "beam.end"', default=()
+    )
 
 
 class CoSimulationSettings(SimulateSettings, _Ports):
-    """How a model moves that another program drives step by step.
+    """How a model moves that another program drives step by step."""
 
-    Args:
-        ports: places where the other program acts, such as "beam.end".
-        duration: longest simulated time, s.
-    """
-
-    duration: Positive = Field(default=LONGEST_COUPLING, kw_only=True)
+    duration: Positive = Key("longest simulated time", "s", default=LONGEST_COUPLING, kw_only=True)
 
     @model_validator(mode="after")
     def _no_events(self) -> Self:

@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
-from pydantic import Field, PlainValidator
 
 from viscorod.model.fields.definition import Definition, RefusedError, show
+from viscorod.model.fields.forms import quantity, row
+from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import Name, number, sequence
 from viscorod.typing import Floats
 
@@ -28,21 +29,18 @@ def _six(value: Any) -> tuple[float, ...]:
     return tuple(number(item) for item in items)
 
 
+@accepts(row([quantity(unit=k // 3) for k in range(6)]), "6 numbers", "or a function of the arc length")
 def _strain(value: Any) -> StrainField:
     return value if callable(value) else _six(value)
 
 
 class InitialStrain(Definition):
-    """The strain of a rod at t = 0, instead of the equilibrium; the start of the rod has its reference pose.
+    """The strain of a rod at t = 0, instead of the equilibrium; the start of the rod has its reference pose."""
 
-    Args:
-        rod: name.
-        value: shear 1, shear 2, stretch (1), bend 1, bend 2, twist (1/m), six numbers, or a function of the arc length
-            (in Python only).
-    """
-
-    rod: Name = Field(description="name of the rod")
-    value: Annotated[StrainField, PlainValidator(_strain)] = Field(description="six strains")
+    rod: Name = Key("name of the rod")
+    value: Annotated[StrainField, _strain] = Key(
+        "shear 1, shear 2, stretch ({}), bend 1, bend 2, twist ({})", "1", "1/m"
+    )
 
     def at(self, s: float) -> Floats:
         """Return the strains (6,) at the arc length `s`."""

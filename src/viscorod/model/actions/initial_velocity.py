@@ -6,10 +6,11 @@ from collections.abc import Callable, Sequence
 from typing import Annotated, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import model_validator
 
 from viscorod.model.fields.definition import Definition, RefusedError, show
-from viscorod.model.fields.values import Name, Vector, function, optional, sequence, vector
+from viscorod.model.fields.metadata import Key, optional
+from viscorod.model.fields.values import Name, Vector, function, sequence, vector
 from viscorod.typing import Floats
 
 __all__ = ["InitialVelocity"]
@@ -18,21 +19,15 @@ Field6: TypeAlias = Callable[[float], tuple[Sequence[float], Sequence[float]]]
 
 
 class InitialVelocity(Definition):
-    """The velocity of a rod or rigid body at t = 0: that of a rigid motion, or any (of a rod, in Python only).
+    """The velocity of a rod or rigid body at t = 0: that of a rigid motion, or any (of a rod, in Python only)."""
 
-    Args:
-        rod: name of the rod or body.
-        linear: velocity of the point `about`, m/s, global axes.
-        angular: angular velocity, rad/s, global axes.
-        about: the point, m.
-        field: s -> (velocity, angular velocity) in global axes, instead of the three above.
-    """
-
-    rod: Name = Field(description="name of the rod or body")
-    linear: Vector = (0.0, 0.0, 0.0)
-    angular: Vector = (0.0, 0.0, 0.0)
-    about: Vector = (0.0, 0.0, 0.0)
-    field: Annotated[Field6 | None, PlainValidator(optional(function))] = None
+    rod: Name = Key("name of the rod or body")
+    linear: Vector = Key("velocity of the point `about`, {}, global axes", "m/s", default=(0.0, 0.0, 0.0))
+    angular: Vector = Key("angular velocity, {}, global axes", "rad/s", default=(0.0, 0.0, 0.0))
+    about: Vector = Key("the point", "m", default=(0.0, 0.0, 0.0))
+    field: Annotated[Field6 | None, optional(function)] = Key(
+        "s -> (velocity, angular velocity) in global axes, instead of the three above", default=None
+    )
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:

@@ -12,14 +12,16 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
 from viscorod.model.actions.load_effects import Arrows, Placing
 from viscorod.model.actions.time_table import TimeField
 from viscorod.model.actions.travel import on_rod, passages
 from viscorod.model.connections.place import Place, PlaceField, find_rod, station_on
 from viscorod.model.fields.definition import Definition, RefusedError, show, some_of
+from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import (
+    TRIPLE,
     Flag,
     Name,
     OptionalNonNegative,
@@ -52,14 +54,12 @@ ALONG = 9
 Density: TypeAlias = Sequence[float] | Callable[[float], Sequence[float]]
 """Load per length: three numbers, or a function of the arc length (in Python only)."""
 
+COMPONENTS = "{}, global components; along d1, d2, d3 if it follows"
+FOLLOWING = "whether it turns with the section"
+
 
 class AnyLoad(Definition):
-    """Base class of loads: a factor that depends on the time.
-
-    Args:
-        time: function of time that scales the load; None for 1.
-        until: time from which on the load is zero, s; None for never.
-    """
+    """Base class of loads: a factor that depends on the time."""
 
     tag: ClassVar[str | None] = "kind"
 
@@ -68,8 +68,8 @@ class AnyLoad(Definition):
     #: Whether its place or direction changes with time.
     travels: ClassVar[bool] = False
 
-    time: TimeField = Field(default=None, kw_only=True)
-    until: OptionalNumber = Field(default=None, kw_only=True)
+    time: TimeField = Key("function of time that scales it", default=None, kw_only=True)
+    until: OptionalNumber = Key("time from which on it is zero", "s", default=None, kw_only=True)
 
     def factor(self, t: float, before: bool = False) -> float:
         """Return the factor at time `t` (the limit from the left if `before`)."""
@@ -153,7 +153,7 @@ def _refused_rod(name: str, model: ModelDescription) -> Iterator[RefusedError]:
 
 
 class _AtPlace(AnyLoad):
-    at: PlaceField = Field(description="place, such as 'beam.end'")
+    at: PlaceField = Key("place")
 
     def places(self) -> dict[str, str]:
         return {"at": self.at}
@@ -176,19 +176,11 @@ class _AtPlace(AnyLoad):
 
 
 class Force(_AtPlace):
-    """A force at a place.
-
-    Args:
-        at: place.
-        value: N, global components; along d1, d2, d3 if it follows.
-        following: whether it turns with the section.
-        time: function of time that scales it.
-        until: time from which on it is zero, s.
-    """
+    """A force at a place."""
 
     kind: Literal["force"] = Field(default="force", kw_only=True, repr=False)
-    value: Vector = Field(description="three numbers, N")
-    following: Flag = False
+    value: Vector = Key(COMPONENTS, "N")
+    following: Flag = Key(FOLLOWING, default=False)
 
     @property
     def wrench(self) -> Floats:
@@ -197,20 +189,12 @@ class Force(_AtPlace):
 
 
 class Moment(_AtPlace):
-    """A moment at a place.
-
-    Args:
-        at: place.
-        value: N m, global components; along d1, d2, d3 if it follows.
-        following: whether it turns with the section.
-        time: function of time that scales it.
-        until: time from which on it is zero, s.
-    """
+    """A moment at a place."""
 
     turning: ClassVar[bool] = True
     kind: Literal["moment"] = Field(default="moment", kw_only=True, repr=False)
-    value: Vector = Field(description="three numbers, N m")
-    following: Flag = False
+    value: Vector = Key(COMPONENTS, "N m")
+    following: Flag = Key(FOLLOWING, default=False)
 
     @property
     def wrench(self) -> Floats:
@@ -218,16 +202,24 @@ class Moment(_AtPlace):
         return np.array([0.0, 0.0, 0.0, *self.value])
 
 
+@accepts(TRIPLE, "3 numbers", "or a function of the arc length")
 def _density(value: Any) -> Density:
     return value if callable(value) else vector(value)
 
 
+DensityField = Annotated[Density, _density]
+
+
 class _Distributed(AnyLoad):
-    rod: Name = Field(description="name of the rod")
-    value: Annotated[Density, PlainValidator(_density)] = Field(description="three numbers, per metre")
-    following: Flag = False
-    from_s: OptionalNonNegative = Field(default=None, kw_only=True)
-    to_s: OptionalPositive = Field(default=None, kw_only=True)
+    rod: Name = Key("name of the rod")
+    value: DensityField
+    following: Flag = Key(FOLLOWING, default=False)
+    from_s: OptionalNonNegative = Key(
+        "arc length where it starts, {}; left out, the rod's start", "m", default=None, kw_only=True
+    )
+    to_s: OptionalPositive = Key(
+        "arc length where it ends, {}; left out, the rod's end", "m", default=None, kw_only=True
+    )
 
     @model_validator(mode="after")
     def _forward(self) -> Self:
@@ -286,49 +278,25 @@ class _Distributed(AnyLoad):
 
 
 class DistributedForce(_Distributed):
-    """A force per reference length along a rod.
-
-    Args:
-        rod: name.
-        value: N/m, three numbers or a function of s; global components; along d1, d2, d3 if it follows.
-        following: whether it turns with the sections.
-        from_s: arc length where it starts, m; None for the rod's start.
-        to_s: arc length where it ends, m; None for the rod's end.
-        time: function of time that scales it.
-        until: time from which on it is zero, s.
-    """
+    """A force per reference length along a rod."""
 
     kind: Literal["distributed_force"] = Field(default="distributed_force", kw_only=True, repr=False)
+    value: DensityField = Key(COMPONENTS, "N/m")
 
 
 class DistributedMoment(_Distributed):
-    """A moment per reference length along a rod.
-
-    Args:
-        rod: name.
-        value: N m/m, three numbers or a function of s; global components; along d1, d2, d3 if it follows.
-        following: whether it turns with the sections.
-        from_s: arc length where it starts, m; None for the rod's start.
-        to_s: arc length where it ends, m; None for the rod's end.
-        time: function of time that scales it.
-        until: time from which on it is zero, s.
-    """
+    """A moment per reference length along a rod."""
 
     turning: ClassVar[bool] = True
     kind: Literal["distributed_moment"] = Field(default="distributed_moment", kw_only=True, repr=False)
+    value: DensityField = Key(COMPONENTS, "N m/m")
 
 
 class Gravity(AnyLoad):
-    """The weight of all rods and bodies.
-
-    Args:
-        acceleration: m/s^2, global axes.
-        time: function of time that scales it.
-        until: time from which on it is zero, s.
-    """
+    """The weight of all rods and bodies."""
 
     kind: Literal["gravity"] = Field(default="gravity", kw_only=True, repr=False)
-    acceleration: Vector = (0.0, 0.0, -9.81)
+    acceleration: Vector = Key("{}, global axes", "m/s^2", default=(0.0, 0.0, -9.81))
 
     def place(self, model: ModelDescription, placing: Placing) -> None:
         """Let everything have weight."""
@@ -342,27 +310,20 @@ class Gravity(AnyLoad):
 
 
 class MovingForce(AnyLoad):
-    """A force whose place travels along a rod; it acts while it is on the rod.
-
-    Args:
-        rod: name.
-        value: N, global components; along d1, d2, d3 if it follows.
-        speed: of an even travel from `start`, m/s (negative: towards the rod's start).
-        position: arc length as a function of time, m, instead of speed and start.
-        start: arc length at t = 0, m.
-        following: whether it turns with the section.
-        time: function of time that scales it.
-        until: time from which on it is zero, s.
-    """
+    """A force whose place travels along a rod; it acts while it is on the rod."""
 
     travels: ClassVar[bool] = True
     kind: Literal["moving_force"] = Field(default="moving_force", kw_only=True, repr=False)
-    rod: Name = Field(description="name of the rod")
-    value: Vector = Field(description="three numbers, N")
-    speed: OptionalNumber = None
-    position: TimeField = None
-    start: OptionalNumber = None
-    following: Flag = False
+    rod: Name = Key("name of the rod")
+    value: Vector = Key(COMPONENTS, "N")
+    speed: OptionalNumber = Key(
+        "of an even travel from `start`, {} (negative: towards the rod's start)", "m/s", default=None
+    )
+    position: TimeField = Key(
+        "arc length as a function of time, {}, instead of speed and start", "m", default=None
+    )
+    start: OptionalNumber = Key("arc length at t = 0", "m", default=None)
+    following: Flag = Key(FOLLOWING, default=False)
 
     @model_validator(mode="after")
     def _one_travel(self) -> Self:

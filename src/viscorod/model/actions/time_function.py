@@ -14,6 +14,7 @@ from typing import ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from viscorod.model.fields.definition import Definition, RefusedError, show
+from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import Number, Positive
 
 __all__ = ["Constant", "Ramp", "Sine", "SpinUp", "TimeFunction", "Until"]
@@ -51,14 +52,10 @@ class TimeFunction(Definition):
 
 
 class Constant(TimeFunction):
-    """The same value at all times.
-
-    Args:
-        level: the value.
-    """
+    """The same value at all times."""
 
     kind: Literal["constant"] = Field(default="constant", kw_only=True, repr=False)
-    level: Number = 1.0
+    level: Number = Key("the value", "*", default=1.0)
 
     def value(self, t: float, before: bool = False) -> float:
         """Return the level."""
@@ -77,16 +74,11 @@ class Constant(TimeFunction):
 
 
 class Until(TimeFunction):
-    """A level before a time, zero from then on.
-
-    Args:
-        time: at which the value drops to zero, s.
-        level: the value before.
-    """
+    """A level before a time, zero from then on."""
 
     kind: Literal["until"] = Field(default="until", kw_only=True, repr=False)
-    time: Number = Field(description="at which the value drops to zero, s")
-    level: Number = 1.0
+    time: Number = Key("at which the value drops to zero", "s")
+    level: Number = Key("the value before", "*", default=1.0)
 
     @property
     def breakpoints(self) -> tuple[float, ...]:
@@ -114,18 +106,12 @@ class Until(TimeFunction):
 
 
 class Ramp(TimeFunction):
-    """Zero before `start`, then growing evenly to `level` at `end`, constant after.
-
-    Args:
-        start: s.
-        end: later than the start, s.
-        level: the value reached.
-    """
+    """Zero before `start`, then growing evenly to `level` at `end`, constant after."""
 
     kind: Literal["ramp"] = Field(default="ramp", kw_only=True, repr=False)
-    start: Number = Field(description="s")
-    end: Number = Field(description="later than the start, s")
-    level: Number = 1.0
+    start: Number = Key("", "s")
+    end: Number = Key("later than the start", "s")
+    level: Number = Key("the value reached", "*", default=1.0)
 
     @model_validator(mode="after")
     def _forward(self) -> Self:
@@ -160,20 +146,13 @@ class Ramp(TimeFunction):
 
 
 class Sine(TimeFunction):
-    """A harmonic function, offset + amplitude sin(2 pi frequency t + phase).
-
-    Args:
-        frequency: Hz.
-        amplitude: of the oscillation.
-        phase: rad.
-        offset: mean value.
-    """
+    """A harmonic function, offset + amplitude sin(2 pi frequency t + phase)."""
 
     kind: Literal["sine"] = Field(default="sine", kw_only=True, repr=False)
-    frequency: Positive = Field(description="Hz")
-    amplitude: Number = 1.0
-    phase: Number = 0.0
-    offset: Number = 0.0
+    frequency: Positive = Key("", "Hz")
+    amplitude: Number = Key("of the oscillation", "*", default=1.0)
+    phase: Number = Key("", "rad", default=0.0)
+    offset: Number = Key("mean value", "*", default=0.0)
 
     def value(self, t: float, before: bool = False) -> float:
         """Evaluate the formula of the class."""
@@ -201,15 +180,11 @@ class SpinUp(TimeFunction):
     The speed w grows from zero to `speed` as w(t) = speed [t/T - sin(2 pi t/T)/2pi] with T = `duration`, so
     that value = speed/T [t^2/2 + (T/2pi)^2 (cos(2 pi t/T) - 1)] until T and speed (t - T/2) after; zero
     before t = 0.
-
-    Args:
-        speed: reached after the start, rad/s or m/s, of a rotation or a displacement.
-        duration: of the start, s.
     """
 
     kind: Literal["spin_up"] = Field(default="spin_up", kw_only=True, repr=False)
-    speed: Number = Field(description="reached after the start, rad/s")
-    duration: Positive = Field(description="of the start, s")
+    speed: Number = Key("reached after the start, rad/s or m/s, of a rotation or a displacement", "*/s")
+    duration: Positive = Key("of the start", "s")
 
     @property
     def breakpoints(self) -> tuple[float, ...]:

@@ -10,16 +10,19 @@ from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
 from viscorod.model.actions.time_function import Constant, Ramp, Sine, SpinUp, TimeFunction, Until
 from viscorod.model.fields.definition import Definition, RefusedError, base_init, show
-from viscorod.model.fields.values import choose, function, number, numbers, one_of, optional
+from viscorod.model.fields.forms import listed, of_kind, quantity
+from viscorod.model.fields.metadata import Key, accepts, optional
+from viscorod.model.fields.values import choose, function, number, numbers, one_of
 from viscorod.typing import Floats
 
 __all__ = ["TIME_FUNCTIONS", "FunctionOfTime", "TimeField", "TimeTable", "time_function"]
 
 
+@accepts(listed(quantity(), 2), "list of 2 numbers or more")
 def _several(value: Any) -> tuple[float, ...]:
     return numbers(value, at_least=2)
 
@@ -30,17 +33,14 @@ class TimeTable(TimeFunction):
     A time that is given twice is a jump: its first value is the one before, its second the one after.
     "linear" joins the values by straight lines, "cubic" by a cubic spline between the jumps (twice
     continuously differentiable; not-a-knot ends).
-
-    Args:
-        times: at least two, not decreasing, s.
-        values: as many.
-        interpolation: "linear" or "cubic".
     """
 
     kind: Literal["table"] = Field(default="table", kw_only=True, repr=False)
-    times: Annotated[Sequence[float], PlainValidator(_several)] = Field(description="list of times, s")
-    values: Annotated[Sequence[float], PlainValidator(_several)] = Field(description="list of values")
-    interpolation: Annotated[Literal["linear", "cubic"], one_of("linear", "cubic")] = "linear"
+    times: Annotated[Sequence[float], _several] = Key("at least two, not decreasing", "s")
+    values: Annotated[Sequence[float], _several] = Key("as many", "*")
+    interpolation: Annotated[Literal["linear", "cubic"], one_of("linear", "cubic")] = Key(
+        '"linear" or "cubic"', default="linear"
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -130,11 +130,12 @@ class TimeTable(TimeFunction):
         return self._derivative(t, before, 2)
 
 
+@accepts(None)
 def _times(value: Any) -> tuple[float, ...]:
     return tuple(sorted(set(numbers(value, at_least=0))))
 
 
-OptionalFunction = Annotated[Callable[[float], float] | None, PlainValidator(optional(function))]
+OptionalFunction = Annotated[Callable[[float], float] | None, optional(function)]
 
 
 class FunctionOfTime(TimeFunction):
@@ -149,10 +150,10 @@ class FunctionOfTime(TimeFunction):
     """
 
     kind: Literal["function"] = Field(default="function", kw_only=True, repr=False)
-    value_function: Annotated[Callable[[float], float], PlainValidator(function)]
+    value_function: Annotated[Callable[[float], float], function]
     rate_function: OptionalFunction = None
     acceleration_function: OptionalFunction = None
-    break_times: Annotated[Sequence[float], PlainValidator(_times)] = ()
+    break_times: Annotated[Sequence[float], _times] = ()
 
     @base_init
     def __init__(
@@ -233,6 +234,7 @@ TIME_FUNCTIONS: dict[str, type[Definition]] = {
 _from_table = choose("kind", TIME_FUNCTIONS)
 
 
+@accepts(quantity(of_kind("time")), "number, or table with `kind`, see Functions of time")
 def time_function(value: Any) -> TimeFunction:
     """Return `value` as a function of time: one of the kinds, a plain number (constant) or a Python function."""
     if isinstance(value, TimeFunction):
@@ -251,4 +253,4 @@ def time_function(value: Any) -> TimeFunction:
     )
 
 
-TimeField = Annotated[TimeFunction | None, PlainValidator(optional(time_function))]
+TimeField = Annotated[TimeFunction | None, optional(time_function)]

@@ -6,13 +6,15 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
-from viscorod.model.bodies.body_base import AnyBody
+from viscorod.model.bodies.body_base import AXES, AnyBody
 from viscorod.model.bodies.body_shapes import Box, Cylinder, Sphere
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.directions import OptionalAxes, columns
-from viscorod.model.fields.values import Positive, Triple, choose, each, numbers, sequence, vector
+from viscorod.model.fields.forms import POSITIVE, listed, quantity
+from viscorod.model.fields.metadata import Key, accepts
+from viscorod.model.fields.values import TRIPLE, Positive, Triple, choose, each, numbers, sequence, vector
 from viscorod.typing import Floats
 
 __all__ = ["BODIES", "Body", "one_body"]
@@ -25,6 +27,10 @@ SLACK = 1e-9
 """Part of the largest principal inertia that passes for round-off."""
 
 
+@accepts(
+    {"anyOf": [listed(quantity(bounds=POSITIVE), 3, 3), listed(TRIPLE, 3, 3)]},
+    "3 numbers > 0, or 3 rows of 3",
+)
 def _inertia(value: Any) -> Inertia:
     rows = sequence(value)
     if len(rows) != 3:
@@ -49,21 +55,15 @@ def _inertia(value: Any) -> Inertia:
 
 
 class Body(AnyBody):
-    """A rigid body given by its mass and its inertia.
-
-    Args:
-        mass: kg.
-        inertia: about the mass centre along the body's axes: three principal values, or three rows of a
-            symmetric matrix; kg m^2.
-        centre: position of the mass centre in the reference shape, m; by name only.
-        axes: of the body: directions x and y, perpendicular, global components (z = x cross y); by name only.
-        points: names and positions of further points in the reference shape, m; by name only.
-    """
+    """A rigid body given by its mass and its inertia."""
 
     shape: Literal["mass"] = Field(default="mass", kw_only=True, repr=False)
-    mass: Positive = Field(description="kg")
-    inertia: Annotated[Inertia, PlainValidator(_inertia)] = Field(description="three numbers, kg m^2")
-    axes: OptionalAxes = Field(default=None, kw_only=True)
+    mass: Positive = Key("", "kg")
+    inertia: Annotated[Inertia, _inertia] = Key(
+        "about the mass centre along the body's axes: three principal values, or three rows of a symmetric matrix; {}",
+        "kg m^2",
+    )
+    axes: OptionalAxes = Key(AXES, default=None, kw_only=True)
 
     @classmethod
     def box(

@@ -7,10 +7,19 @@ from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import model_validator
 
 from viscorod.model.fields.definition import Definition, RefusedError
-from viscorod.model.fields.values import OptionalPositive, Triple, Vector, entries, name_of_part, vector
+from viscorod.model.fields.metadata import Key, accepts
+from viscorod.model.fields.values import (
+    TRIPLE,
+    OptionalPositive,
+    Triple,
+    Vector,
+    entries,
+    name_of_part,
+    vector,
+)
 from viscorod.typing import Floats
 
 __all__ = ["AnyBody", "Shaped"]
@@ -18,6 +27,7 @@ __all__ = ["AnyBody", "Shaped"]
 Points: TypeAlias = Mapping[str, Triple]
 
 
+@accepts({"type": "object", "additionalProperties": TRIPLE}, "table from names to 3 numbers each")
 def named_points(value: Any) -> dict[str, Triple]:
     """Check a table from names to positions."""
     if not isinstance(value, Mapping):
@@ -27,13 +37,20 @@ def named_points(value: Any) -> dict[str, Triple]:
     return entries(value, name_of_part, vector)
 
 
+AXES = "of the body: directions x and y, perpendicular, global components (z = x cross y)"
+
+
 class AnyBody(Definition):
     """A rigid body: mass, inertia about the mass centre, and named points for joints and attachments."""
 
     tag: ClassVar[str | None] = "shape"
 
-    centre: Vector = Field(default=(0.0, 0.0, 0.0), kw_only=True)
-    points: Annotated[Points, PlainValidator(named_points)] = Field(default={}, kw_only=True)
+    centre: Vector = Key(
+        "position of the mass centre in the reference shape", "m", default=(0.0, 0.0, 0.0), kw_only=True
+    )
+    points: Annotated[Points, named_points] = Key(
+        "names and positions of further points in the reference shape", "m", default={}, kw_only=True
+    )
 
     @abstractmethod
     def total_mass(self) -> float:
@@ -62,8 +79,8 @@ class AnyBody(Definition):
 class Shaped(AnyBody):
     """A body of a shape, with a mass or a density."""
 
-    density: OptionalPositive = Field(default=None, kw_only=True)
-    mass: OptionalPositive = Field(default=None, kw_only=True)
+    density: OptionalPositive = Key("{}; this or the mass", "kg/m^3", default=None, kw_only=True)
+    mass: OptionalPositive = Key("", "kg", default=None, kw_only=True)
 
     @abstractmethod
     def volume(self) -> float:

@@ -5,36 +5,30 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, PlainValidator
+from pydantic import Field
 
-from viscorod.model.bodies.body_base import Shaped
+from viscorod.model.bodies.body_base import AXES, Shaped
 from viscorod.model.fields.directions import OptionalAxes, axes_from, columns
+from viscorod.model.fields.forms import POSITIVE, listed, quantity
+from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import Direction, Positive, Triple, each, positive, vector
 from viscorod.typing import Floats
 
 __all__ = ["Box", "Cylinder", "Sphere"]
 
 
+@accepts(listed(quantity(bounds=POSITIVE), 3, 3), "3 numbers > 0")
 def _sides(value: Any) -> Triple:
     x, y, z = each(vector(value), positive)
     return x, y, z
 
 
 class Box(Shaped):
-    """A homogeneous box.
-
-    Args:
-        sides: lengths of the edges along the body's axes, m.
-        centre: position of the mass centre in the reference shape, m; by name only.
-        axes: of the body: directions x and y, perpendicular, global components (z = x cross y); by name only.
-        density: kg/m^3; this or the mass; by name only.
-        mass: kg; by name only.
-        points: names and positions of further points in the reference shape, m; by name only.
-    """
+    """A homogeneous box."""
 
     shape: Literal["box"] = Field(default="box", kw_only=True, repr=False)
-    sides: Annotated[Triple, PlainValidator(_sides)] = Field(description="three lengths, m")
-    axes: OptionalAxes = Field(default=None, kw_only=True)
+    sides: Annotated[Triple, _sides] = Key("lengths of the edges along the body's axes", "m")
+    axes: OptionalAxes = Key(AXES, default=None, kw_only=True)
 
     def volume(self) -> float:
         """Return the product of the sides."""
@@ -52,20 +46,11 @@ class Box(Shaped):
 
 
 class Sphere(Shaped):
-    """A homogeneous sphere.
-
-    Args:
-        radius: m.
-        centre: position of the mass centre in the reference shape, m; by name only.
-        axes: of the body: directions x and y, perpendicular, global components (z = x cross y); by name only.
-        density: kg/m^3; this or the mass; by name only.
-        mass: kg; by name only.
-        points: names and positions of further points in the reference shape, m; by name only.
-    """
+    """A homogeneous sphere."""
 
     shape: Literal["sphere"] = Field(default="sphere", kw_only=True, repr=False)
-    radius: Positive = Field(description="m")
-    axes: OptionalAxes = Field(default=None, kw_only=True)
+    radius: Positive = Key("", "m")
+    axes: OptionalAxes = Key(AXES, default=None, kw_only=True)
 
     def volume(self) -> float:
         """Return 4/3 pi r^3."""
@@ -82,22 +67,12 @@ class Sphere(Shaped):
 
 
 class Cylinder(Shaped):
-    """A homogeneous cylinder; its axis is the body's z.
-
-    Args:
-        radius: m.
-        length: along the axis, m.
-        axis: direction, global components.
-        centre: position of the mass centre in the reference shape, m; by name only.
-        density: kg/m^3; this or the mass; by name only.
-        mass: kg; by name only.
-        points: names and positions of further points in the reference shape, m; by name only.
-    """
+    """A homogeneous cylinder; its axis is the body's z."""
 
     shape: Literal["cylinder"] = Field(default="cylinder", kw_only=True, repr=False)
-    radius: Positive = Field(description="m")
-    length: Positive = Field(description="along the axis, m")
-    axis: Direction = (0.0, 0.0, 1.0)
+    radius: Positive = Key("", "m")
+    length: Positive = Key("along the axis", "m")
+    axis: Direction = Key("direction, global components", default=(0.0, 0.0, 1.0))
 
     def volume(self) -> float:
         """Return pi r^2 l."""

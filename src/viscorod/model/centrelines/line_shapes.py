@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from viscorod.model.centrelines.centreline import VERTICAL, Centreline, cross, start_axis
 from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import Direction, NonNegative, Number, Positive, Vector, one_of
 from viscorod.typing import Floats
 
@@ -17,16 +18,11 @@ __all__ = ["Arc", "Helix", "Straight"]
 
 
 class Straight(Centreline):
-    """A straight line.
-
-    Args:
-        start: m.
-        end: m.
-    """
+    """A straight line."""
 
     shape: Literal["straight"] = Field(default="straight", kw_only=True, repr=False)
-    start: Vector = Field(description="three numbers, m")
-    end: Vector = Field(description="three numbers, m")
+    start: Vector = Key("", "m")
+    end: Vector = Key("", "m")
 
     @model_validator(mode="after")
     def _positive_length(self) -> Self:
@@ -56,22 +52,16 @@ class Straight(Centreline):
 
 
 class Arc(Centreline):
-    """A circular arc.
-
-    Args:
-        start: m.
-        tangent: direction at the start.
-        normal: direction from the start to the centre of curvature, perpendicular to the tangent.
-        radius: m.
-        angle: of the arc, > 0, rad.
-    """
+    """A circular arc."""
 
     shape: Literal["arc"] = Field(default="arc", kw_only=True, repr=False)
-    start: Vector = Field(description="three numbers, m")
-    tangent: Direction = Field(description="direction at the start, three numbers")
-    normal: Direction = Field(description="direction from the start to the centre, three numbers")
-    radius: Positive = Field(description="m")
-    angle: Positive = Field(description="rad")
+    start: Vector = Key("", "m")
+    tangent: Direction = Key("direction at the start")
+    normal: Direction = Key(
+        "direction from the start to the centre of curvature, perpendicular to the tangent"
+    )
+    radius: Positive = Key("", "m")
+    angle: Positive = Key("of the arc, > 0", "rad")
 
     @model_validator(mode="after")
     def _perpendicular(self) -> Self:
@@ -118,25 +108,18 @@ class Helix(Centreline):
 
     e1 is the part of global x normal to the axis (of global y when the axis is along x), and e1, e2, axis are
     right-handed; `a` grows from `phase`. In a left-handed helix `a` decreases while the height grows.
-
-    Args:
-        radius: R, m.
-        pitch: rise along the axis per turn, >= 0 (0: a ring), m.
-        turns: number of turns, > 0.
-        centre: of the circle in which the helix starts, m.
-        axis: direction in which it rises.
-        phase: angle a of the start, rad.
-        handedness: "right" or "left".
     """
 
     shape: Literal["helix"] = Field(default="helix", kw_only=True, repr=False)
-    radius: Positive = Field(description="m")
-    pitch: NonNegative = Field(description="rise per turn, m")
-    turns: Positive = Field(description="number of turns")
-    centre: Vector = (0.0, 0.0, 0.0)
-    axis: Direction = (0.0, 0.0, 1.0)
-    phase: Number = 0.0
-    handedness: Annotated[Literal["right", "left"], one_of("right", "left")] = "right"
+    radius: Positive = Key("R", "m")
+    pitch: NonNegative = Key("rise along the axis per turn, >= 0 (0: a ring)", "m")
+    turns: Positive = Key("number of turns, > 0")
+    centre: Vector = Key("of the circle in which the helix starts", "m", default=(0.0, 0.0, 0.0))
+    axis: Direction = Key("direction in which it rises", default=(0.0, 0.0, 1.0))
+    phase: Number = Key("angle a of the start", "rad", default=0.0)
+    handedness: Annotated[Literal["right", "left"], one_of("right", "left")] = Key(
+        '"right" or "left"', default="right"
+    )
 
     @property
     def length(self) -> float:

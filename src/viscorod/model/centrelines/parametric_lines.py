@@ -10,12 +10,14 @@ from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
 from viscorod.model.centrelines.centreline import Centreline
 from viscorod.model.centrelines.smooth_curve import SmoothCurve, chebyshev_curve
 from viscorod.model.fields.definition import RefusedError, show
-from viscorod.model.fields.values import Triple, each, function, sequence, vector
+from viscorod.model.fields.forms import listed
+from viscorod.model.fields.metadata import Key, accepts
+from viscorod.model.fields.values import TRIPLE, Triple, each, function, sequence, vector
 from viscorod.typing import Floats
 
 __all__ = ["ParametricCurve", "ThroughPoints"]
@@ -51,6 +53,7 @@ class _Parametric(Centreline):
         return self
 
 
+@accepts(listed(TRIPLE, 2), "list of 2 points or more, 3 numbers each")
 def _points(value: Any) -> tuple[Triple, ...]:
     items = sequence(value)
     if len(items) < 2:
@@ -67,16 +70,10 @@ def _points(value: Any) -> tuple[Triple, ...]:
 
 
 class ThroughPoints(_Parametric):
-    """A smooth curve through points: a cubic spline over the chord lengths (continuous curvature).
-
-    Args:
-        points: at least two, m.
-    """
+    """A smooth curve through points: a cubic spline over the chord lengths (continuous curvature)."""
 
     shape: Literal["points"] = Field(default="points", kw_only=True, repr=False)
-    points: Annotated[Sequence[Sequence[float]], PlainValidator(_points)] = Field(
-        description="list of points, m"
-    )
+    points: Annotated[Sequence[Sequence[float]], _points] = Key("at least two", "m")
 
     @cached_property
     def _smooth(self) -> SmoothCurve:
@@ -98,16 +95,17 @@ class ThroughPoints(_Parametric):
         return SmoothCurve(lambda u: (spline(u), first(u), second(u)), knots)
 
 
-class ParametricCurve(_Parametric):
-    """A curve given by a Python function (not in case files).
+CurveFunction = Annotated[Callable[[float], Sequence[float] | Floats], function]
 
-    Args:
-        function: u in [0, 1] -> position (3 numbers, m); any parametrisation whose speed is never zero. It
-            must be smooth; it is resolved to 12 digits by piecewise Chebyshev series.
-    """
+
+class ParametricCurve(_Parametric):
+    """A curve given by a Python function (not in case files)."""
 
     shape: Literal["curve"] = Field(default="curve", kw_only=True, repr=False)
-    function: Annotated[Callable[[float], Sequence[float] | Floats], PlainValidator(function)]
+    function: CurveFunction = Key(
+        "u in [0, 1] -> position (3 numbers, m); any parametrisation whose speed is never zero. It "
+        "must be smooth; it is resolved to 12 digits by piecewise Chebyshev series"
+    )
 
     @cached_property
     def _smooth(self) -> SmoothCurve:

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from viscorod.model.connections.joint_base import AnyJoint
 from viscorod.model.fields.directions import axes_from
+from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import Direction
 from viscorod.typing import Floats
 
@@ -15,7 +16,7 @@ __all__ = ["Cylindrical", "Planar", "Prismatic", "Revolute"]
 
 
 class _AlongAxis(AnyJoint):
-    axis: Direction = Field(description="direction, three numbers")
+    axis: Direction = Key("z of the joint, global components in the reference shape")
 
     def frame(self) -> Floats:
         """Return axes with the axis as z."""
@@ -23,20 +24,7 @@ class _AlongAxis(AnyJoint):
 
 
 class Revolute(_AlongAxis):
-    """A hinge: allows rotation about an axis of b.
-
-    Args:
-        a: place.
-        b: place, or "ground".
-        name: of the joint; by name only.
-        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
-            by name only.
-        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
-            by name only.
-        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
-        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
-        axis: z of the joint, global components in the reference shape.
-    """
+    """A hinge: allows rotation about an axis of b."""
 
     kind: Literal["revolute"] = Field(default="revolute", kw_only=True, repr=False)
 
@@ -46,20 +34,7 @@ class Revolute(_AlongAxis):
 
 
 class Cylindrical(_AlongAxis):
-    """Allows rotation about an axis of b and sliding along it.
-
-    Args:
-        a: place.
-        b: place, or "ground".
-        name: of the joint; by name only.
-        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
-            by name only.
-        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
-            by name only.
-        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
-        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
-        axis: z of the joint, global components in the reference shape.
-    """
+    """Allows rotation about an axis of b and sliding along it."""
 
     kind: Literal["cylindrical"] = Field(default="cylindrical", kw_only=True, repr=False)
 
@@ -69,20 +44,7 @@ class Cylindrical(_AlongAxis):
 
 
 class Prismatic(_AlongAxis):
-    """Allows sliding along an axis of b.
-
-    Args:
-        a: place.
-        b: place, or "ground".
-        name: of the joint; by name only.
-        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
-            by name only.
-        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
-            by name only.
-        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
-        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
-        axis: z of the joint, global components in the reference shape.
-    """
+    """Allows sliding along an axis of b."""
 
     kind: Literal["prismatic"] = Field(default="prismatic", kw_only=True, repr=False)
 
@@ -92,23 +54,10 @@ class Prismatic(_AlongAxis):
 
 
 class Planar(AnyJoint):
-    """Allows sliding and rotation in a plane of b.
-
-    Args:
-        a: place.
-        b: place, or "ground".
-        name: of the joint; by name only.
-        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
-            by name only.
-        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
-            by name only.
-        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
-        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
-        normal: of the plane, z of the joint, global components in the reference shape.
-    """
+    """Allows sliding and rotation in a plane of b."""
 
     kind: Literal["planar"] = Field(default="planar", kw_only=True, repr=False)
-    normal: Direction = Field(description="direction, three numbers")
+    normal: Direction = Key("of the plane, z of the joint, global components in the reference shape")
 
     def free_motions(self) -> tuple[str, ...]:
         """Return the displacements in the plane and the rotation about its normal."""

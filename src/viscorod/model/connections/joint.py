@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
 from viscorod.model.connections.axis_joint import Cylindrical, Planar, Prismatic, Revolute
 from viscorod.model.connections.joint_base import AnyJoint
@@ -12,6 +12,7 @@ from viscorod.model.connections.motion_words import MOTIONS, fixed_motions
 from viscorod.model.connections.place import GROUND
 from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.directions import OptionalAxes, TwoDirections, columns
+from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import choose
 from viscorod.typing import Floats
 
@@ -30,14 +31,9 @@ __all__ = [
 
 
 class Rigid(AnyJoint):
-    """Holds all relative motions.
+    """Holds all relative motions."""
 
-    Args:
-        a: place.
-        b: place, or "ground".
-        name: of the joint; by name only.
-    """
-
+    unused: ClassVar[tuple[str, ...]] = ("stiffness", "damping", "rest", "motion")
     kind: Literal["rigid"] = Field(default="rigid", kw_only=True, repr=False)
 
     def free_motions(self) -> tuple[str, ...]:
@@ -46,24 +42,15 @@ class Rigid(AnyJoint):
 
 
 class Ball(AnyJoint):
-    """Allows rotation about any axis through a point of b.
-
-    Args:
-        a: place.
-        b: place, or "ground".
-        name: of the joint; by name only.
-        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
-            by name only.
-        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
-            by name only.
-        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
-        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
-        axes: of the joint, carried by b: directions x and y, perpendicular, global components in the reference shape;
-            by default the global axes; by name only.
-    """
+    """Allows rotation about any axis through a point of b."""
 
     kind: Literal["ball"] = Field(default="ball", kw_only=True, repr=False)
-    axes: OptionalAxes = Field(default=None, kw_only=True)
+    axes: OptionalAxes = Key(
+        "of the joint, carried by b: directions x and y, perpendicular, global components in the "
+        "reference shape; by default the global axes",
+        default=None,
+        kw_only=True,
+    )
 
     def free_motions(self) -> tuple[str, ...]:
         """Return the rotations."""
@@ -75,24 +62,13 @@ class Ball(AnyJoint):
 
 
 class Universal(AnyJoint):
-    """A cardan joint: allows rotation about two perpendicular directions, x and y of the joint.
-
-    Args:
-        a: place.
-        b: place, or "ground".
-        name: of the joint; by name only.
-        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
-            by name only.
-        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
-            by name only.
-        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
-        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
-        axes: two perpendicular directions, global components in the reference shape; the first, x, is carried by a,
-            the second, y, by b.
-    """
+    """A cardan joint: allows rotation about two perpendicular directions, x and y of the joint."""
 
     kind: Literal["universal"] = Field(default="universal", kw_only=True, repr=False)
-    axes: TwoDirections = Field(description="two perpendicular directions")
+    axes: TwoDirections = Key(
+        "two perpendicular directions, global components in the reference shape; the first, x, is "
+        "carried by a, the second, y, by b"
+    )
 
     def free_motions(self) -> tuple[str, ...]:
         """Return the rotations about the two directions."""
@@ -115,28 +91,16 @@ class Universal(AnyJoint):
 
 
 class Joint(AnyJoint):
-    """Leaves any of the six relative motions free.
-
-    Args:
-        a: place.
-        b: place, or "ground".
-        name: of the joint; by name only.
-        stiffness: free motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only);
-            by name only.
-        damping: free motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only);
-            by name only.
-        rest: motion words with the coordinates at which the stiffness does not pull (m, rad); by name only.
-        motion: free motion words that follow functions of time (m or rad): a motor; by name only.
-        free: motion words that are free; by name only.
-        axes: of the joint, carried by b: directions x and y, perpendicular, global components in the reference shape;
-            by default the global axes; by name only.
-    """
+    """Leaves any of the six relative motions free."""
 
     kind: Literal["general"] = Field(default="general", kw_only=True, repr=False)
-    free: Annotated[tuple[str, ...], PlainValidator(fixed_motions)] = Field(
-        description="list of motion words", kw_only=True
+    free: Annotated[tuple[str, ...], fixed_motions] = Key("motion words that are free", kw_only=True)
+    axes: OptionalAxes = Key(
+        "of the joint, carried by b: directions x and y, perpendicular, global components in the "
+        "reference shape; by default the global axes",
+        default=None,
+        kw_only=True,
     )
-    axes: OptionalAxes = Field(default=None, kw_only=True)
 
     def free_motions(self) -> tuple[str, ...]:
         """Return the given motion words."""

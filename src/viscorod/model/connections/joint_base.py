@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Self, TypeAlias
+from typing import ClassVar, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import model_validator
 
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.connections.motion_words import MOTIONS
@@ -22,12 +22,12 @@ from viscorod.model.connections.spring_laws import (
 )
 from viscorod.model.connections.support_base import MotionField
 from viscorod.model.fields.definition import Definition, RefusedError, show
-from viscorod.model.fields.values import name_of_part, optional
+from viscorod.model.fields.metadata import Key
+from viscorod.model.fields.values import OptionalName
 from viscorod.typing import Floats
 
 __all__ = ["AnyJoint", "Ends", "ResolvedJoint", "require_two_ends"]
 
-OptionalName = Annotated[str | None, PlainValidator(optional(name_of_part))]
 Ends: TypeAlias = tuple[str, str]
 
 
@@ -95,13 +95,29 @@ class AnyJoint(Definition):
 
     tag: ClassVar[str | None] = "kind"
 
-    a: EndField = Field(description="place, such as 'arm.end'")
-    b: EndField = Field(description="place, such as 'leg.start', or 'ground'")
-    name: OptionalName = Field(default=None, kw_only=True)
-    stiffness: StiffnessTable = Field(default={}, kw_only=True)
-    damping: DampingTable = Field(default={}, kw_only=True)
-    rest: RestTable = Field(default={}, kw_only=True)
-    motion: MotionField = Field(default={}, kw_only=True)
+    a: EndField = Key("place")
+    b: EndField = Key('place, or "ground"')
+    name: OptionalName = Key("of the joint", default=None, kw_only=True)
+    stiffness: StiffnessTable = Key(
+        "free motion words with numbers ({}, {})", "N/m", "N m/rad", default={}, kw_only=True
+    )
+    damping: DampingTable = Key(
+        "free motion words with numbers ({}, {})", "N s/m", "N m s/rad", default={}, kw_only=True
+    )
+    rest: RestTable = Key(
+        "motion words with the coordinates at which the stiffness does not pull ({}, {})",
+        "m",
+        "rad",
+        default={},
+        kw_only=True,
+    )
+    motion: MotionField = Key(
+        "free motion words that follow functions of time ({} or {}): a motor",
+        "m",
+        "rad",
+        default={},
+        kw_only=True,
+    )
 
     @property
     def word(self) -> str:

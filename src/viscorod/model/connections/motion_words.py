@@ -8,6 +8,8 @@ from typing import Any
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.actions.time_table import time_function
 from viscorod.model.fields.definition import RefusedError, did_you_mean, show
+from viscorod.model.fields.forms import listed, of_kind, word_table
+from viscorod.model.fields.metadata import accepts
 from viscorod.model.fields.values import different, entries
 
 __all__ = [
@@ -29,6 +31,10 @@ VELOCITIES = ("v1", "v2", "v3", "w1", "w2", "w3")
 Motion = Mapping[str, TimeFunction]
 
 
+def _some_of(words: tuple[str, ...]) -> str:
+    return "list of some of " + ", ".join(f'`"{word}"`' for word in words)
+
+
 def motion_word(value: Any) -> str:
     """Return `value` if it is one of the six motion words."""
     if value not in MOTIONS if isinstance(value, str) else True:
@@ -44,21 +50,25 @@ def velocity_word(value: Any) -> str:
     return str(value)
 
 
+@accepts(listed({"enum": list(MOTIONS)}), _some_of(MOTIONS))
 def fixed_motions(value: Any) -> tuple[str, ...]:
     """Return `value` if it is a list of motion words, each once; in their order."""
     return tuple(sorted(different(value, motion_word, "motion"), key=MOTIONS.index))
 
 
+@accepts(listed({"enum": list(VELOCITIES)}), _some_of(VELOCITIES))
 def fixed_velocities(value: Any) -> tuple[str, ...]:
     """Return `value` if it is a list of velocity words, each once; in their order."""
     return tuple(sorted(different(value, velocity_word, "velocity"), key=VELOCITIES.index))
 
 
+@accepts(word_table(MOTIONS, of_kind("time")), "table from motion words to numbers or functions of time")
 def motion_functions(value: Any) -> dict[str, TimeFunction]:
     """Check a table from motion words to continuous functions of time; return it in the order of the words."""
     return _functions(value, motion_word, MOTIONS, "motion", "rz")
 
 
+@accepts(word_table(VELOCITIES, of_kind("time")), "table from velocity words to numbers or functions of time")
 def velocity_functions(value: Any) -> dict[str, TimeFunction]:
     """Check a table from velocity words to continuous functions of time; return it in the order of the words."""
     return _functions(value, velocity_word, VELOCITIES, "velocity", "v1")

@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias, overload
 
-from pydantic import PlainValidator
-
 from viscorod.model.bodies.body_base import AnyBody
 from viscorod.model.fields.definition import RefusedError, did_you_mean, show, some_of
+from viscorod.model.fields.forms import TEXT
+from viscorod.model.fields.metadata import accepts
 from viscorod.model.fields.values import word
 from viscorod.model.rod import Rod
 
@@ -72,6 +72,7 @@ class BodyPlace:
 AnyPlace: TypeAlias = Place | BodyPlace
 
 
+@accepts(TEXT, "place, in quotes")
 def place_text(value: Any) -> str:
     """Return `value` if it has the form of a place."""
     parts = _FORM.fullmatch(word(value))
@@ -84,6 +85,7 @@ def place_text(value: Any) -> str:
     return str(value)
 
 
+@accepts(TEXT, 'place, or `"ground"`, in quotes')
 def end_text(value: Any) -> str:
     """Return `value` if it is "ground" or has the form of a place."""
     if isinstance(value, str) and value == GROUND:
@@ -106,8 +108,8 @@ def _station(text: str) -> float:
     return s
 
 
-PlaceField = Annotated[str, PlainValidator(place_text)]
-EndField = Annotated[str, PlainValidator(end_text)]
+PlaceField = Annotated[str, place_text]
+EndField = Annotated[str, end_text]
 
 
 def find_rod(name: str, rods: Mapping[str, Rod], bodies: Mapping[str, AnyBody] | None = None) -> Rod:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
-from viscorod.model.connections.joint_base import OptionalName, require_two_ends
+from viscorod.model.connections.joint_base import require_two_ends
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.connections.place import GROUND, AnyPlace, EndField, PlaceField, end_text
 from viscorod.model.connections.spring_laws import (
@@ -26,7 +26,9 @@ from viscorod.model.connections.spring_laws import (
 )
 from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.directions import OptionalAxes, columns
-from viscorod.model.fields.values import OptionalPositive, Triple, choose, vector
+from viscorod.model.fields.forms import TEXT
+from viscorod.model.fields.metadata import Key, accepts
+from viscorod.model.fields.values import TRIPLE, OptionalName, OptionalPositive, Triple, choose, vector
 from viscorod.typing import Floats
 
 __all__ = ["SPRINGS", "AnySpring", "LineSpring", "ResolvedSpring", "Spring", "spring"]
@@ -70,8 +72,8 @@ class AnySpring(Definition):
 
     tag: ClassVar[str | None] = "kind"
 
-    at: PlaceField = Field(description="place, such as 'beam.end'")
-    name: OptionalName = Field(default=None, kw_only=True)
+    at: PlaceField = Key("place")
+    name: OptionalName = Key("of the spring", default=None, kw_only=True)
 
     @property
     def word(self) -> str:
@@ -94,25 +96,23 @@ class AnySpring(Definition):
 
 
 class Spring(AnySpring):
-    """Springs and dampers along the motions of a place relative to another, or to the ground: a bushing.
-
-    Args:
-        at: place.
-        to: place, or "ground".
-        stiffness: motion words with numbers (N/m, N m/rad), or functions of the coordinate (in Python only).
-        damping: motion words with numbers (N s/m, N m s/rad), or functions of the rate (in Python only).
-        rest: motion words with the coordinates at which the stiffness does not pull (m, rad).
-        axes: of the motions, carried by the other place: directions x and y, perpendicular, global components in the
-            reference shape; by default the global axes.
-        name: of the spring; by name only.
-    """
+    """Springs and dampers along the motions of a place relative to another, or to the ground: a bushing."""
 
     kind: Literal["bushing"] = Field(default="bushing", kw_only=True, repr=False)
-    to: EndField = GROUND
-    stiffness: StiffnessTable = Field(default={})
-    damping: DampingTable = Field(default={})
-    rest: RestTable = Field(default={})
-    axes: OptionalAxes = None
+    to: EndField = Key('place, or "ground"', default=GROUND)
+    stiffness: StiffnessTable = Key("motion words with numbers ({}, {})", "N/m", "N m/rad", default={})
+    damping: DampingTable = Key("motion words with numbers ({}, {})", "N s/m", "N m s/rad", default={})
+    rest: RestTable = Key(
+        "motion words with the coordinates at which the stiffness does not pull ({}, {})",
+        "m",
+        "rad",
+        default={},
+    )
+    axes: OptionalAxes = Key(
+        "of the motions, carried by the other place: directions x and y, perpendicular, global "
+        "components in the reference shape; by default the global axes",
+        default=None,
+    )
 
     @property
     def ends(self) -> tuple[str, str]:
@@ -145,6 +145,7 @@ class Spring(AnySpring):
         return self
 
 
+@accepts({"anyOf": [TEXT, TRIPLE]}, "place, in quotes, or 3 numbers")
 def _anchor(value: Any) -> Anchor:
     if isinstance(value, str):
         if value == GROUND:
@@ -159,22 +160,15 @@ def _anchor(value: Any) -> Anchor:
 
 
 class LineSpring(AnySpring):
-    """A spring and damper along the straight line between two places, or between a place and a fixed point.
-
-    Args:
-        at: place.
-        to: place, or the position of a point fixed in space, m.
-        stiffness: N/m, or the force as a function of the elongation (in Python only).
-        damping: N s/m, or the force as a function of the rate of the length (in Python only).
-        length: without force, m; by default that of the reference shape.
-        name: of the spring; by name only.
-    """
+    """A spring and damper along the straight line between two places, or between a place and a fixed point."""
 
     kind: Literal["line"] = Field(default="line", kw_only=True, repr=False)
-    to: Annotated[Anchor, PlainValidator(_anchor)] = Field(description="place, or three numbers")
-    stiffness: Stiffness = 0.0
-    damping: Damping = 0.0
-    length: OptionalPositive = None
+    to: Annotated[Anchor, _anchor] = Key("place, or the position of a point fixed in space", "m")
+    stiffness: Stiffness = Key("", "N/m", default=0.0)
+    damping: Damping = Key("", "N s/m", default=0.0)
+    length: OptionalPositive = Key(
+        "without force, {}; by default that of the reference shape", "m", default=None
+    )
 
     @property
     def ends(self) -> tuple[str, str]:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, TypeAlias
 
-from pydantic import PlainValidator
-
 from viscorod.model.connections.motion_words import MOTIONS, motion_word
 from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.forms import NOT_NEGATIVE, Form, quantity, word_table
+from viscorod.model.fields.metadata import Check, accepts
 from viscorod.model.fields.values import entries, number
 
 __all__ = [
@@ -30,11 +30,13 @@ Laws: TypeAlias = Mapping[str, Law]
 Rest: TypeAlias = Mapping[str, float]
 
 
+@accepts(quantity(), "number", "or the force as a function of the elongation")
 def stiffness(value: Any) -> Law:
     """Return `value` as a finite number (a negative one is bistable), or as a function of the coordinate."""
     return _checked(value) if callable(value) else number(value)
 
 
+@accepts(quantity(bounds=NOT_NEGATIVE), "number >= 0", "or the force as a function of the rate of the length")
 def damping(value: Any) -> Law:
     """Return `value` as a number >= 0, or as a function of the rate."""
     if callable(value):
@@ -67,7 +69,12 @@ def _checked(law: Callable[[float], float]) -> Law:
     return law
 
 
-def _table(check: Callable[[Any], Any], noun: str) -> Callable[[Any], dict[str, Any]]:
+def _table(
+    check: Check[Any], noun: str, python: str = "", bounds: Form | None = None
+) -> Check[dict[str, Any]]:
+    words = f"table from motion words to {check.words.replace('number', 'numbers')}"
+
+    @accepts(word_table(MOTIONS, bounds=bounds), words, python)
     def parse(value: Any) -> dict[str, Any]:
         if not isinstance(value, Mapping):
             raise RefusedError(
@@ -80,15 +87,15 @@ def _table(check: Callable[[Any], Any], noun: str) -> Callable[[Any], dict[str, 
     return parse
 
 
-stiffness_table = _table(stiffness, "stiffnesses")
-damping_table = _table(damping, "dampings")
+stiffness_table = _table(stiffness, "stiffnesses", "or functions of the coordinate")
+damping_table = _table(damping, "dampings", "or functions of the rate", NOT_NEGATIVE)
 rest_table = _table(number, "rest positions")
 
-Stiffness = Annotated[Law, PlainValidator(stiffness)]
-Damping = Annotated[Law, PlainValidator(damping)]
-StiffnessTable = Annotated[Laws, PlainValidator(stiffness_table)]
-DampingTable = Annotated[Laws, PlainValidator(damping_table)]
-RestTable = Annotated[Rest, PlainValidator(rest_table)]
+Stiffness = Annotated[Law, stiffness]
+Damping = Annotated[Law, damping]
+StiffnessTable = Annotated[Laws, stiffness_table]
+DampingTable = Annotated[Laws, damping_table]
+RestTable = Annotated[Rest, rest_table]
 
 
 def require_law_words(

@@ -5,23 +5,23 @@ from __future__ import annotations
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
 from viscorod.model.connections.motion_words import (
     MOTIONS,
     fixed_motions,
 )
-from viscorod.model.connections.support_base import AnySupport, Frame
+from viscorod.model.connections.support_base import AnySupport, Frame, MotionField
 from viscorod.model.connections.velocity_support import VelocitySupport
 from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.directions import axes_from, columns, two_directions
+from viscorod.model.fields.metadata import Key, optional
 from viscorod.model.fields.values import (
     Direction,
     OptionalDirection,
     Triple,
     choose,
     one_of,
-    optional,
 )
 from viscorod.typing import Floats
 
@@ -29,22 +29,25 @@ __all__ = ["SUPPORTS", "Clamp", "Guide", "Pin", "Roller", "Support", "support"]
 
 
 class Support(AnySupport):
-    """Any subset of the six motions.
-
-    Args:
-        at: place.
-        fixed: motion words that stay zero.
-        frame: "global" axes, or "node": the rod's d1, d2, d3 at the place.
-        axes: other axes for the motion words: directions x and y, perpendicular, global components (z = x
-            cross y).
-        motion: motion words with functions of time (m or rad); by name only. A rotation prescribed at a place that is
-            not held completely must stay below a full turn.
-    """
+    """Any subset of the six motions."""
 
     kind: Literal["support"] = Field(default="support", kw_only=True, repr=False)
-    fixed: Annotated[tuple[str, ...], PlainValidator(fixed_motions)] = ()
-    frame: Annotated[Literal["global", "node"], one_of("global", "node")] = "global"
-    axes: Annotated[tuple[Triple, Triple] | None, PlainValidator(optional(two_directions))] = None
+    fixed: Annotated[tuple[str, ...], fixed_motions] = Key("motion words that stay zero", default=())
+    motion: MotionField = Key(
+        "motion words with functions of time ({} or {}). A rotation prescribed at a place that is not held completely "
+        "must stay below a full turn",
+        "m",
+        "rad",
+        default={},
+        kw_only=True,
+    )
+    frame: Annotated[Literal["global", "node"], one_of("global", "node")] = Key(
+        '"global" axes, or "node": the rod\'s d1, d2, d3 at the place', default="global"
+    )
+    axes: Annotated[tuple[Triple, Triple] | None, optional(two_directions)] = Key(
+        "other axes for the motion words: directions x and y, perpendicular, global components (z = x cross y)",
+        default=None,
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -86,12 +89,7 @@ class Support(AnySupport):
 
 
 class Clamp(AnySupport):
-    """Holds all six motions in the global axes.
-
-    Args:
-        at: place.
-        motion: motion words that follow functions of time instead of staying zero (m or rad); by name only.
-    """
+    """Holds all six motions in the global axes."""
 
     kind: Literal["clamp"] = Field(default="clamp", kw_only=True, repr=False)
 
@@ -101,12 +99,7 @@ class Clamp(AnySupport):
 
 
 class Pin(AnySupport):
-    """Holds the three displacements in the global axes; rotation is free.
-
-    Args:
-        at: place.
-        motion: of ux, uy, uz, those that follow functions of time (m); by name only.
-    """
+    """Holds the three displacements in the global axes; rotation is free."""
 
     kind: Literal["pin"] = Field(default="pin", kw_only=True, repr=False)
 
@@ -116,16 +109,12 @@ class Pin(AnySupport):
 
 
 class Guide(AnySupport):
-    """Allows sliding along a fixed direction, x of the support's axes, and holds all other motions.
-
-    Args:
-        at: place.
-        along: the direction, global axes; by default the rod's tangent there in the reference shape.
-        motion: motion words (in the support's axes) that follow functions of time (m or rad); by name only.
-    """
+    """Allows sliding along a fixed direction, x of the support's axes, and holds all other motions."""
 
     kind: Literal["guide"] = Field(default="guide", kw_only=True, repr=False)
-    along: OptionalDirection = None
+    along: OptionalDirection = Key(
+        "the direction, global axes; by default the rod's tangent there in the reference shape", default=None
+    )
 
     def held(self) -> tuple[str, ...]:
         """Return all motion words but ux."""
@@ -137,16 +126,10 @@ class Guide(AnySupport):
 
 
 class Roller(AnySupport):
-    """Holds the displacement along one direction, x of the support's axes; all else is free.
-
-    Args:
-        at: place.
-        normal: the direction, global axes.
-        motion: ux as a function of time (m); by name only.
-    """
+    """Holds the displacement along one direction, x of the support's axes; all else is free."""
 
     kind: Literal["roller"] = Field(default="roller", kw_only=True, repr=False)
-    normal: Direction = Field(description="direction that is held, three numbers")
+    normal: Direction = Key("the direction, global axes")
 
     def held(self) -> tuple[str, ...]:
         """Return the displacement along the normal."""

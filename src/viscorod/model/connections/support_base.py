@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import model_validator
 
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.connections.motion_words import (
@@ -17,6 +17,7 @@ from viscorod.model.connections.motion_words import (
 )
 from viscorod.model.connections.place import AnyPlace, PlaceField
 from viscorod.model.fields.definition import Definition, RefusedError
+from viscorod.model.fields.metadata import Key
 from viscorod.typing import Floats
 
 __all__ = ["AnySupport", "Frame", "ResolvedSupport"]
@@ -54,7 +55,7 @@ class ResolvedSupport:
         return tuple(word for word in MOTIONS if word in self.fixed or word in self.motion)
 
 
-MotionField = Annotated[Motion, PlainValidator(motion_functions)]
+MotionField = Annotated[Motion, motion_functions]
 
 
 class AnySupport(Definition):
@@ -62,8 +63,14 @@ class AnySupport(Definition):
 
     tag: ClassVar[str | None] = "kind"
 
-    at: PlaceField = Field(description="place, such as 'beam.start'")
-    motion: MotionField = Field(default={}, kw_only=True)
+    at: PlaceField = Key("place")
+    motion: MotionField = Key(
+        "held motion words, in the support's axes, that follow functions of time ({} or {}) instead of staying zero",
+        "m",
+        "rad",
+        default={},
+        kw_only=True,
+    )
 
     @property
     def label(self) -> str:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.actions.time_table import time_function
@@ -19,6 +19,7 @@ from viscorod.model.connections.motion_words import (
 from viscorod.model.connections.place import AnyPlace
 from viscorod.model.connections.support_base import AnySupport, ResolvedSupport
 from viscorod.model.fields.definition import RefusedError
+from viscorod.model.fields.metadata import Key
 from viscorod.typing import Floats
 
 __all__ = ["VelocitySupport"]
@@ -54,17 +55,20 @@ class VelocitySupport(AnySupport):
 
     The support does not hold a position: the place may drift. Three zero velocities v1, v2, v3 are a ball joint,
     all six a clamp. Total section forces along the other components are following forces and moments.
-
-    Args:
-        at: place.
-        fixed: velocity words v1, v2, v3 (m/s), w1, w2, w3 (rad/s) that stay zero.
-        velocity: velocity words with functions of time (m/s, rad/s); by name only. They are continuous.
-        motion: none; positions are free.
     """
 
+    unused: ClassVar[tuple[str, ...]] = ("motion",)  # positions are free
     kind: Literal["body_velocity"] = Field(default="body_velocity", kw_only=True, repr=False)
-    fixed: Annotated[tuple[str, ...], PlainValidator(fixed_velocities)] = ()
-    velocity: Annotated[Motion, PlainValidator(velocity_functions)] = Field(default={}, kw_only=True)
+    fixed: Annotated[tuple[str, ...], fixed_velocities] = Key(
+        "velocity words v1, v2, v3 (m/s), w1, w2, w3 (rad/s) that stay zero", default=()
+    )
+    velocity: Annotated[Motion, velocity_functions] = Key(
+        "velocity words with functions of time ({}, {}). They are continuous",
+        "m/s",
+        "rad/s",
+        default={},
+        kw_only=True,
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -7,8 +7,10 @@ same classes serve the Python API (``Rectangle(0.01, 0.02)``) and the case files
 from __future__ import annotations
 
 import difflib
+import inspect
 import re
 import reprlib
+import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, ClassVar, TypeVar, dataclass_transform
@@ -16,14 +18,15 @@ from typing import Any, ClassVar, TypeVar, dataclass_transform
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from viscorod.errors import Fault, InputError
+from viscorod.model.fields.metadata import Key, accepted, expected, meaning
 
 __all__ = [
     "Definition",
     "FaultyValue",
     "RefusedError",
+    "at_key",
     "base_init",
     "did_you_mean",
-    "inside",
     "nearest",
     "path_text",
     "plain_value",
@@ -39,6 +42,8 @@ _SHORT = reprlib.Repr()
 _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 60, 60, 30
 _SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = 8
 _LONGEST, _MOST = 160, 12
+
+_ARGUMENT = textwrap.TextWrapper(100, " " * 4, " " * 8, break_long_words=False, break_on_hyphens=False)
 
 
 class RefusedError(InputError):
@@ -57,15 +62,16 @@ class RefusedError(InputError):
 class FaultyValue:
     """Placeholder for a value that is known to be wrong (a misspelt or missing key, an unknown name).
 
-    Whatever the validators find, the fault reported is the one given here; `replaces` names the missing key that a
-    misspelt one explains; `silent` leaves the fault out because it is reported elsewhere.
+    Whatever the validators say of it, the problem reported is the one given here; `replaces` names the
+    missing key that a misspelt one explains; `reported` leaves the problem out because it has been reported
+    elsewhere.
     """
 
     def __init__(
-        self, value: Any, why: str = "", instead: str = "", *, replaces: str = "", silent: bool = False
+        self, value: Any, why: str = "", instead: str = "", *, replaces: str = "", reported: bool = False
     ) -> None:
         self.value, self.why, self.instead = value, why, instead
-        self.replaces, self.silent = replaces, silent
+        self.replaces, self.reported = replaces, reported
 
     def __repr__(self) -> str:
         return repr(self.value)
@@ -77,7 +83,7 @@ def base_init(function: F) -> F:
     return function
 
 
-@dataclass_transform(kw_only_default=False, field_specifiers=(Field,))
+@dataclass_transform(kw_only_default=False, field_specifiers=(Field, Key))
 class Definition(BaseModel):
     """Base class of the user's objects: immutable; unknown keys refused; errors are `InputError`.
 
@@ -88,6 +94,17 @@ class Definition(BaseModel):
 
     #: The field with the kind of an object in a case file (``shape`` or ``kind``); always written out.
     tag: ClassVar[str | None] = None
+
+    #: Fields that the class inherits and refuses to fill: its users need not know of them.
+    unused: ClassVar[tuple[str, ...]] = ()
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        """Add the arguments to the docstring of the class, from the descriptions and units of its fields."""
+        super().__pydantic_init_subclass__(**kwargs)
+        lines = _arguments(cls)
+        if lines and cls.__doc__:
+            cls.__doc__ = "\n".join([inspect.cleandoc(cls.__doc__), "", "Args:", *lines])
 
     @base_init
     def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -122,8 +139,8 @@ class Definition(BaseModel):
                 marked[str(key)] = _unknown(cls, str(key), data)
         for name, field in cls.model_fields.items():
             if field.is_required() and name not in data:
-                what = f" ({field.description})" if field.description else ""
-                marked[name] = FaultyValue(None, "this key is required and missing", f"add {name}{what}")
+                what = f"add {name} ({expected(field)})"
+                marked[name] = FaultyValue(None, "this key is required and missing", what)
         return marked
 
     def to_dict(self) -> dict[str, Any]:
@@ -136,6 +153,19 @@ class Definition(BaseModel):
             ):
                 plain[name] = plain_value(value)
         return plain
+
+
+def _arguments(cls: type[Definition]) -> list[str]:
+    """Return lines of a docstring about the fields of a class, those given by position first."""
+    lines: list[str] = []
+    for name, field in sorted(cls.model_fields.items(), key=lambda item: item[1].kw_only is True):
+        check, text = accepted(field), meaning(field)
+        if not text or name == cls.tag or name in cls.unused:
+            continue
+        python = f", {check.python} (in Python only)" if check and check.python else ""
+        text = f"{name}: {text}{python}{'; by name only' if field.kw_only else ''}."
+        lines += _ARGUMENT.wrap(text)
+    return lines
 
 
 def plain_value(value: Any) -> Any:
@@ -187,16 +217,16 @@ def show(value: Any) -> str:
 
 
 @contextmanager
-def inside(key: str | int, value: Any) -> Iterator[None]:
-    """Prefix errors about `value` with `key`."""
+def at_key(key: str | int, value: Any) -> Iterator[None]:
+    """Prefix the paths of errors about `value` with its `key`."""
     try:
         yield
     except RefusedError as error:
         found = show(value) if error.found is None else error.found
         raise RefusedError(error.why, error.instead, found=found, at=(key, *error.at)) from None
     except (ValidationError, InputError) as error:
-        told = problems_of(error, value)
-        raise InputError(problem.within(path_text((key,))) for problem in told) from None
+        problems = problems_of(error, value)
+        raise InputError(problem.within(path_text((key,))) for problem in problems) from None
 
 
 def problems_from(error: ValidationError) -> list[Fault]:
@@ -212,7 +242,7 @@ def problems_from(error: ValidationError) -> list[Fault]:
         value, loc = item["input"], item["loc"]
         cause = item.get("ctx", {}).get("error")
         if isinstance(value, FaultyValue) and (
-            value.silent or (item["type"] != "extra_forbidden" and loc in explained)
+            value.reported or (item["type"] != "extra_forbidden" and loc in explained)
         ):
             continue
         if isinstance(cause, InputError) and not isinstance(cause, RefusedError):
@@ -227,7 +257,7 @@ def problems_of(error: ValidationError | InputError, value: Any) -> list[Fault]:
     if isinstance(error, ValidationError):
         return problems_from(error)
     if isinstance(value, FaultyValue):
-        return [] if value.silent else [_problem("", (), value, "", None)]
+        return [] if value.reported else [_problem("", (), value, "", None)]
     if isinstance(error, RefusedError):
         return [_problem("", (), value, "", error)]
     return list(error.problems)

@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
-from pydantic import PlainValidator
 
 from viscorod.model.fields.definition import RefusedError, show
-from viscorod.model.fields.values import Triple, direction, optional, sequence
+from viscorod.model.fields.forms import listed
+from viscorod.model.fields.metadata import accepts, optional
+from viscorod.model.fields.values import TRIPLE, Triple, direction, sequence
 from viscorod.typing import Floats
 
 __all__ = ["OptionalAxes", "TwoDirections", "axes_from", "axes_of", "columns", "two_directions"]
@@ -16,6 +17,7 @@ __all__ = ["OptionalAxes", "TwoDirections", "axes_from", "axes_of", "columns", "
 Pair: TypeAlias = tuple[Triple, Triple]
 
 
+@accepts(listed(TRIPLE, 2, 2), "2 perpendicular directions, 3 numbers each")
 def two_directions(value: Any) -> Pair:
     """Return `value` as two perpendicular unit vectors, global components."""
     items = sequence(value)
@@ -31,6 +33,7 @@ def two_directions(value: Any) -> Pair:
     return first, (a, b, c)
 
 
+@accepts(listed(TRIPLE, 2, 3), "2 perpendicular directions, 3 numbers each")
 def axes_of(value: Any) -> Pair:
     """Return `value`, two or three perpendicular directions, as the first two; the third must be x cross y."""
     items = sequence(value)
@@ -61,5 +64,5 @@ def axes_from(first: Triple) -> Floats:
     return np.column_stack([x, y, np.cross(x, y)])
 
 
-TwoDirections = Annotated[Pair, PlainValidator(two_directions)]
-OptionalAxes = Annotated[Pair | None, PlainValidator(optional(axes_of))]
+TwoDirections = Annotated[Pair, two_directions]
+OptionalAxes = Annotated[Pair | None, optional(axes_of)]

@@ -11,13 +11,17 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, TypeAlias, TypeVar
 
 import numpy as np
-from pydantic import BeforeValidator, PlainValidator
 
 from viscorod.errors import Fault, InputError
-from viscorod.model.fields.definition import Definition, RefusedError, did_you_mean, inside, show
+from viscorod.model.fields.definition import Definition, RefusedError, at_key, did_you_mean, show
+from viscorod.model.fields.forms import NAME, POSITIVE, TEXT, Form, listed, quantity
+from viscorod.model.fields.metadata import Check, accepts, optional
 
 NOT_GIVEN = math.nan
 """Default of a number that is worked out from others when it is not given (a user's NaN is refused)."""
+
+REQUIRED = float("nan")
+"""Default of a number that must be given, behind others that need not."""
 
 LARGEST = 1e60
 """Numbers beyond it, or positive ones below 1/LARGEST, are refused: their products leave double precision."""
@@ -26,12 +30,13 @@ T = TypeVar("T")
 
 Triple: TypeAlias = tuple[float, float, float]
 
+TRIPLE: Form = listed(quantity(), 3, 3)
 
+
+@accepts(quantity(), "number")
 def number(value: Any) -> float:
     """Return `value` as a finite float."""
-    if (
-        isinstance(value, np.ndarray) and value.ndim == 0
-    ):  # SciPy's interpolants return such arrays for one time
+    if isinstance(value, np.ndarray) and value.ndim == 0:  # what SciPy's interpolants return for one time
         value = value[()]
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
         raise RefusedError("a number is needed here", "give a plain number such as 0.25")
@@ -46,16 +51,27 @@ def number(value: Any) -> float:
     return converted
 
 
-def _bounded(allowed: str, holds: Callable[[float], bool]) -> Callable[[Any], float]:
+def bounded(allowed: str, **bounds: float) -> Check[float]:
+    """Return a check for numbers within bounds.
+
+    Args:
+        allowed: the bounds in words, such as ">= 0".
+        bounds: in words of JSON Schema: ``minimum``, ``exclusiveMinimum``, ``maximum``, ``exclusiveMaximum``.
+    """
+    least, most = bounds.get("minimum", -math.inf), bounds.get("maximum", math.inf)
+    above, below = bounds.get("exclusiveMinimum", -math.inf), bounds.get("exclusiveMaximum", math.inf)
+
+    @accepts(quantity(bounds=bounds), f"number {allowed}")
     def check(value: Any) -> float:
         converted = number(value)
-        if not holds(converted):
+        if not (least <= converted <= most and above < converted < below):
             raise RefusedError("outside what is allowed", f"give a number {allowed}")
         return converted
 
     return check
 
 
+@accepts(quantity(bounds=POSITIVE), "number > 0")
 def positive(value: Any) -> float:
     """Return `value` as a float > 0 that is not absurdly small."""
     converted = number(value)
@@ -66,9 +82,10 @@ def positive(value: Any) -> float:
     return converted
 
 
-def whole_number(low: int, high: int) -> Callable[[Any], int]:
+def whole_number(low: int, high: int) -> Check[int]:
     """Return a check for whole numbers from `low` to `high`."""
 
+    @accepts({"type": "integer", "minimum": low, "maximum": high}, f"whole number, {low} to {high}")
     def check(value: Any) -> int:
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or not low <= value <= high:
             raise RefusedError("a whole number is needed here", f"give a whole number from {low} to {high}")
@@ -89,6 +106,7 @@ def numbers(value: Any, *, count: int | None = None, at_least: int = 1) -> tuple
     return each(items, number)
 
 
+@accepts(listed(quantity(bounds=POSITIVE), 2, 2), "2 numbers > 0, the lower first")
 def frequency_band(value: Any) -> tuple[float, float]:
     """Return `value` as a lower and a higher frequency > 0."""
     low, high = pair(value)
@@ -109,6 +127,11 @@ def sequence(value: Any) -> Sequence[Any]:
     return value
 
 
+def items(value: Any) -> tuple[Any, ...]:
+    """Return `value` as a tuple if it is a list, tuple or array."""
+    return tuple(sequence(value))
+
+
 def each(value: Any, check: Callable[[Any], T]) -> tuple[T, ...]:
     """Apply `check` to the items of a list; errors have the index of their item."""
     items, found = sequence(value), []
@@ -116,8 +139,8 @@ def each(value: Any, check: Callable[[Any], T]) -> tuple[T, ...]:
         for item in items:
             found.append(check(item))
     except ValueError:
-        # once for the list: to enter `inside` for every item takes longer than the check of a number
-        with inside(len(found), items[len(found)]):
+        # once for the list: to enter `at_key` for every item takes longer than the check of a number
+        with at_key(len(found), items[len(found)]):
             raise
     return tuple(found)
 
@@ -141,9 +164,9 @@ def entries(table: Mapping[Any, Any], name: Callable[[Any], str], check: Callabl
     problems: list[Fault] = []
     for key, value in table.items():
         try:
-            with inside(str(key), key):
+            with at_key(str(key), key):
                 checked = name(key)
-            with inside(checked, value):
+            with at_key(checked, value):
                 found[checked] = check(value)
         except InputError as error:
             problems += error.problems
@@ -152,18 +175,21 @@ def entries(table: Mapping[Any, Any], name: Callable[[Any], str], check: Callabl
     return found
 
 
+@accepts(listed(quantity(), 2, 2), "2 numbers")
 def pair(value: Any) -> tuple[float, float]:
     """Return `value` as two finite floats."""
     x, y = numbers(value, count=2)
     return x, y
 
 
+@accepts(TRIPLE, "3 numbers")
 def vector(value: Any) -> Triple:
     """Return `value` as three finite floats."""
     x, y, z = numbers(value, count=3)
     return x, y, z
 
 
+@accepts(TRIPLE, "3 numbers, not all 0; any length")
 def direction(value: Any) -> Triple:
     """Return `value` as three floats scaled to unit length."""
     x, y, z = vector(value)
@@ -177,6 +203,7 @@ def direction(value: Any) -> Triple:
     return x / size, y / size, z / size
 
 
+@accepts(TEXT, "text, in quotes")
 def word(value: Any) -> str:
     """Return `value` as text."""
     if not isinstance(value, str):
@@ -184,6 +211,7 @@ def word(value: Any) -> str:
     return value
 
 
+@accepts(NAME, "name, in quotes")
 def name_of_part(value: Any) -> str:
     """Check a name of a rod, material or section: letters, digits, _ and -."""
     if not re.fullmatch(r"[A-Za-z_][\w-]{0,59}", word(value), flags=re.ASCII):
@@ -191,9 +219,10 @@ def name_of_part(value: Any) -> str:
     return str(value)
 
 
-def one_of(*allowed: str) -> PlainValidator:
+def one_of(*allowed: str) -> Check[str]:
     """Return a check for one of some fixed words."""
 
+    @accepts({"enum": list(allowed)}, " or ".join(f'`"{word}"`' for word in allowed))
     def check(value: Any) -> str:
         if value not in allowed if isinstance(value, str) else True:
             raise RefusedError(
@@ -202,9 +231,34 @@ def one_of(*allowed: str) -> PlainValidator:
             )
         return str(value)
 
-    return PlainValidator(check)
+    return check
 
 
+class OneOfRegistry(Check[str]):
+    """A check for one of the names of a registry, with those that are registered by now."""
+
+    def __init__(self, registry: Mapping[str, object]) -> None:
+        self.__dict__.update(registry=registry, read=self._read, python="")
+
+    def _read(self, value: Any) -> str:
+        return self._now(value)
+
+    @property
+    def _now(self) -> Check[str]:
+        return one_of(*self.__dict__["registry"])
+
+    @property
+    def form(self) -> Form | None:
+        """The names of now, as JSON Schema."""
+        return self._now.form
+
+    @property
+    def words(self) -> str:
+        """The names of now, for people."""
+        return self._now.words
+
+
+@accepts({"type": "boolean"}, "`true` or `false`")
 def true_or_false(value: Any) -> bool:
     """Return `value` if it is a boolean."""
     if not isinstance(value, bool):
@@ -212,6 +266,7 @@ def true_or_false(value: Any) -> bool:
     return value
 
 
+@accepts(None)
 def function(value: Any) -> Callable[..., Any]:
     """Return `value` if it can be called."""
     if not callable(value):
@@ -220,16 +275,16 @@ def function(value: Any) -> Callable[..., Any]:
     return result
 
 
-def optional(check: Callable[[Any], Any]) -> Callable[[Any], Any]:
-    """Return `check` with None accepted as well."""
-    return lambda value: None if value is None else check(value)
-
-
 def choose(
-    tag: str, kinds: Mapping[str, type[Definition]], default: str | None = None
-) -> Callable[[Any], Definition]:
-    """Return a parser that accepts objects of the given kinds and reads a table by its key `tag`."""
+    tag: str,
+    kinds: Mapping[str, type[Definition]],
+    default: str | None = None,
+    form: Form | None = None,
+    words: str = "",
+) -> Check[Definition]:
+    """Return a check that lets objects of the given kinds through and reads a table by its key `tag`."""
 
+    @accepts(form, words)
     def parse(value: Any) -> Definition:
         if isinstance(value, Definition) and isinstance(value, tuple(kinds.values())):
             return value
@@ -251,22 +306,24 @@ def choose(
     return parse
 
 
-Number = Annotated[float, BeforeValidator(number)]
-Positive = Annotated[float, BeforeValidator(positive)]
-NonNegative = Annotated[float, BeforeValidator(_bounded(">= 0", lambda x: x >= 0.0))]
-OptionalUnitInterval = Annotated[
-    float | None, BeforeValidator(optional(_bounded("from 0 to 1", lambda x: 0.0 <= x <= 1.0)))
-]
+non_negative = bounded(">= 0", minimum=0)
+
+Number = Annotated[float, number]
+Positive = Annotated[float, positive]
+NonNegative = Annotated[float, non_negative]
+Proportion = Annotated[float, bounded("above 0 and below 1", exclusiveMinimum=0, exclusiveMaximum=1)]
+OptionalUnitInterval = Annotated[float | None, optional(bounded("from 0 to 1", minimum=0, maximum=1))]
 PoissonsRatio = Annotated[
-    float, BeforeValidator(_bounded("> -1 and <= 0.5 (0.5 is incompressible)", lambda x: -1.0 < x <= 0.5))
+    float, bounded("> -1 and <= 0.5 (0.5 is incompressible)", exclusiveMinimum=-1, maximum=0.5)
 ]
-OptionalPositive = Annotated[float | None, BeforeValidator(optional(positive))]
-OptionalNonNegative = Annotated[
-    float | None, BeforeValidator(optional(_bounded(">= 0, or leave the key out", lambda x: x >= 0.0)))
-]
-OptionalNumber = Annotated[float | None, BeforeValidator(optional(number))]
-Vector = Annotated[Triple, PlainValidator(vector)]
-Direction = Annotated[Triple, PlainValidator(direction)]
-OptionalDirection = Annotated[Triple | None, PlainValidator(optional(direction))]
-Flag = Annotated[bool, PlainValidator(true_or_false)]
-Name = Annotated[str, PlainValidator(name_of_part)]
+OptionalPositive = Annotated[float | None, optional(positive)]
+OptionalNonNegative = Annotated[float | None, optional(non_negative)]
+OptionalNumber = Annotated[float | None, optional(number)]
+Vector = Annotated[Triple, vector]
+Direction = Annotated[Triple, direction]
+OptionalDirection = Annotated[Triple | None, optional(direction)]
+Flag = Annotated[bool, true_or_false]
+Text = Annotated[str, word]
+OptionalText = Annotated[str | None, optional(word)]
+Name = Annotated[str, name_of_part]
+OptionalName = Annotated[str | None, optional(name_of_part)]

@@ -8,17 +8,18 @@ from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
 from viscorod.model.fields.definition import Definition, RefusedError, show
+from viscorod.model.fields.forms import listed, of_kind, quantity
+from viscorod.model.fields.metadata import Key, accepts, optional
 from viscorod.model.fields.values import (
     LARGEST,
+    OptionalText,
     frequency_band,
     numbers,
     one_of,
-    optional,
     whole_number,
-    word,
 )
 from viscorod.model.materials.damping_model import Behaviour, Damping, Elastic, bulk_time_of
 from viscorod.model.materials.dma_table import FREQUENCY_UNITS, MODULUS_UNITS, DmaTable, read_dma_table
@@ -39,6 +40,7 @@ OCTAVE = 2.0
 """Ratio of the frequencies that make the low-frequency fit: the lowest and those up to twice as high."""
 
 
+@accepts(listed(quantity(), 1), "list of numbers")
 def _column(value: Any) -> tuple[float, ...]:
     items = numbers(value)
     if len(items) > MOST_ROWS:
@@ -48,30 +50,27 @@ def _column(value: Any) -> tuple[float, ...]:
     return items
 
 
-Column = Annotated[Sequence[float] | None, PlainValidator(optional(_column))]
-Band = Annotated[tuple[float, float] | None, PlainValidator(optional(frequency_band))]
+Column = Annotated[Sequence[float] | None, optional(_column)]
+Band = Annotated[tuple[float, float] | None, optional(frequency_band)]
 
 
 class ModulusTable(Definition):
-    """Storage and loss modulus over frequency: three lists, or a file.
+    """Storage and loss modulus over frequency: three lists, or a file."""
 
-    Args:
-        frequency: Hz.
-        storage: storage modulus at these frequencies, Pa.
-        loss: loss modulus, Pa.
-        tan_delta: in place of loss, loss over storage modulus.
-        file: in place of the lists, a table exported by an instrument; its path, from the case file on.
-        frequency_unit: "Hz", "kHz" or "rad/s", where the file does not tell.
-        modulus_unit: "Pa", "kPa", "MPa", "GPa", "N/mm2", "N/m2" or "psi", where the file does not tell.
-    """
-
-    frequency: Column = None
-    storage: Column = None
-    loss: Column = None
-    tan_delta: Column = None
-    file: Annotated[str | None, PlainValidator(optional(word))] = None
-    frequency_unit: Annotated[str | None, PlainValidator(optional(one_of(*FREQUENCY_UNITS).func))] = None
-    modulus_unit: Annotated[str | None, PlainValidator(optional(one_of(*MODULUS_UNITS).func))] = None
+    frequency: Column = Key("", "Hz", default=None)
+    storage: Column = Key("storage modulus at these frequencies", "Pa", default=None)
+    loss: Column = Key("loss modulus", "Pa", default=None)
+    tan_delta: Column = Key("in place of loss, loss over storage modulus", default=None)
+    file: OptionalText = Key(
+        "in place of the lists, a table exported by an instrument; its path from the case file on",
+        default=None,
+    )
+    frequency_unit: Annotated[str | None, optional(one_of(*FREQUENCY_UNITS))] = Key(
+        '"Hz", "kHz" or "rad/s", where the file does not tell', default=None
+    )
+    modulus_unit: Annotated[str | None, optional(one_of(*MODULUS_UNITS))] = Key(
+        '"Pa", "kPa", "MPa", "GPa", "N/mm2", "N/m2" or "psi", where the file does not tell', default=None
+    )
 
     @model_validator(mode="after")
     def _one_source(self) -> Self:
@@ -142,6 +141,7 @@ class ModulusTable(Definition):
         return DmaTable(2.0 * math.pi * np.array(self.frequency)[order], storage[order], loss[order])
 
 
+@accepts(of_kind("damping.other"), "table, see below")
 def _modulus_table(value: Any) -> ModulusTable:
     return value if isinstance(value, ModulusTable) else ModulusTable.model_validate(value)
 
@@ -150,36 +150,32 @@ class ComplexModuli(ModulusTable, Damping):
     """Damping from storage and loss moduli measured over frequency (dynamic mechanical analysis).
 
     Young's modulus of the material may be left out; it then follows from the table, at rest or in the band.
-
-    Args:
-        frequency: Hz.
-        storage: storage modulus at these frequencies, Pa.
-        loss: loss modulus, Pa.
-        tan_delta: in place of loss, loss over storage modulus.
-        file: in place of the lists, a table exported by an instrument; its path, from the case file on.
-        frequency_unit: "Hz", "kHz" or "rad/s", where the file does not tell.
-        modulus_unit: "Pa", "kPa", "MPa", "GPa", "N/mm2", "N/m2" or "psi", where the file does not tell.
-        of: what was measured, "extension" (or bending) or "shear" (or torsion).
-        other: the table of the other one; without it Poisson's ratio is taken as constant.
-        band: lowest and highest frequency that count, Hz; left out, the whole table.
-        fit: of a Kelvin-Voigt material, "best" over the band or "low_frequency", from the rows up to twice the lowest
-            frequency; left out, "best".
-        law: "kelvin_voigt", or "maxwell" for Maxwell branches that follow the table over the band.
-        per_decade: Maxwell branches per decade of frequency at most, 1 to 5; left out, 2.
     """
 
     tag: ClassVar[str | None] = "kind"
 
     kind: Literal["complex_moduli"] = Field(default="complex_moduli", kw_only=True, repr=False)
-    of: Annotated[str, one_of("extension", "shear")] = "extension"
-    other: Annotated[
-        ModulusTable | None,
-        PlainValidator(optional(_modulus_table)),
-    ] = None
-    band: Band = None
-    fit: Annotated[str | None, PlainValidator(optional(one_of("best", "low_frequency").func))] = None
-    law: Annotated[str, one_of("kelvin_voigt", "maxwell")] = "kelvin_voigt"
-    per_decade: Annotated[int | None, PlainValidator(optional(whole_number(1, 5)))] = None
+    of: Annotated[str, one_of("extension", "shear")] = Key(
+        'what was measured, "extension" (or bending) or "shear" (or torsion)', default="extension"
+    )
+    other: Annotated[ModulusTable | None, optional(_modulus_table)] = Key(
+        "the table of the other one; without it Poisson's ratio is taken as constant", default=None
+    )
+    band: Band = Key(
+        "lowest and highest frequency that count, {}; left out, the whole table", "Hz", default=None
+    )
+    fit: Annotated[str | None, optional(one_of("best", "low_frequency"))] = Key(
+        'of a Kelvin-Voigt material, "best" over the band or "low_frequency", from the rows up to '
+        'twice the lowest frequency; left out, "best"',
+        default=None,
+    )
+    law: Annotated[str, one_of("kelvin_voigt", "maxwell")] = Key(
+        '"kelvin_voigt", or "maxwell" for Maxwell branches that follow the table over the band',
+        default="kelvin_voigt",
+    )
+    per_decade: Annotated[int | None, optional(whole_number(1, 5))] = Key(
+        "Maxwell branches per decade of frequency at most, 1 to 5; left out, 2", default=None
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

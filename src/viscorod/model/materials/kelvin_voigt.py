@@ -7,6 +7,7 @@ from typing import ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from viscorod.model.fields.definition import RefusedError
+from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import OptionalNonNegative
 from viscorod.model.materials.damping_model import Behaviour, Damping, Elastic, bulk_time_of
 
@@ -14,24 +15,22 @@ __all__ = ["KelvinVoigt"]
 
 
 class KelvinVoigt(Damping):
-    """Kelvin-Voigt viscosity of a material: one pair of times or one pair of viscosities.
-
-    Args:
-        shear_time: retardation time in shear, viscosity over shear modulus, s.
-        bulk_time: retardation time in volume change, viscosity over bulk modulus, s.
-        shear_viscosity: Pa s.
-        bulk_viscosity: Pa s.
-        extensional_time: retardation time in extension, with shear_time and in place of bulk_time, s.
-    """
+    """Kelvin-Voigt viscosity of a material: one pair of times or one pair of viscosities."""
 
     tag: ClassVar[str | None] = "kind"
 
     kind: Literal["kelvin_voigt"] = Field(default="kelvin_voigt", kw_only=True, repr=False)
-    shear_time: OptionalNonNegative = None
-    bulk_time: OptionalNonNegative = None
-    shear_viscosity: OptionalNonNegative = None
-    bulk_viscosity: OptionalNonNegative = None
-    extensional_time: OptionalNonNegative = None
+    shear_time: OptionalNonNegative = Key(
+        "retardation time in shear, viscosity over shear modulus", "s", default=None
+    )
+    bulk_time: OptionalNonNegative = Key(
+        "retardation time in volume change, viscosity over bulk modulus", "s", default=None
+    )
+    shear_viscosity: OptionalNonNegative = Key("", "Pa s", default=None)
+    bulk_viscosity: OptionalNonNegative = Key("", "Pa s", default=None)
+    extensional_time: OptionalNonNegative = Key(
+        "retardation time in extension, with shear_time and in place of bulk_time", "s", default=None
+    )
 
     @model_validator(mode="after")
     def _one_pair(self) -> Self:

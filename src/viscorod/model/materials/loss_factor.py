@@ -8,6 +8,7 @@ from typing import ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from viscorod.model.fields.definition import RefusedError
+from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import OptionalNonNegative, Positive
 from viscorod.model.materials.damping_model import Behaviour, Damping, Elastic, bulk_time_of
 
@@ -18,19 +19,14 @@ class LossFactor(Damping):
     """Kelvin-Voigt damping that has a given loss factor (tan delta, loss over storage modulus) at one frequency.
 
     The loss factor of a Kelvin-Voigt material is omega tau, so that tau = loss factor/(2 pi frequency).
-
-    Args:
-        frequency: at which the loss factor was measured, Hz.
-        extension: loss factor in extension or bending.
-        shear: loss factor in shear or torsion.
     """
 
     tag: ClassVar[str | None] = "kind"
 
     kind: Literal["loss_factor"] = Field(default="loss_factor", kw_only=True, repr=False)
-    frequency: Positive = Field(description="Hz")
-    extension: OptionalNonNegative = None
-    shear: OptionalNonNegative = None
+    frequency: Positive = Key("at which the loss factor was measured", "Hz")
+    extension: OptionalNonNegative = Key("loss factor in extension or bending", default=None)
+    shear: OptionalNonNegative = Key("loss factor in shear or torsion", default=None)
 
     @model_validator(mode="after")
     def _one_at_least(self) -> Self:

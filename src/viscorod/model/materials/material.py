@@ -6,11 +6,13 @@ import math
 from typing import Annotated, Any, Self, cast
 
 import numpy as np
-from pydantic import PlainValidator, PrivateAttr, model_validator
+from pydantic import PrivateAttr, model_validator
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import Definition, RefusedError, plain_value, show
-from viscorod.model.fields.values import NOT_GIVEN, PoissonsRatio, Positive, choose
+from viscorod.model.fields.forms import of_kind
+from viscorod.model.fields.metadata import Key, accepts
+from viscorod.model.fields.values import NOT_GIVEN, REQUIRED, PoissonsRatio, Positive, choose
 from viscorod.model.materials.complex_moduli import ComplexModuli
 from viscorod.model.materials.damping_model import Behaviour, Branch, Damping, Elastic
 from viscorod.model.materials.kelvin_voigt import KelvinVoigt
@@ -33,6 +35,7 @@ DAMPINGS: dict[str, type[Definition]] = {
 _one_damping = choose("kind", DAMPINGS, "kelvin_voigt")
 
 
+@accepts(of_kind("damping"), "table, see below")
 def _damping(value: Any) -> Damping | None:
     return None if value is None else cast(Damping, _one_damping(value))
 
@@ -42,21 +45,18 @@ class Material(Definition):
 
     Young's modulus E is given, and one of Poisson's ratio nu and shear modulus G = E/2(1+nu); both can be
     read afterwards. Read back, they are the moduli in equilibrium, also if instantaneous ones were given (`Prony`).
-
-    Args:
-        youngs_modulus: E > 0, Pa; may be left out where complex moduli tell it.
-        poissons_ratio: nu in (-1, 0.5]; 0.5 is incompressible.
-        density: mass per volume > 0, kg/m^3.
-        shear_modulus: G > 0, Pa, instead of Poisson's ratio.
-        damping: `KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `MeasuredDamping`; None for an elastic
-            material.
     """
 
-    youngs_modulus: Positive = NOT_GIVEN
-    poissons_ratio: PoissonsRatio = NOT_GIVEN
-    density: Positive = NOT_GIVEN
-    shear_modulus: Positive = NOT_GIVEN
-    damping: Annotated[Damping | None, PlainValidator(_damping)] = None
+    youngs_modulus: Positive = Key(
+        "E > 0, {}; may be left out where complex moduli tell it", "Pa", default=NOT_GIVEN
+    )
+    poissons_ratio: PoissonsRatio = Key("nu in (-1, 0.5]; 0.5 is incompressible", default=NOT_GIVEN)
+    density: Positive = Key("mass per volume > 0", "kg/m^3", default=REQUIRED)
+    shear_modulus: Positive = Key("G > 0, {}, instead of Poisson's ratio", "Pa", default=NOT_GIVEN)
+    damping: Annotated[Damping | None, _damping] = Key(
+        "`KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `MeasuredDamping`; left out, an elastic material",
+        default=None,
+    )
 
     _behaviour: Behaviour = PrivateAttr()
     _given: dict[str, float] = PrivateAttr(default_factory=dict)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import BeforeValidator, Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
 from viscorod.model.fields.definition import RefusedError, did_you_mean, show
-from viscorod.model.fields.values import NonNegative, name_of_part, number, optional, whole_number
+from viscorod.model.fields.forms import POSITIVE, TEXT, quantity
+from viscorod.model.fields.metadata import Key, accepts, optional
+from viscorod.model.fields.values import NonNegative, OptionalName, number, whole_number
 from viscorod.model.materials.damping_model import Behaviour, Damping, Elastic
 
 __all__ = ["MOST_MODES", "MeasuredDamping"]
@@ -16,6 +18,7 @@ __all__ = ["MOST_MODES", "MeasuredDamping"]
 MOST_MODES = 50
 
 
+@accepts(quantity(bounds={"exclusiveMinimum": 0, "exclusiveMaximum": 1}), "number above 0 and below 1")
 def _ratio(value: Any) -> float:
     ratio = number(value)
     if not 1e-12 <= ratio < 1.0:
@@ -25,6 +28,7 @@ def _ratio(value: Any) -> float:
     return ratio
 
 
+@accepts(quantity(bounds=POSITIVE), "number > 0")
 def _decrement(value: Any) -> float:
     decrement = number(value)
     if not 1e-12 <= decrement <= 1e3:
@@ -32,6 +36,10 @@ def _decrement(value: Any) -> float:
     return decrement
 
 
+@accepts(
+    {"anyOf": [{"type": "integer", "minimum": 1, "maximum": MOST_MODES}, TEXT]},
+    f'whole number, 1 to {MOST_MODES}, or a text such as `"bend_1 2"`',
+)
 def _mode(value: Any) -> int | str:
     if not isinstance(value, str):
         return whole_number(1, MOST_MODES)(value)
@@ -56,24 +64,26 @@ class MeasuredDamping(Damping):
 
     The times are found when the model is built: the ratio of a mode, phi.D phi/(2 omega phi.M phi), is linear in them.
     They are exact for a model of one material with equal times, and of first order in the ratio otherwise.
-
-    Args:
-        ratio: damping ratio of the mode, above 0 and below 1.
-        logarithmic_decrement: in place of ratio, ln(x_k/x_k+1) of successive maxima.
-        mode: number of the mode in order of frequency, rigid motions left out; or a strain word and a number,
-            "bend_1 2" for the second mode whose elastic energy is mostly that of the strain.
-        rod: count only modes with most of their elastic energy in this rod; left out, all modes.
-        bulk_to_shear: retardation time in volume change over that in shear.
     """
 
     tag: ClassVar[str | None] = "kind"
 
     kind: Literal["modal"] = Field(default="modal", kw_only=True, repr=False)
-    ratio: Annotated[float | None, PlainValidator(optional(_ratio))] = None
-    logarithmic_decrement: Annotated[float | None, PlainValidator(optional(_decrement))] = None
-    mode: Annotated[int | str, BeforeValidator(_mode)] = 1
-    rod: Annotated[str | None, PlainValidator(optional(name_of_part))] = None
-    bulk_to_shear: NonNegative = 1.0
+    ratio: Annotated[float | None, optional(_ratio)] = Key(
+        "damping ratio of the mode, above 0 and below 1", default=None
+    )
+    logarithmic_decrement: Annotated[float | None, optional(_decrement)] = Key(
+        "in place of ratio, ln(x_k/x_k+1) of successive maxima", default=None
+    )
+    mode: Annotated[int | str, _mode] = Key(
+        "number of the mode in order of frequency, rigid motions left out; or a strain word and a "
+        'number, "bend_1 2" for the second mode whose elastic energy is mostly that of the strain',
+        default=1,
+    )
+    rod: OptionalName = Key(
+        "count only modes with most of their elastic energy in this rod; left out, all modes", default=None
+    )
+    bulk_to_shear: NonNegative = Key("retardation time in volume change over that in shear", default=1.0)
 
     @model_validator(mode="after")
     def _one_number(self) -> Self:

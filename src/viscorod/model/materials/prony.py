@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 
 from viscorod.model.fields.definition import RefusedError, show
-from viscorod.model.fields.values import LARGEST, frequency_band, numbers, one_of, optional
+from viscorod.model.fields.forms import NOT_NEGATIVE, POSITIVE, Form, listed, quantity
+from viscorod.model.fields.metadata import Check, Key, accepts, optional
+from viscorod.model.fields.values import LARGEST, frequency_band, numbers, one_of
 from viscorod.model.materials.damping_model import Behaviour, Branch, Damping, Elastic
 from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, errors, nearest_kelvin_voigt
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus, extension_of
@@ -24,7 +26,8 @@ STRAINS = ("shear", "bulk", "extension")
 Series = Sequence[float]
 
 
-def _numbers(allowed: str, low: float) -> Callable[[Any], tuple[float, ...]]:
+def _numbers(allowed: str, low: float, bounds: Form) -> Check[tuple[float, ...]]:
+    @accepts(listed(quantity(bounds=bounds)), f"list of numbers {allowed}")
     def check(value: Any) -> tuple[float, ...]:
         items = numbers(value)
         if len(items) > MOST_BRANCHES:
@@ -43,11 +46,11 @@ def _numbers(allowed: str, low: float) -> Callable[[Any], tuple[float, ...]]:
     return check
 
 
-_moduli = _numbers(">= 0", 0.0)
-_times = _numbers("> 0", 1.0 / LARGEST)
+_moduli = _numbers(">= 0", 0.0, NOT_NEGATIVE)
+_times = _numbers("> 0", 1.0 / LARGEST, POSITIVE)
 
-Moduli = Annotated[Series | None, PlainValidator(optional(_moduli))]
-Times = Annotated[Series | None, PlainValidator(optional(_times))]
+Moduli = Annotated[Series | None, optional(_moduli)]
+Times = Annotated[Series | None, optional(_times)]
 REFERENCES = ("equilibrium", "instantaneous")
 
 
@@ -58,46 +61,46 @@ class Prony(Damping):
     term is given as such or as its ratio to the whole modulus. Abaqus and Ansys give ratios to the *instantaneous*
     modulus (g_i of G_0 = G_inf + sum G_j: Abaqus Analysis User's Guide, "Time domain viscoelasticity"; Ansys,
     "TB,PRONY"), whatever the elastic constants beside them are; that is ``ratios_of = "instantaneous"``.
-
-    Args:
-        shear_moduli: G_j, Pa.
-        shear_times: relaxation times of the terms of the shear modulus, s.
-        bulk_moduli: K_j, Pa.
-        bulk_times: relaxation times of the terms of the bulk modulus, s.
-        shear_ratios: in place of shear_moduli, fractions of the shear modulus.
-        bulk_ratios: in place of bulk_moduli, fractions of the bulk modulus.
-        extension_moduli: E_j, Pa; in place of shear and bulk, with a constant Poisson's ratio.
-        extension_times: relaxation times of the terms of Young's modulus, s.
-        extension_ratios: in place of extension_moduli, fractions of Young's modulus.
-        constant: what does not relax if only one modulus is given: "poissons_ratio", "bulk_modulus" or
-            "shear_modulus".
-        moduli: what the elastic constants of the material are: "equilibrium" (after a long time) or "instantaneous".
-        ratios_of: the modulus of which ratios are fractions, "equilibrium" or "instantaneous"; left out, that of
-            moduli.
-        law: "maxwell" keeps every branch; "kelvin_voigt" replaces them by one viscosity, that of slow motion.
-        band: lowest and highest frequency of the motion, Hz: with the law "kelvin_voigt", moduli and viscosities are
-            then those nearest to the Prony series over this band, not those of slow motion.
     """
 
     tag: ClassVar[str | None] = "kind"
 
     kind: Literal["prony"] = Field(default="prony", kw_only=True, repr=False)
-    shear_moduli: Moduli = None
-    shear_times: Times = None
-    bulk_moduli: Moduli = None
-    bulk_times: Times = None
-    shear_ratios: Moduli = None
-    bulk_ratios: Moduli = None
-    extension_moduli: Moduli = None
-    extension_times: Times = None
-    extension_ratios: Moduli = None
-    constant: Annotated[
-        str | None, PlainValidator(optional(one_of("poissons_ratio", "bulk_modulus", "shear_modulus").func))
-    ] = None
-    moduli: Annotated[str, one_of(*REFERENCES)] = "equilibrium"
-    ratios_of: Annotated[str | None, PlainValidator(optional(one_of(*REFERENCES).func))] = None
-    law: Annotated[str, one_of("maxwell", "kelvin_voigt")] = "maxwell"
-    band: Annotated[tuple[float, float] | None, PlainValidator(optional(frequency_band))] = None
+    shear_moduli: Moduli = Key("G_j", "Pa", default=None)
+    shear_times: Times = Key("relaxation times of the terms of the shear modulus", "s", default=None)
+    bulk_moduli: Moduli = Key("K_j", "Pa", default=None)
+    bulk_times: Times = Key("relaxation times of the terms of the bulk modulus", "s", default=None)
+    shear_ratios: Moduli = Key("in place of shear_moduli, fractions of the shear modulus", default=None)
+    bulk_ratios: Moduli = Key("in place of bulk_moduli, fractions of the bulk modulus", default=None)
+    extension_moduli: Moduli = Key(
+        "E_j, {}; in place of shear and bulk, with a constant Poisson's ratio", "Pa", default=None
+    )
+    extension_times: Times = Key("relaxation times of the terms of Young's modulus", "s", default=None)
+    extension_ratios: Moduli = Key("in place of extension_moduli, fractions of Young's modulus", default=None)
+    constant: Annotated[str | None, optional(one_of("poissons_ratio", "bulk_modulus", "shear_modulus"))] = (
+        Key(
+            'what does not relax if only one modulus is given: "poissons_ratio", "bulk_modulus" or "shear_modulus"',
+            default=None,
+        )
+    )
+    moduli: Annotated[str, one_of(*REFERENCES)] = Key(
+        'what the elastic constants of the material are: "equilibrium" (after a long time) or "instantaneous"',
+        default="equilibrium",
+    )
+    ratios_of: Annotated[str | None, optional(one_of(*REFERENCES))] = Key(
+        'the modulus of which ratios are fractions, "equilibrium" or "instantaneous"; left out, that of moduli',
+        default=None,
+    )
+    law: Annotated[str, one_of("maxwell", "kelvin_voigt")] = Key(
+        '"maxwell" keeps every branch; "kelvin_voigt" replaces them by one viscosity, that of slow motion',
+        default="maxwell",
+    )
+    band: Annotated[tuple[float, float] | None, optional(frequency_band)] = Key(
+        'lowest and highest frequency of the motion, {}: with the law "kelvin_voigt", moduli and viscosities are then '
+        "those nearest to the Prony series over this band, not those of slow motion",
+        "Hz",
+        default=None,
+    )
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

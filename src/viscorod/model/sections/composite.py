@@ -7,12 +7,16 @@ from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainValidator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from viscorod.model.fields.definition import Definition, RefusedError, inside, show
-from viscorod.model.fields.values import Number, choose, optional, pair, sequence
+from viscorod.model.fields.definition import Definition, RefusedError, at_key, show
+from viscorod.model.fields.forms import listed, named_or, of_kind
+from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts, optional
+from viscorod.model.fields.values import Number, choose, items, pair
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.meshed_section import (
+    AXES,
+    MESH_SIZE,
     Axes,
     MeshSize,
     Origin,
@@ -31,13 +35,14 @@ from viscorod.model.sections.polygons import (
     refuse_improper,
 )
 from viscorod.model.sections.saint_venant import SectionAnalysis, analysed
-from viscorod.model.sections.section_base import AnySection, Branches, Matrices
+from viscorod.model.sections.section_base import SECTION, AnySection, Branches, Matrices
 from viscorod.model.sections.section_mesh import refuse_misfits
 from viscorod.model.sections.section_shapes import SHAPES, Shape
 
 __all__ = ["Composite", "CompositeRegion"]
 
 
+@accepts(named_or("material"), "name of a material in quotes, or a table")
 def _material(value: Any) -> Material:
     material = value if isinstance(value, Material) else Material.model_validate(value)
     if material.pending:
@@ -50,24 +55,30 @@ def _material(value: Any) -> Material:
     return material
 
 
+_shape = choose("shape", SHAPES, form=named_or("section"), words=SECTION)
+
+
 class CompositeRegion(Definition):
-    """A part of a composite section, of one material: a polygon or a simple shape, at its place.
+    """A part of a composite section, of one material: a polygon or a simple shape, at its place."""
 
-    Args:
-        material: of the region.
-        section: a circle, annulus, rectangle, ellipse or square tube; or `points`.
-        points: corners of a polygon in order, once around, [along d1, along d2]; m; or `section`.
-        holes: of the polygon, each a list of corners; m.
-        at: where the centre of the section, or the origin of the points, lies in the whole section; m.
-        angle: by which the region is turned about that point, from d1 towards d2; rad.
-    """
-
-    material: Annotated[Material, PlainValidator(_material)] = Field(description="of the region")
-    section: Annotated[Shape | None, PlainValidator(optional(choose("shape", SHAPES)))] = None
-    points: Annotated[Sequence[Sequence[float]] | None, PlainValidator(optional(corners))] = None
-    holes: Holes = ()
-    at: Annotated[Sequence[float], PlainValidator(pair)] = (0.0, 0.0)
-    angle: Number = 0.0
+    material: Annotated[Material, _material] = Key("of the region")
+    section: Annotated[Shape | None, optional(_shape)] = Key(
+        "a circle, annulus, rectangle, ellipse or square tube; or `points`", default=None
+    )
+    points: Annotated[Sequence[Sequence[float]] | None, optional(corners)] = Key(
+        "corners of a polygon in order, once around, [along d1, along d2]; {}; or `section`",
+        "m",
+        default=None,
+    )
+    holes: Holes = Key("of the polygon, each a list of corners; {}", "m", default=())
+    at: Annotated[Sequence[float], pair] = Key(
+        "where the centre of the section, or the origin of the points, lies in the whole section; {}",
+        "m",
+        default=(0.0, 0.0),
+    )
+    angle: Number = Key(
+        "by which the region is turned about that point, from d1 towards d2; {}", "rad", default=0.0
+    )
 
     @model_validator(mode="after")
     def _one_outline(self) -> Self:
@@ -84,7 +95,7 @@ class CompositeRegion(Definition):
                 at=("holes",),
             )
         if self.section is not None:
-            with inside("section", self.section):
+            with at_key("section", self.section):
                 _refuse_numbers(self.section)
         else:
             refuse_improper(self._own)
@@ -114,10 +125,10 @@ def _refuse_numbers(shape: Shape) -> None:
 
 
 def _some_regions(value: Any) -> tuple[Any, ...]:
-    items = tuple(sequence(value))
-    if not items:
+    regions = items(value)
+    if not regions:
         raise RefusedError("a composite section needs at least one region", "give regions")
-    return items
+    return regions
 
 
 class Composite(AnySection):
@@ -129,24 +140,23 @@ class Composite(AnySection):
     share in shear and torsion. In extension, bending and torsion this is the first order of the section's complex
     stiffness in the frequency, since the elastic energy is stationary in the warping; the shear of flexure keeps the
     distribution of the elastic section. Maxwell branches are treated in the same way.
-
-    Args:
-        regions: the parts, which share edges and do not overlap.
-        origin: where the centre line goes through: "centroid" (the tension centre, weighted by Young's modulus),
-            "shear_centre", or "given" (the point [0, 0]).
-        axes: "given", or "principal": d1 and d2 turned into the principal axes of bending, d1 the nearer to the first.
-        mesh_size: side of the largest triangles, m; None refines until the stiffnesses stay within 0.2 %.
     """
 
     no_material: ClassVar[str | None] = "the regions of a composite section have their own materials"
     can_taper: ClassVar[bool] = False
     shape: Literal["composite"] = Field(default="composite", kw_only=True, repr=False)
-    regions: Annotated[Sequence[CompositeRegion], BeforeValidator(_some_regions)] = Field(
-        description="list of tables"
+    regions: Annotated[
+        Sequence[CompositeRegion],
+        BeforeValidator(_some_regions),
+        Accepts(listed(of_kind("sections.region"), 1), TABLES),
+    ] = Key("the parts, which share edges and do not overlap")
+    origin: Origin = Key(
+        'where the centre line goes through: "centroid" (the tension centre, weighted by Young\'s '
+        'modulus), "shear_centre", or "given" (the point [0, 0])',
+        default="centroid",
     )
-    origin: Origin = "centroid"
-    axes: Axes = "given"
-    mesh_size: MeshSize = None
+    axes: Axes = Key(AXES, default="given")
+    mesh_size: MeshSize = Key(MESH_SIZE, "m", default=None)
 
     @model_validator(mode="after")
     def _usable(self) -> Self:

@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import Field
 
 from viscorod.errors import Fault, InputError
+from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import Positive
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
@@ -91,24 +92,15 @@ def required(material: Material | None) -> Material:
 
 
 class SectionProperties(MaterialSection):
-    """A section given by its numbers.
-
-    Args:
-        area: m^2.
-        second_moment_1: I1 = <xi2^2>, m^4, resists bend_1 (about d1).
-        second_moment_2: I2 = <xi1^2>, m^4, resists bend_2 (about d2).
-        torsion_constant: resistance to twisting over the shear modulus, m^4.
-        shear_factor_1: k1 of the shear stiffness k1 G A along d1.
-        shear_factor_2: k2 of the shear stiffness k2 G A along d2.
-    """
+    """A section given by its numbers."""
 
     shape: Literal["given"] = Field(default="given", kw_only=True, repr=False)
-    area: Positive = Field(description="m^2")
-    second_moment_1: Positive = Field(description="m^4")
-    second_moment_2: Positive = Field(description="m^4")
-    torsion_constant: Positive = Field(description="m^4")
-    shear_factor_1: Positive = 1.0
-    shear_factor_2: Positive = 1.0
+    area: Positive = Key("", "m^2")
+    second_moment_1: Positive = Key("I1 = <xi2^2>, {}, resists bend_1 (about d1)", "m^4")
+    second_moment_2: Positive = Key("I2 = <xi1^2>, {}, resists bend_2 (about d2)", "m^4")
+    torsion_constant: Positive = Key("resistance to twisting over the shear modulus", "m^4")
+    shear_factor_1: Positive = Key("k1 of the shear stiffness k1 G A along d1", default=1.0)
+    shear_factor_2: Positive = Key("k2 of the shear stiffness k2 G A along d2", default=1.0)
 
     def moments(self) -> tuple[float, float, float]:
         """Return the given area and second moments, m^2 and m^4."""

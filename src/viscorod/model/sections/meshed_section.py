@@ -19,19 +19,38 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-from pydantic import BeforeValidator
 
 from viscorod.model.fields.definition import show
-from viscorod.model.fields.values import one_of, optional, positive
+from viscorod.model.fields.metadata import optional
+from viscorod.model.fields.values import one_of, positive
 from viscorod.model.sections.polygons import Polygon, placed
 from viscorod.model.sections.saint_venant import SectionAnalysis
 from viscorod.typing import Floats
 
-__all__ = ["Axes", "MeshSize", "Origin", "Parts", "SectionPoints", "meshed_remark", "moved", "parts"]
+__all__ = [
+    "AXES",
+    "MESH_SIZE",
+    "Axes",
+    "MeshSize",
+    "Origin",
+    "Parts",
+    "SectionPoints",
+    "meshed_remark",
+    "moved",
+    "parts",
+]
 
 Origin = Annotated[str, one_of("centroid", "shear_centre", "given")]
 Axes = Annotated[str, one_of("given", "principal")]
-MeshSize = Annotated[float | None, BeforeValidator(optional(positive))]
+MeshSize = Annotated[float | None, optional(positive)]
+
+AXES = (
+    '"given", or "principal": d1 and d2 turned into the principal axes of bending, d1 the nearer to the first'
+)
+MESH_SIZE = (
+    "side of the largest triangles, {}; left out, they are refined until the stiffnesses stay within 0.2 %"
+)
+"""What these two mean, for all sections with a mesh."""
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,11 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.metadata import Key
 from viscorod.model.sections.isotropic_section import MaterialSection
 from viscorod.model.sections.meshed_section import (
+    AXES,
+    MESH_SIZE,
     Axes,
     MeshSize,
     Origin,
@@ -31,22 +34,18 @@ class PolygonSection(MaterialSection):
     It needs the package sectionproperties: ``pip install 'viscorod[sections]'``. The shear stiffness is that of the
     strain energy of Saint-Venant's flexure, which depends on Poisson's ratio and on the proportions (for nu = 0 it
     agrees with Cowper's factors).
-
-    Args:
-        points: corners in order, once around, [along d1, along d2]; m.
-        holes: each a list of corners like those of the outline; m.
-        origin: where the centre line goes through: "centroid", "shear_centre", or "given" (the point [0, 0]).
-        axes: "given", or "principal": d1 and d2 turned into the principal axes of bending, d1 the nearer to the first.
-        mesh_size: side of the largest triangles, m; None refines until the stiffnesses stay within 0.2 %.
     """
 
     can_taper: ClassVar[bool] = False
     shape: Literal["outline"] = Field(default="outline", kw_only=True, repr=False)
-    points: Corners = Field(description="corners in order, m")
-    holes: Holes = ()
-    origin: Origin = "centroid"
-    axes: Axes = "given"
-    mesh_size: MeshSize = None
+    points: Corners = Key("corners in order, once around, [along d1, along d2]; {}", "m")
+    holes: Holes = Key("each a list of corners like those of the outline; {}", "m", default=())
+    origin: Origin = Key(
+        'where the centre line goes through: "centroid", "shear_centre", or "given" (the point [0, 0])',
+        default="centroid",
+    )
+    axes: Axes = Key(AXES, default="given")
+    mesh_size: MeshSize = Key(MESH_SIZE, "m", default=None)
 
     @classmethod
     def from_geometry(

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from typing import Annotated, Any, TypeAlias, cast
 
 import numpy as np
-from pydantic import PlainValidator
 
 from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.forms import listed, quantity
+from viscorod.model.fields.metadata import accepts
 from viscorod.model.fields.values import each, pair
 from viscorod.typing import Floats
 
@@ -34,6 +35,7 @@ Polygon: TypeAlias = tuple[Ring, tuple[Ring, ...]]
 
 Points: TypeAlias = Sequence[Sequence[float]]
 
+CORNERS = listed(listed(quantity(), 2, 2), 3)
 SIDES = 96
 """Sides of the polygon that approximates an ellipse: same area, second moments within (2 pi/96)^4/180 < 1e-7."""
 
@@ -56,6 +58,7 @@ def library() -> tuple[Any, Any]:
     return shapely, pre
 
 
+@accepts(CORNERS, "list of 3 points or more, 2 numbers each")
 def corners(value: Any) -> Ring:
     """Return `value` as the corners of a closed polygon; a last corner that repeats the first is left out."""
     ring = each(value, pair)
@@ -74,13 +77,14 @@ def corners(value: Any) -> Ring:
     return ring
 
 
+@accepts(listed(CORNERS), "list of such lists")
 def rings(value: Any) -> tuple[Ring, ...]:
     """Return `value` as a list of closed polygons."""
     return each(value, corners)
 
 
-Corners = Annotated[Points, PlainValidator(corners)]
-Holes = Annotated[Sequence[Points], PlainValidator(rings)]
+Corners = Annotated[Points, corners]
+Holes = Annotated[Sequence[Points], rings]
 
 
 def polygon(points: Points, holes: Sequence[Points]) -> Polygon:

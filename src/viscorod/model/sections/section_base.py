@@ -12,7 +12,10 @@ from viscorod.model.materials.material import Material
 from viscorod.model.sections.polygons import Extent, Polygon
 from viscorod.typing import Floats
 
-__all__ = ["AnySection", "Branches", "Matrices"]
+__all__ = ["SECTION", "AnySection", "Branches", "Matrices"]
+
+SECTION = "name of a section in quotes, or a table with `shape`"
+"""A section in a case file, in words."""
 
 Matrices: TypeAlias = tuple[Floats, Floats, Floats]
 Branches: TypeAlias = tuple[Floats, Floats]

@@ -8,14 +8,16 @@ from itertools import pairwise
 from typing import Annotated, Any, Self, TypeAlias
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainValidator, model_validator
+from pydantic import BeforeValidator, model_validator
 
 from viscorod.model.fields.definition import Definition, RefusedError, base_init, show
+from viscorod.model.fields.forms import named_or
+from viscorod.model.fields.metadata import Accepts, Key, accepts
 from viscorod.model.fields.values import Positive, choose, sequence
 from viscorod.model.sections.composite import Composite
 from viscorod.model.sections.isotropic_section import SectionProperties
 from viscorod.model.sections.outline import PolygonSection
-from viscorod.model.sections.section_base import AnySection
+from viscorod.model.sections.section_base import SECTION, AnySection
 from viscorod.model.sections.section_shapes import SHAPES
 from viscorod.model.sections.stiffness_section import StiffnessSection
 
@@ -32,20 +34,15 @@ SECTIONS: Mapping[str, type[AnySection]] = ChainMap(
 )
 """The sections by their word in a case file: the SHAPES, and those that are not made of one known outline."""
 
-one_section = choose("shape", SECTIONS)
-SectionField = Annotated[AnySection, PlainValidator(one_section)]
+one_section = choose("shape", SECTIONS, form=named_or("section"), words=SECTION)
+SectionField = Annotated[AnySection, one_section]
 
 
 class Piece(Definition):
-    """One section up to a station.
+    """One section up to a station."""
 
-    Args:
-        until: arc length where the piece ends, m.
-        section: of the piece.
-    """
-
-    until: Positive = Field(description="arc length where the piece ends, m")
-    section: SectionField = Field(description="of the piece")
+    until: Positive = Key("arc length where the piece ends", "m")
+    section: SectionField = Key("of the piece")
 
 
 def _as_pieces(value: Any) -> list[Any]:
@@ -61,13 +58,11 @@ def _as_pieces(value: Any) -> list[Any]:
 
 
 class Piecewise(Definition):
-    """Different sections one after the other.
+    """Different sections one after the other."""
 
-    Args:
-        pieces: pairs (until, section), in order; the last ends at the length of the rod.
-    """
-
-    pieces: Annotated[tuple[Piece, ...], BeforeValidator(_as_pieces)]
+    pieces: Annotated[tuple[Piece, ...], BeforeValidator(_as_pieces), Accepts(None)] = Key(
+        "pairs (until, section), in order; the last ends at the length of the rod"
+    )
 
     @base_init
     def __init__(self, pieces: Sequence[Piece | tuple[float, AnySection]]) -> None:
@@ -92,15 +87,10 @@ class Piecewise(Definition):
 
 
 class Taper(Definition):
-    """A section whose every dimension changes linearly along the rod.
+    """A section whose every dimension changes linearly along the rod."""
 
-    Args:
-        start: section at s = 0.
-        end: section at the end, of the same shape.
-    """
-
-    start: SectionField = Field(description="section at the start")
-    end: SectionField = Field(description="section at the end")
+    start: SectionField = Key("section at s = 0")
+    end: SectionField = Key("section at the end, of the same shape")
 
     @model_validator(mode="after")
     def _same_shape(self) -> Self:
@@ -142,6 +132,7 @@ class Taper(Definition):
 SectionProfile: TypeAlias = AnySection | Piecewise | Taper | Callable[[float], AnySection]
 
 
+@accepts(None, SECTION, "or a function of the arc length")
 def section_profile(value: Any) -> SectionProfile:
     """Return `value` as a section, pieces, a taper or a function."""
     if isinstance(value, Piecewise | Taper):

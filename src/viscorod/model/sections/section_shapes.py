@@ -13,6 +13,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import OptionalPositive, Positive
 from viscorod.model.sections.isotropic_section import MaterialSection
 from viscorod.model.sections.polygons import Extent
@@ -24,15 +25,18 @@ ZETA_5 = 1.0369277551433699263
 """Riemann's zeta(5), for the torsion of the rectangle."""
 
 
+COWPER = "instead of Cowper's"
+
+
 class Shape(MaterialSection):
     """A section with a known outline; formulas for torsion and shear may be replaced by given numbers.
 
     Every shape says its `extent` or, if it is neither ellipse nor box, its `outline`.
     """
 
-    torsion_constant: OptionalPositive = Field(default=None, kw_only=True, repr=False)
-    shear_factor_1: OptionalPositive = Field(default=None, kw_only=True, repr=False)
-    shear_factor_2: OptionalPositive = Field(default=None, kw_only=True, repr=False)
+    torsion_constant: OptionalPositive = Key("", "m^4", default=None, kw_only=True, repr=False)
+    shear_factor_1: OptionalPositive = Key(COWPER, default=None, kw_only=True, repr=False)
+    shear_factor_2: OptionalPositive = Key(COWPER, default=None, kw_only=True, repr=False)
 
     @property
     def area(self) -> float:
@@ -71,17 +75,13 @@ class Shape(MaterialSection):
 
 
 class Circle(Shape):
-    """Solid circle.
-
-    Args:
-        radius: m.
-        torsion_constant: m^4, instead of pi r^4/2.
-        shear_factor_1: instead of Cowper's.
-        shear_factor_2: instead of Cowper's.
-    """
+    """Solid circle."""
 
     shape: Literal["circle"] = Field(default="circle", kw_only=True, repr=False)
-    radius: Positive = Field(description="m")
+    radius: Positive = Key("", "m")
+    torsion_constant: OptionalPositive = Key(
+        "{}, instead of pi r^4/2", "m^4", default=None, kw_only=True, repr=False
+    )
 
     def moments(self) -> tuple[float, float, float]:
         """Return A = pi r^2; I1 = I2 = pi r^4/4."""
@@ -103,19 +103,14 @@ class Circle(Shape):
 
 
 class Annulus(Shape):
-    """Circular tube.
-
-    Args:
-        outer_radius: m.
-        inner_radius: m, less than the outer one.
-        torsion_constant: m^4, instead of the polar moment.
-        shear_factor_1: instead of Cowper's.
-        shear_factor_2: instead of Cowper's.
-    """
+    """Circular tube."""
 
     shape: Literal["annulus"] = Field(default="annulus", kw_only=True, repr=False)
-    outer_radius: Positive = Field(description="m")
-    inner_radius: Positive = Field(description="m, less than the outer radius")
+    outer_radius: Positive = Key("", "m")
+    inner_radius: Positive = Key("{}, less than the outer one", "m")
+    torsion_constant: OptionalPositive = Key(
+        "{}, instead of the polar moment", "m^4", default=None, kw_only=True, repr=False
+    )
 
     @model_validator(mode="after")
     def _hollow(self) -> Self:
@@ -150,19 +145,14 @@ class Annulus(Shape):
 
 
 class Rectangle(Shape):
-    """Solid rectangle.
-
-    Args:
-        width: along d1, m.
-        height: along d2, m.
-        torsion_constant: m^4, instead of the exact series.
-        shear_factor_1: instead of Cowper's.
-        shear_factor_2: instead of Cowper's.
-    """
+    """Solid rectangle."""
 
     shape: Literal["rectangle"] = Field(default="rectangle", kw_only=True, repr=False)
-    width: Positive = Field(description="along d1, m")
-    height: Positive = Field(description="along d2, m")
+    width: Positive = Key("along d1", "m")
+    height: Positive = Key("along d2", "m")
+    torsion_constant: OptionalPositive = Key(
+        "{}, instead of the exact series", "m^4", default=None, kw_only=True, repr=False
+    )
 
     def moments(self) -> tuple[float, float, float]:
         """Return A = width height; I1 = width height^3/12; I2 = height width^3/12."""
@@ -191,19 +181,14 @@ class Rectangle(Shape):
 
 
 class Ellipse(Shape):
-    """Solid ellipse.
-
-    Args:
-        semi_axis_1: half the width along d1, m.
-        semi_axis_2: half the height along d2, m.
-        torsion_constant: m^4, instead of pi a^3 b^3/(a^2 + b^2).
-        shear_factor_1: instead of Cowper's.
-        shear_factor_2: instead of Cowper's.
-    """
+    """Solid ellipse."""
 
     shape: Literal["ellipse"] = Field(default="ellipse", kw_only=True, repr=False)
-    semi_axis_1: Positive = Field(description="along d1, m")
-    semi_axis_2: Positive = Field(description="along d2, m")
+    semi_axis_1: Positive = Key("half the width along d1", "m")
+    semi_axis_2: Positive = Key("half the height along d2", "m")
+    torsion_constant: OptionalPositive = Key(
+        "{}, instead of pi a^3 b^3/(a^2 + b^2)", "m^4", default=None, kw_only=True, repr=False
+    )
 
     def moments(self) -> tuple[float, float, float]:
         """Return A = pi a b; I1 = pi a b^3/4 with b along d2; I2 = pi a^3 b/4 with a along d1."""
@@ -230,18 +215,14 @@ class SquareTube(Shape):
     """Square tube with a thin wall.
 
     Torsion constant (Bredt) and shear factor (Cowper) hold for thin walls; area and second moments are exact.
-
-    Args:
-        width: outer width, m.
-        thickness: of the wall, m, less than half the width.
-        torsion_constant: m^4, instead of (width - thickness)^3 thickness.
-        shear_factor_1: instead of Cowper's.
-        shear_factor_2: instead of Cowper's.
     """
 
     shape: Literal["square_tube"] = Field(default="square_tube", kw_only=True, repr=False)
-    width: Positive = Field(description="outer width, m")
-    thickness: Positive = Field(description="of the wall, m, less than half the width")
+    width: Positive = Key("outer width", "m")
+    thickness: Positive = Key("of the wall, {}, less than half the width", "m")
+    torsion_constant: OptionalPositive = Key(
+        "{}, instead of (width - thickness)^3 thickness", "m^4", default=None, kw_only=True, repr=False
+    )
 
     @model_validator(mode="after")
     def _hollow(self) -> Self:

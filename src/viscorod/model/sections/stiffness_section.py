@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainValidator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from viscorod.model.fields.definition import Definition, RefusedError, show
-from viscorod.model.fields.values import Positive, each, numbers, sequence
+from viscorod.model.fields.forms import NOT_NEGATIVE, blocks, listed, of_kind, quantity
+from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts
+from viscorod.model.fields.values import Positive, each, items, numbers, sequence
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.typing import Floats
@@ -33,6 +35,8 @@ PLAIN_WORDS = {
     "twist": "twist",
 }
 """The strains for a sentence."""
+
+_MATRIX = "6 numbers (a diagonal) or 6 rows of 6"
 
 ROUND_OFF = 1e-12
 """Relative size below which an eigenvalue of a matrix scaled to a unit diagonal cannot be distinguished from zero."""
@@ -136,18 +140,21 @@ def _plain(words: Sequence[str]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]} together"
 
 
+@accepts(blocks(), _MATRIX)
 def _stiffness(value: Any) -> Matrix:
     matrix = symmetric(value, STRAINS)
     refuse_indefinite(matrix, STRAINS, zero_allowed=False, meaning="every strain must cost energy")
     return matrix
 
 
+@accepts(blocks(), _MATRIX)
 def _inertia(value: Any) -> Matrix:
     matrix = symmetric(value, TWISTS)
     refuse_indefinite(matrix, TWISTS, zero_allowed=False, meaning="every motion must have kinetic energy")
     return matrix
 
 
+@accepts(blocks(), _MATRIX)
 def _damping(value: Any) -> Matrix | None:
     if value is None:
         return None
@@ -162,6 +169,7 @@ def _damping(value: Any) -> Matrix | None:
     return matrix
 
 
+@accepts(listed(quantity(bounds=NOT_NEGATIVE), 6, 6), "6 numbers >= 0")
 def _times(value: Any) -> tuple[float, ...] | None:
     """Check six numbers >= 0."""
     if value is None:
@@ -178,6 +186,7 @@ def _times(value: Any) -> tuple[float, ...] | None:
     return times
 
 
+@accepts(blocks(), _MATRIX)
 def _branch_stiffness(value: Any) -> Matrix:
     matrix = symmetric(value, STRAINS)
     refuse_indefinite(matrix, STRAINS, zero_allowed=True, meaning="a branch must never give energy away")
@@ -188,20 +197,12 @@ class MaxwellBranch(Definition):
     """A Maxwell branch of a section: a spring and a dashpot in series, beside the stiffness.
 
     It adds `stiffness` to strains much faster than `time`, and nothing to much slower ones.
-
-    Args:
-        time: relaxation time, s.
-        stiffness: symmetric, positive semi-definite; N, N m, N m^2.
     """
 
-    time: Positive = Field(description="relaxation time, s")
-    stiffness: Annotated[Given, PlainValidator(_branch_stiffness)] = Field(
-        description="6 numbers or 6 rows of 6"
+    time: Positive = Key("relaxation time", "s")
+    stiffness: Annotated[Given, _branch_stiffness] = Key(
+        "symmetric, positive semi-definite; {}, {}, {}", "N", "N m", "N m^2"
     )
-
-
-def _some_branches(value: Any) -> Any:
-    return tuple(sequence(value))
 
 
 class StiffnessSection(AnySection):
@@ -213,22 +214,27 @@ class StiffnessSection(AnySection):
     Six retardation times tau give the damping D = T C T with T = diag(sqrt(tau)): symmetric, positive
     semi-definite whatever the couplings of C are, and D_ii/C_ii = tau_i. (The products diag(tau) C and
     C diag(tau) are not symmetric where C couples strains of different times, and can create energy.)
-
-    Args:
-        stiffness: C, positive definite; N, N m, N m^2.
-        inertia: M, positive definite; kg/m, kg, kg m.
-        damping: D of S = C eps + D eps_t, positive semi-definite; N s, N m s, N m^2 s.
-        branches: Maxwell branches, each with its relaxation `time` and its `stiffness`.
-        times: retardation times of the six strains instead of `damping`; s.
     """
 
     no_material: ClassVar[str | None] = "a section given by its stiffness takes no material"
     shape: Literal["stiffness"] = Field(default="stiffness", kw_only=True, repr=False)
-    stiffness: Annotated[Given, PlainValidator(_stiffness)] = Field(description="6 numbers or 6 rows of 6")
-    inertia: Annotated[Given, PlainValidator(_inertia)] = Field(description="6 numbers or 6 rows of 6")
-    damping: Annotated[Given | None, PlainValidator(_damping)] = None
-    branches: Annotated[Sequence[MaxwellBranch], BeforeValidator(_some_branches)] = ()
-    times: Annotated[Sequence[float] | None, PlainValidator(_times)] = None
+    stiffness: Annotated[Given, _stiffness] = Key("C, positive definite; {}, {}, {}", "N", "N m", "N m^2")
+    inertia: Annotated[Given, _inertia] = Key("M, positive definite; {}, {}, {}", "kg/m", "kg", "kg m")
+    damping: Annotated[Given | None, _damping] = Key(
+        "D of S = C eps + D eps_t, positive semi-definite; {}, {}, {}",
+        "N s",
+        "N m s",
+        "N m^2 s",
+        default=None,
+    )
+    branches: Annotated[
+        Sequence[MaxwellBranch],
+        BeforeValidator(items),
+        Accepts(listed(of_kind("sections.branch")), TABLES),
+    ] = Key("Maxwell branches, each with its relaxation `time` and its `stiffness`", default=())
+    times: Annotated[Sequence[float] | None, _times] = Key(
+        "retardation times of the six strains instead of `damping`; {}", "s", default=None
+    )
 
     @model_validator(mode="after")
     def _one_damping(self) -> Self:
