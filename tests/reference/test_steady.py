@@ -277,7 +277,7 @@ def test_whirling_rod_keeps_whirling(formulation):
     from viscorod.analyses.discrete import DiscreteModel
     from viscorod.analyses.transient import stepping
     from viscorod.solve.settings import SimulateSettings, SteadySettings
-    from viscorod.solve.steady.search import Search
+    from viscorod.solve.steady.rotation_search import Search
     from viscorod.solve.transient.transient_solver import Transient
 
     model = hinged(4, 4)

@@ -17,8 +17,8 @@ from viscorod.solve.history import EnergyAccount, History, Snapshot
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings import SteadySettings
 from viscorod.solve.statics.newton import interruption
-from viscorod.solve.steady.conditions import require
-from viscorod.solve.steady.search import Search
+from viscorod.solve.steady.rotation_search import Search
+from viscorod.solve.steady.steady_checks import require
 from viscorod.solve.steady.steady_poses import nodal_state
 from viscorod.solve.steady.steady_rotation import SteadyRotation
 

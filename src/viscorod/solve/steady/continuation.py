@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscorod.solve.steady.equations import Measure, SteadyEquations, least_squares
+from viscorod.solve.steady.steady_equations import Measure, SteadyEquations, least_squares
 
 TOLERANCE = 1e-10
 """Last change of the unknowns, in sizes of theirs."""

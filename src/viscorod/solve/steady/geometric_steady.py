@@ -24,8 +24,8 @@ from viscorod.solve.formulations.element_forces import GeometricForces
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.external_loads import LoadState
-from viscorod.solve.steady.equations import Balance, Measure, imbalance
 from viscorod.solve.steady.rigid_rotation import Turning, coriolis, rigid_twists
+from viscorod.solve.steady.steady_equations import Balance, Measure, imbalance
 from viscorod.solve.transient.integrators import jacobian
 from viscorod.typing import Floats
 
@@ -44,7 +44,7 @@ class Small:
 
 
 class GeometricSteady:
-    """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; the last unknown is the angular speed.
+    """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; the last unknown is the angular speed.
 
     Args:
         system, supports: what turns; supports turn with it.
@@ -76,22 +76,22 @@ class GeometricSteady:
         self._state, self.rate = state, rate
 
     def state(self) -> State:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         at = self._state
         at.twist[:] = rigid_twists(at.r, at.q, [0.0] * 3, self.rate * self.turning.axis, self.turning.centre)
         return at
 
     def set_spin(self, value: float) -> None:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         self.rate = value
 
     def sizes(self) -> Floats:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         length = self.problem.length
         return np.append(np.tile([length, length, length, 1.0, 1.0, 1.0], self.problem.size), self.rate)
 
     def balance(self) -> Balance:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         state, supports, n = self.state(), self.supports, self.problem.size
         residual, gap = self.residual()
         inertial = coriolis(self.problem.mass, state.twist)
@@ -106,7 +106,7 @@ class GeometricSteady:
         return Balance(residual.ravel(), matrix, gap)
 
     def residual(self) -> tuple[Floats, float]:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; supports keep their reactions."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; supports keep their reactions."""
         state, problem = self.state(), self.problem
         self._evaluate(state)
         external = self._external(state, np.zeros((0, 6, 6)), tangent=False)
@@ -120,7 +120,7 @@ class GeometricSteady:
         return residual, imbalance(left, forces, whole, problem.length)
 
     def measure(self, kind: Measure) -> tuple[float, Floats]:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         state, mass = self.state(), self.problem.mass
         self._evaluate(state)
         inertial = coriolis(mass, state.twist).ravel()
@@ -141,7 +141,7 @@ class GeometricSteady:
         return float(elastic[0])
 
     def move(self, change: Floats) -> None:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`.
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`.
 
         Section forces are carried along by the frozen operator (mixed Newton, as in statics).
         """
@@ -158,17 +158,17 @@ class GeometricSteady:
         self.rate += float(change[-1])
 
     def keep(self) -> object:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         return self._state.copy(), self.rate
 
     def restore(self, kept: object) -> None:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         assert isinstance(kept, tuple)
         self._state, self.rate = kept[0].copy(), kept[1]
         self._carried = None
 
     def fields(self) -> tuple[Floats, Floats]:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         self._evaluate(self.state())
         return self._points.strain[0].copy(), self._points.section_force[0].copy()
 

@@ -19,8 +19,8 @@ from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.steady.equations import Balance, Measure, imbalance
 from viscorod.solve.steady.rigid_rotation import Turning, coriolis, gyroscopic
+from viscorod.solve.steady.steady_equations import Balance, Measure, imbalance
 from viscorod.solve.steady.steady_poses import poses_about
 from viscorod.solve.steady.strain_rates import StrainRates, force_map, strain_map
 from viscorod.typing import Floats
@@ -40,7 +40,7 @@ class FirstOrder:
 
 
 class IntrinsicSteady:
-    """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; unknowns are all twists and strains.
+    """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; unknowns are all twists and strains.
 
     Args:
         problem, elements: what turns; linearised: whether damping is.
@@ -76,7 +76,7 @@ class IntrinsicSteady:
     # the unknowns in order: strains, then free twists
 
     def balance(self) -> Balance:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         rates, force, inertial = self._rates_and_forces()
         residual = np.concatenate([rates.ravel(), (force + inertial - self.following).ravel()])[self._columns]
         matrix = self._matrix()[np.ix_(self._columns, self._columns)]
@@ -92,7 +92,7 @@ class IntrinsicSteady:
         return Balance(residual, matrix, self._gap(rates, force, inertial))
 
     def measure(self, kind: Measure) -> tuple[float, Floats]:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         mass, w = self.problem.mass, self.twist[self.joint, 3:]
         spin = float(np.linalg.norm(w))
         by_strain, by_twist = np.zeros_like(self.strain), np.zeros_like(self.twist)
@@ -112,11 +112,11 @@ class IntrinsicSteady:
         return value, np.concatenate([by_strain.ravel(), by_twist.ravel()])[self._columns]
 
     def set_spin(self, value: float) -> None:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         self.twist = self.twist * (value / float(np.linalg.norm(self.twist[self.joint, 3:])))
 
     def sizes(self) -> Floats:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         length = self.problem.length
         spin = max(float(np.linalg.norm(self.twist[self.joint, 3:])), 1e-300)
         strains = np.tile([1.0, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length], len(self.strain))
@@ -125,7 +125,7 @@ class IntrinsicSteady:
         return sizes
 
     def move(self, change: Floats) -> None:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         count = self.strain.size
         self.strain = self.strain + change[:count].reshape(-1, 6)
         twist = self.twist.ravel().copy()
@@ -133,16 +133,16 @@ class IntrinsicSteady:
         self.twist = twist.reshape(-1, 6)
 
     def keep(self) -> object:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         return self.twist.copy(), self.strain.copy()
 
     def restore(self, kept: object) -> None:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         assert isinstance(kept, tuple)
         self.twist, self.strain = kept[0].copy(), kept[1].copy()
 
     def state(self) -> State:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; poses follow from the strains."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; poses follow from the strains."""
         r, q = poses_about(
             self.problem,
             self.elements,
@@ -155,7 +155,7 @@ class IntrinsicSteady:
         return State(r, q, self.twist.copy())
 
     def fields(self) -> tuple[Floats, Floats]:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         strain, force = np.zeros((2, *self.elements.reference.shape))
         strain[self.rates.used] = self.strain
         at_points = np.einsum("gij,gj->gi", self.rates.C, self.strain)

@@ -12,11 +12,11 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.statics.static_solver import StaticSolver
-from viscorod.solve.steady.conditions import Holding, no_loads
 from viscorod.solve.steady.geometric_steady import GeometricSteady
 from viscorod.solve.steady.intrinsic_steady import IntrinsicSteady
 from viscorod.solve.steady.rigid_rotation import Turning, rigid_twists, spatial_momenta
 from viscorod.solve.steady.stability import Stability, first_order, stability
+from viscorod.solve.steady.steady_checks import Holding, no_loads
 from viscorod.typing import Floats
 
 ROUND_OFF = 1e-13

@@ -5,7 +5,7 @@ ordinary
 differential equations; so the methods keep their order for large rotations. Stresses are carried as independent
 iterates (mixed Newton), which lets a frozen Jacobian serve steps with large rotations: only strains, never stiffness
 times strains, are linearised about old poses. The Jacobian and the factors stay in use over several steps (see
-``stages`` and ``jacobian``).
+``stage_kernels`` and ``jacobian``).
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient.integrators import iteration, jacobian
+from viscorod.solve.transient.integrators import iteration_verdict, jacobian
+from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.contract import StepReport
 from viscorod.solve.transient.integrators.predictor import Predictor
-from viscorod.solve.transient.integrators.records import Records
-from viscorod.solve.transient.integrators.solved_step import try_step
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
 from viscorod.solve.transient.integrators.stage_dashpots import StageDashpots
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Ends, Matrices, Stages, Work
 from viscorod.solve.transient.integrators.stage_systems import StageSystems
 from viscorod.solve.transient.integrators.step_actions import StepActions
+from viscorod.solve.transient.integrators.step_records import Records
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.solve.transient.time_step import start_step
 from viscorod.typing import Floats
 
 _OUTCOME = {
-    iteration.CONVERGED: Outcome.CONVERGED,
-    iteration.SLOW: Outcome.SLOW,
-    iteration.DIVERGED: Outcome.DIVERGED,
-    iteration.NOT_FINITE: Outcome.NOT_FINITE,
+    iteration_verdict.CONVERGED: Outcome.CONVERGED,
+    iteration_verdict.SLOW: Outcome.SLOW,
+    iteration_verdict.DIVERGED: Outcome.DIVERGED,
+    iteration_verdict.NOT_FINITE: Outcome.NOT_FINITE,
 }
 
 
@@ -146,9 +146,9 @@ class Collocation:
             self.relaxed.prepare(h)
         code, count, size, rate, unknown, error, worst = try_step(*self.step_arguments(h))
         self.systems.check()
-        self.evaluations += (count + (code == iteration.CONVERGED)) * len(self.tableau.nodes)
+        self.evaluations += (count + (code == iteration_verdict.CONVERGED)) * len(self.tableau.nodes)
         self._end = end
-        if code == iteration.CONVERGED:
+        if code == iteration_verdict.CONVERGED:
             self._rate = rate
             error, worst = self._judge(error, worst)
             node, component = divmod(worst, 6)

@@ -11,7 +11,7 @@ from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.contract import StepReport
-from viscorod.solve.transient.integrators.linear_body import LinearBody
+from viscorod.solve.transient.integrators.linear_model import LinearBody
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, RADAU, Tableau
 from viscorod.solve.transient.time_step import start_step
 from viscorod.typing import Floats
@@ -138,7 +138,7 @@ class LinearMotion:
         return report._replace(error=float(error.max()) / allowed, node=node, component=component)
 
     def _error(self, h: float, changes: Floats) -> Floats:
-        """Estimated errors ``(6 n,)``: displacements over model length, rotations (see ``solved_step``)."""
+        """Estimated errors ``(6 n,)``: displacements over model length, rotations (see ``step_error``)."""
         tableau, body, x = self.tableau, self.body, self._now[1]
         p = x + tableau.error @ changes / h
         v = tableau.error @ (self._stages[1] - x) / h + tableau.real / h * p

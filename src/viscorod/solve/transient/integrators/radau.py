@@ -7,7 +7,7 @@ import numpy as np
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import System
 from viscorod.solve.transient.integrators.collocation import Collocation
-from viscorod.solve.transient.integrators.solved_step import largest_turn
+from viscorod.solve.transient.integrators.collocation_step import largest_turn
 from viscorod.solve.transient.integrators.tableau import RADAU
 
 LEAST_CHANGE = 1e-13

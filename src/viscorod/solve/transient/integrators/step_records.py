@@ -13,7 +13,7 @@ from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
-from viscorod.solve.transient.integrators.readings import read_between, read_end
+from viscorod.solve.transient.integrators.record_kernels import read_between, read_end
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
 from viscorod.solve.transient.integrators.stage_data import Discretisation, StageInputs, Stages
 from viscorod.solve.transient.integrators.tableau import Tableau

@@ -11,10 +11,7 @@ from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings import SteadySettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.static_solver import StaticSolver
-from viscorod.solve.steady import continuation as path
-from viscorod.solve.steady import guess
-from viscorod.solve.steady.conditions import Holding, holding, no_loads
-from viscorod.solve.steady.equations import Measure
+from viscorod.solve.steady import continuation, initial_guess
 from viscorod.solve.steady.geometric_steady import GeometricSteady
 from viscorod.solve.steady.intrinsic_steady import IntrinsicSteady
 from viscorod.solve.steady.rigid_rotation import (
@@ -26,6 +23,8 @@ from viscorod.solve.steady.rigid_rotation import (
     rigid_twists,
     spatial_momenta,
 )
+from viscorod.solve.steady.steady_checks import Holding, holding, no_loads
+from viscorod.solve.steady.steady_equations import Measure
 from viscorod.solve.steady.steady_rotation import SteadyRotation, described
 from viscorod.typing import Floats
 
@@ -48,7 +47,7 @@ class Search:
         self.held = holding(self.problem)
         self.loads: LoadState = solver.loads.at(0.0)
         self.joint = int(self.problem.supports.nodes[0]) if self.held is not Holding.FREE else 0
-        self.effort = path.IterationCounts(solver.go_on)
+        self.effort = continuation.IterationCounts(solver.go_on)
         solver.supports.update(0.0)
 
     def run(self) -> SteadyRotation:
@@ -67,14 +66,14 @@ class Search:
         kind = settings.measure
         if self.start is not None:
             equations = self._from_start()
-            found = path.follow(equations, kind, target, self.effort, equations.measure(kind)[0])
+            found = continuation.follow(equations, kind, target, self.effort, equations.measure(kind)[0])
         elif settings.driven or settings.axis is not None or linearised:
             equations = self._from_reference(target)
-            found = path.follow(equations, kind, target, self.effort, 0.0)
+            found = continuation.follow(equations, kind, target, self.effort, 0.0)
         else:
             for way in (1.0, -1.0):  # a mode has no sign, but a curved rod may stay bent one way only
                 equations, elastic = self._from_mode(way)
-                found, (low, high) = path.along_branch(equations, kind, target, elastic, self.effort)
+                found, (low, high) = continuation.along_branch(equations, kind, target, elastic, self.effort)
                 if np.isfinite(low):
                     break
             if not found:
@@ -126,7 +125,7 @@ class Search:
         elif settings.axis is not None:
             axis = np.array(settings.axis)
         else:
-            axis = guess.own_axis(problem, state, centre)
+            axis = initial_guess.own_axis(problem, state, centre)
         turning = Turning(axis, centre)
         if settings.damping == "linearised" and not settings.driven:
             self._require_own_axis(state, turning)
@@ -143,11 +142,11 @@ class Search:
 
     def _from_mode(self, way: float) -> tuple[GeometricSteady | IntrinsicSteady, float]:
         """Bent in the slowest elastic mode, turning about the axis of the least inertia; and the elastic energy."""
-        state, strain, frequency, elastic = guess.bent(
+        state, strain, frequency, elastic = initial_guess.bent(
             self.solver, self.problem, self.elements, self.joint, way
         )
         centre = self._centre(state)
-        turning = Turning(guess.own_axis(self.problem, state, centre), centre)
+        turning = Turning(initial_guess.own_axis(self.problem, state, centre), centre)
         return self._equations(state, strain, turning, frequency), elastic
 
     def _centre(self, state: State) -> Floats:
