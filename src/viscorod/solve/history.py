@@ -224,7 +224,7 @@ class History:
         self.step_size.append(step_size)
         self.iterations.append(iterations)
 
-    def forget(self, count: int) -> None:
+    def truncate(self, count: int) -> None:
         """Keep the first ``count`` records only."""
         for values in (
             self.instant,
@@ -237,7 +237,7 @@ class History:
             del values[count:]
         self.count = count
 
-    def sampled(self, most: int) -> list[Snapshot]:
+    def sample(self, most: int) -> list[Snapshot]:
         """Return at most about so many of the recorded states, evenly."""
         count = len(self.snapshots)
         chosen = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))

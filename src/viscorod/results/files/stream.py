@@ -110,7 +110,7 @@ class Stream(History):
         with self._writing():
             self.journal.append(data)
         count = self.count
-        self.forget(0)
+        self.truncate(0)
         self.count = count
         self._flushed = time.monotonic()
 

@@ -81,7 +81,7 @@ class Constraints:
         """Values of held coordinates in the reference shape: what is not closed there ``(c,)``."""
         problem = self.problem
         still = np.zeros((problem.size, 6))
-        value, _, _ = self.joints.measured(problem.positions, problem.quaternions, still)
+        value, _, _ = self.joints.measure(problem.positions, problem.quaternions, still)
         value[~self.is_held] = 0.0
         value[np.abs(value) < 1e-14 * self.joints.unit] = 0.0
         return value
@@ -91,9 +91,9 @@ class Constraints:
         """All elements."""
         return self._elements()
 
-    def measured(self, state: State) -> tuple[Floats, Floats, Floats]:
+    def measure(self, state: State) -> tuple[Floats, Floats, Floats]:
         """Return values and rates ``(c,)`` and gradients ``(c, 12)`` of all coordinates in a state."""
-        return self.joints.measured(state.r, state.q, state.twist, self.near)
+        return self.joints.measure(state.r, state.q, state.twist, self.near)
 
     @property
     def rows(self) -> int:
@@ -102,13 +102,13 @@ class Constraints:
 
     def rate_gaps(self, state: State) -> Floats:
         """Return the rates of all gaps ``(places,)`` [1/s and units of the gaps], 0 where velocities are allowed."""
-        _, rate, _ = self.measured(state)
+        _, rate, _ = self.measure(state)
         strains = self._strains(state).strain_rate if len(self.held.place) else None
         return self._by_place(rate - self.target_rate, strains)
 
     def gaps(self, state: State) -> Floats:
         """Return all gaps ``(places,)``, 0 where positions are as the last :meth:`update` wants them."""
-        value, _, _ = self.measured(state)
+        value, _, _ = self.measure(state)
         strains = self._strains(state).strain if len(self.held.place) else None
         return self._by_place(value - self.target, strains)
 
@@ -158,7 +158,7 @@ class Constraints:
             for c in np.flatnonzero(np.abs(gaps) > CLOSED * self.joints.unit)
         ]
 
-    def strained(self, reference: State, t: float, *, before: bool = True) -> bool:
+    def is_strained(self, reference: State, t: float, *, before: bool = True) -> bool:
         """Whether the ``reference`` shape is not at rest: open joints, motors away from 0, springs that pull."""
         self.update(t, before)
         if np.abs(self.target).max(initial=0.0) > 0.0 or self.open_joints():
@@ -210,7 +210,7 @@ class Constraints:
         law = self.arrays.law
         return sum(self.laws.energy(int(law[c]), float(self.value[c])) for c in np.flatnonzero(law >= 0))
 
-    def settle(self) -> None:
+    def track_angles(self) -> None:
         """Take the present values as those that angles stay near."""
         free = ~self.is_held
         self.near[free] = self.value[free]

@@ -76,10 +76,10 @@ def _conditions(problem: Problem, labels: np.ndarray, centres: Floats) -> list[C
         moves = np.kron(np.eye(2), A.T @ R[node]) @ increments(node)
         found.append([(int(labels[node]), moves[problem.supports.fixed[k] > 0.0])])
     joints = problem.joints.arrays
-    _, _, gradients = problem.joints.measured(
+    _, _, gradients = problem.joints.measure(
         problem.positions, problem.quaternions, np.zeros((problem.size, 6))
     )
-    for c in np.flatnonzero((joints.place >= 0) | problem.joints.pulls):
+    for c in np.flatnonzero((joints.place >= 0) | problem.joints.has_spring):
         sides = [(side, int(node)) for side, node in enumerate(joints.nodes[c]) if node >= 0]
         unit = np.repeat([1.0, 1.0 / problem.length], 3)  # per spin times length
         rows = [

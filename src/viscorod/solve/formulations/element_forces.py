@@ -30,18 +30,18 @@ class ElementForces(Protocol):
         """Write the Gauss points ``(1, e, points, 6)`` and the internal forces ``(n, 6)`` of ``state``."""
 
     def linearise(
-        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+        self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
     ) -> None:
         """Write the operators and add to the blocks ``K`` and ``C`` of the Jacobian at ``state``.
 
         Args:
-            turning: ``ad(x1)`` of every node ``(n, 6, 6)``; stress: section forces ``(e, points, 6)``.
+            ad: ``ad(x1)`` of every node ``(n, 6, 6)``; stress: section forces ``(e, points, 6)``.
         """
 
-    def arrive(self, strain: Floats) -> None:
+    def set_strains(self, strain: Floats) -> None:
         """Take the strains ``(e, points, 6)`` at the end of a step."""
 
-    def reflect(self, middle: Floats) -> None:
+    def extrapolate_strains(self, middle: Floats) -> None:
         """Take the strains at the end of a step from those in its middle, twice the way."""
 
 
@@ -78,15 +78,15 @@ class GeometricForces:
         points.section_force[:] = points.stress
 
     def linearise(
-        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+        self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
     ) -> None:
         """See :class:`ElementForces`."""
-        self.system.linearise(state, turning, stress, operators, K, C)
+        self.system.linearise(state, ad, stress, operators, K, C)
 
-    def arrive(self, strain: Floats) -> None:
+    def set_strains(self, strain: Floats) -> None:
         """Nothing to keep: poses say it all."""
 
-    def reflect(self, middle: Floats) -> None:
+    def extrapolate_strains(self, middle: Floats) -> None:
         """Nothing to keep: poses say it all."""
 
 
@@ -111,8 +111,8 @@ class IntrinsicForces:
             GeometricForces(self.system, self.elements).evaluate(state, points, internal)
             strain = points.strain[0]
             if self.system.given_strain is not None:
-                strain.reshape(-1, 6)[self.system.gauss_places()] = self.system.given_strain
-            self.arrive(strain)
+                strain.reshape(-1, 6)[self.system.gauss_indices()] = self.system.given_strain
+            self.set_strains(strain)
         points.strain[0] = self.motion.start
         forces_at(
             self.elements,
@@ -127,7 +127,7 @@ class IntrinsicForces:
         points.stress[:] = points.section_force
 
     def linearise(
-        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+        self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
     ) -> None:
         """See :class:`ElementForces`."""
         now, rate = self._now, np.zeros((1, *stress.shape))
@@ -147,18 +147,18 @@ class IntrinsicForces:
             self.motion.start,
             now.twist[0],
             rate[0],
-            turning,
+            ad,
             stress,
             operators,
             K,
             C,
         )
 
-    def arrive(self, strain: Floats) -> None:
+    def set_strains(self, strain: Floats) -> None:
         """See :class:`ElementForces`."""
         self.motion.start[:] = strain
         self._known = True
 
-    def reflect(self, middle: Floats) -> None:
+    def extrapolate_strains(self, middle: Floats) -> None:
         """See :class:`ElementForces`."""
-        self.arrive(2.0 * middle - self.motion.start)
+        self.set_strains(2.0 * middle - self.motion.start)

@@ -106,11 +106,11 @@ class System(Protocol):
         """
 
     def linearise(
-        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+        self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
     ) -> None:
         """Write the operators of all elements, and add their stiffness and damping matrices to ``K`` and ``C``.
 
-        These are blocks of the problem's pattern; increments turn with the nodes, ``turning (n, 6, 6)`` is
+        These are blocks of the problem's pattern; increments turn with the nodes, ``ad (n, 6, 6)`` is
         ``ad(twist)``. ``stress`` is that of the geometric stiffness, in the arrays of :meth:`elements`. Needed by
         collocation methods only.
         """
@@ -139,7 +139,7 @@ class System(Protocol):
     def viscous_loss(self, duration: float) -> float:
         """Return the energy [J] lost to viscosity since the last call, ``duration`` [s] ago; 0 starts counting anew."""
 
-    def settle(self) -> Floats:
+    def advance_branches(self) -> Floats:
         """Let the branches remember the last assembly; return what each lost since the last call ``(n,)`` [J]."""
 
     def branch_power(self) -> Floats | None:
@@ -148,7 +148,7 @@ class System(Protocol):
     def gauss_points(self) -> GaussPoints:
         """Return the Gauss-point fields of the last assembly."""
 
-    def gauss_places(self) -> Integers:
+    def gauss_indices(self) -> Integers:
         """Return the places of all Gauss points, in the same order, in the flattened arrays of :meth:`elements`."""
 
     def elements(self) -> Elements:
@@ -163,5 +163,5 @@ class System(Protocol):
     def gauss_positions(self) -> GaussPositions:
         """Return where the Gauss points are, in the same order."""
 
-    def worst_place(self, node: int) -> str:
+    def describe_node(self, node: int) -> str:
         """Describe a block row for messages: rod, element and arc length, body, joint, or rod with held strains."""

@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from viscorod.solve.linear.elimination import Elimination
-from viscorod.solve.linear.ordering import band_order, reach, sparse_order
+from viscorod.solve.linear.ordering import band_order, half_bandwidth, sparse_order
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.typing import Integers
 
 NARROW = 12
-"""Bands that reach no farther (in block rows) are never wider than worth it: no sparse LU is tried."""
+"""Bands that half_bandwidth no farther (in block rows) are never wider than worth it: no sparse LU is tried."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Plan:
     @cached_property
     def width(self) -> int:
         """Half width of the band of what remains, in unknowns."""
-        return 6 * reach(self.elimination.remaining, self.order) + 5
+        return 6 * half_bandwidth(self.elimination.remaining, self.order) + 5
 
     @cached_property
     def ordered(self) -> Pattern:
@@ -141,7 +141,7 @@ def plans(pattern: Pattern, interiors: Iterable[Integers] = ()) -> Iterator[Plan
     for elimination in (alone, condensed) if condensed.fronts else (alone,):
         rest = elimination.remaining
         order = band_order(rest)
-        far, n = reach(rest, order), 6 * rest.size
+        far, n = half_bandwidth(rest, order), 6 * rest.size
         before = elimination.cost
         yield Plan(pattern, elimination, order, True, before + _band_cost(n, 6 * far + 5))
         if far > NARROW:

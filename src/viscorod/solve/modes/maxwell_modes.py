@@ -66,7 +66,7 @@ def branch_stiffness(system: System, memory: DashpotMemory, state: State) -> lis
     return found
 
 
-def follow(pencil: Pencil, s: complex, vector: np.ndarray) -> tuple[complex, np.ndarray]:
+def follow_mode(pencil: Pencil, s: complex, vector: np.ndarray) -> tuple[complex, np.ndarray]:
     """Return the eigenvalue [1/s] and the eigenvector that ``s`` and ``vector`` of the relaxed rods become.
 
     NaN if it is lost: where a vibration is overdamped by its branches, it ends among their real roots.

@@ -20,7 +20,7 @@ from viscorod.solve.constraints.null_space import null_space
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import StationReader
 from viscorod.solve.linear.matrix import Matrix
-from viscorod.solve.modes.maxwell_modes import Pencil, branch_stiffness, follow
+from viscorod.solve.modes.maxwell_modes import Pencil, branch_stiffness, follow_mode
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
@@ -278,7 +278,7 @@ def _with_branches(
     pencil = Pencil(linear.stiffness, linear.damping, linear.mass, branches, system.relaxation.times)
     highest = float(np.abs(s).max(initial=0.0))
     found = [
-        follow(pencil, complex(root), vector) if abs(root) > 1e-6 * highest else (complex(root), vector)
+        follow_mode(pencil, complex(root), vector) if abs(root) > 1e-6 * highest else (complex(root), vector)
         for root, vector in zip(s, vectors.T, strict=True)
     ]
     values = np.array([root for root, _ in found])

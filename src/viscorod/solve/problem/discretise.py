@@ -15,7 +15,7 @@ from viscorod.model.connections.place import AnyPlace, BodyPlace, Place
 from viscorod.model.connections.resolved_places import find, required_breaks
 from viscorod.model.connections.support_base import ResolvedSupport
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.solve.constraints.strain_multipliers import held_cliques, held_strains
+from viscorod.solve.constraints.strain_multipliers import held_strains, multiplier_cliques
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem.joint_set import joint_set
 from viscorod.solve.problem.load_placing import passages, place_load
@@ -44,7 +44,7 @@ def discretise(model: ModelDescription) -> Problem:
         mesh.quaternions,
         length,
     )
-    held_members, held_rows = held_cliques(mesh, nodes + joints.blocks)
+    held_members, held_rows = multiplier_cliques(mesh, nodes + joints.blocks)
     elements = [element_nodes(shared, m.order) for m, shared in zip(mesh.rods, mesh.shared, strict=True)]
     multipliers = joints.blocks + held_rows
     pattern = Pattern.of(nodes + multipliers, [*elements, *joints.cliques(nodes), *held_members])

@@ -118,17 +118,17 @@ def _distinct(stations: list[float], length: float) -> Floats:
 
 def _require_turns(name: str, rod: Rod, s: Floats, count: int) -> None:
     """Refuse nodes between which the frame turns so far that it might as well have turned the other way."""
-    turning = np.diff(rod.turned(s))
-    worst = int(np.argmax(turning))
-    if turning[worst] >= np.pi:
-        needed = int(np.ceil(count * turning[worst]))
+    turn = np.diff(rod.turned(s))
+    worst = int(np.argmax(turn))
+    if turn[worst] >= np.pi:
+        needed = int(np.ceil(count * turn[worst]))
         given = rod.elements is not None
         raise InputError(
             Fault(
                 f"rods.{name}.elements",
                 str(rod.elements) if given else "",
                 f"too few: between the nodes at s = {s[worst]:.6g} and {s[worst + 1]:.6g} m the reference shape turns "
-                f"by {turning[worst]:.3g} rad, and beyond half a turn an element cannot tell which way",
+                f"by {turn[worst]:.3g} rad, and beyond half a turn an element cannot tell which way",
                 f"give at least {needed}{', or leave it out' if given else ''}",
             )
         )

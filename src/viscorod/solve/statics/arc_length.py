@@ -201,11 +201,11 @@ class PathFollower:
         try:
             plain, per_factor = self._solve(trial, factor)
             while True:
-                static.go_on()
-                lacking = distance - self._inner(at.forward, Direction(total, factor - at.factor))
+                static.check_interrupt()
+                missing = distance - self._inner(at.forward, Direction(total, factor - at.factor))
                 along = self._inner(at.forward, Direction(plain[: problem.size], 0.0))
                 rate = self._inner(at.forward, Direction(per_factor[: problem.size], 1.0))
-                change = (lacking - along) / rate
+                change = (missing - along) / rate
                 increment = plain + change * per_factor
                 count += 1
                 verdict, size = convergence.judge(increment[: problem.size], count)
@@ -348,8 +348,8 @@ class PathFollower:
                 low, last, first = middle, point, point.change
             else:
                 high, known, after, end = middle, middle, point, point.change
-            apart = Direction(end.increment - first.increment, end.factor - first.factor)
-            if np.sqrt(self._inner(apart, apart)) > LARGEST_GAP * (known - low):
+            gap = Direction(end.increment - first.increment, end.factor - first.factor)
+            if np.sqrt(self._inner(gap, gap)) > LARGEST_GAP * (known - low):
                 return None
             if halving >= 10 and known - low > 0.01 * step:
                 return None

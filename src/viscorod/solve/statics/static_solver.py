@@ -72,7 +72,7 @@ class StaticSolver:
         self.iterations = iterations
         self._stop = stop
 
-    def go_on(self) -> None:
+    def check_interrupt(self) -> None:
         """Do nothing, unless the solution is to stop.
 
         Raises:
@@ -160,7 +160,7 @@ class StaticSolver:
             return NewtonReport(outcome, count, size, imbalance, node)
 
         while True:
-            self.go_on()
+            self.check_interrupt()
             system.assemble(state, loads, None, tangent=True, moving=False)
             residual = system.residual()
             if not np.isfinite(residual).all():
@@ -191,7 +191,7 @@ class StaticSolver:
         self.system.constraints.update(t, before, scale)
         self.system.assemble(state, self.loads.at(t, before, scale), None, tangent=False, moving=False)
         self.system.reset_stress()
-        self.system.constraints.settle()
+        self.system.constraints.track_angles()
         residual = self.system.residual()
         self.supports.impose(state, residual, self.system.matrix, tangent=False)
 

@@ -24,23 +24,23 @@ from viscorod.solve.formulations.element_forces import GeometricForces
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.external_loads import LoadState
-from viscorod.solve.steady.rigid_rotation import Turning, coriolis, rigid_twists
+from viscorod.solve.steady.rigid_rotation import RotationAxis, coriolis, rigid_twists
 from viscorod.solve.steady.steady_equations import Balance, Measure, imbalance
 from viscorod.solve.transient.integrators import jacobian
 from viscorod.typing import Floats
 
 
 @dataclass
-class Small:
+class SecondOrder:
     """Small motions about a steady rotation, before supports: ``M d'' + C d' + K d = 0`` in body increments ``d``.
 
-    Dense ``(6 n, 6 n)``; ``turning`` is ``ad(x)`` of every node ``(n, 6, 6)``.
+    Dense ``(6 n, 6 n)``; ``ad`` is ``ad(x)`` of every node ``(n, 6, 6)``.
     """
 
     mass: Floats
     damping: Floats
     stiffness: Floats
-    turning: Floats
+    ad: Floats
 
 
 class GeometricSteady:
@@ -49,7 +49,7 @@ class GeometricSteady:
     Args:
         system, supports: what turns; supports turn with it.
         loads: that stay as they are while it turns.
-        turning: the line about which it turns.
+        line: the line about which it turns.
         state: first guess of the poses, overwritten; rate: of the angular speed [rad/s].
     """
 
@@ -58,11 +58,11 @@ class GeometricSteady:
         system: System,
         supports: SupportState,
         loads: LoadState,
-        turning: Turning,
+        line: RotationAxis,
         state: State,
         rate: float,
     ) -> None:
-        self.system, self.supports, self.loads, self.turning = system, supports, loads, turning
+        self.system, self.supports, self.loads, self.line = system, supports, loads, line
         self.problem = system.problem
         self.elements = system.elements()
         self._forces = GeometricForces(self.system, self.elements)
@@ -78,14 +78,14 @@ class GeometricSteady:
     def state(self) -> State:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         at = self._state
-        at.twist[:] = rigid_twists(at.r, at.q, [0.0] * 3, self.rate * self.turning.axis, self.turning.centre)
+        at.twist[:] = rigid_twists(at.r, at.q, [0.0] * 3, self.rate * self.line.direction, self.line.centre)
         return at
 
     def set_spin(self, value: float) -> None:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         self.rate = value
 
-    def sizes(self) -> Floats:
+    def scales(self) -> Floats:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         length = self.problem.length
         return np.append(np.tile([length, length, length, 1.0, 1.0, 1.0], self.problem.size), self.rate)
@@ -140,7 +140,7 @@ class GeometricSteady:
         energies(self.elements, self._points.strain, self._points.strain_rate, elastic, dissipated)
         return float(elastic[0])
 
-    def move(self, change: Floats) -> None:
+    def update(self, change: Floats) -> None:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`.
 
         Section forces are carried along by the frozen operator (mixed Newton, as in statics).
@@ -157,7 +157,7 @@ class GeometricSteady:
         retract(self._state.r, self._state.q, increment, self._state.r, self._state.q)
         self.rate += float(change[-1])
 
-    def keep(self) -> object:
+    def save(self) -> object:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         return self._state.copy(), self.rate
 
@@ -172,17 +172,17 @@ class GeometricSteady:
         self._evaluate(self.state())
         return self._points.strain[0].copy(), self._points.section_force[0].copy()
 
-    def small_motions(self) -> Small:
+    def small_motions(self) -> SecondOrder:
         """Return the matrices of small motions at the present state."""
         state = self.state()
         self.balance()
-        turning = self._linearise(state, self._points.section_force[0])
+        ad = self._linearise(state, self._points.section_force[0])
         pattern = self.problem.pattern
         stiffness, damping = (pattern.sparse(blocks).toarray() for blocks in (self._K, self._C))
         mass = np.zeros_like(stiffness)
         for k, block in enumerate(self.problem.mass):
             mass[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = block
-        return Small(mass, damping, stiffness, turning)
+        return SecondOrder(mass, damping, stiffness, ad)
 
     def _evaluate(self, state: State) -> None:
         """Evaluate strains and elastic forces; without twists, whose strain rates are round-off."""
@@ -192,16 +192,16 @@ class GeometricSteady:
     def _linearise(self, state: State, stress: Floats) -> Floats:
         """Fill the blocks ``K`` and ``C``; returns ``ad(x)`` of every node."""
         n = self.problem.size
-        turning, product = np.zeros((n, 6, 6)), np.zeros((n, 6, 6))
-        jacobian.adjoint(state.twist, turning)
+        ad, product = np.zeros((n, 6, 6)), np.zeros((n, 6, 6))
+        jacobian.adjoint(state.twist, ad)
         self._K.fill(0.0)
         self._C.fill(0.0)
-        self._forces.linearise(state, turning, stress, self._operators, self._K, self._C)
+        self._forces.linearise(state, ad, stress, self._operators, self._K, self._C)
         self._external(state, self._K, tangent=True)
         jacobian.add_inertia(
-            self.problem.mass, state.twist, turning, self._K, self._C, self.problem.pattern.diagonal, product
+            self.problem.mass, state.twist, ad, self._K, self._C, self.problem.pattern.diagonal, product
         )
-        return turning
+        return ad
 
     def _external(self, state: State, blocks: Floats, *, tangent: bool) -> Floats:
         """Return the loads ``(n, 6)``; with ``tangent`` their derivative is subtracted from ``blocks``."""

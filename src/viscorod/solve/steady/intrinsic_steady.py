@@ -19,7 +19,7 @@ from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.steady.rigid_rotation import Turning, coriolis, gyroscopic
+from viscorod.solve.steady.rigid_rotation import RotationAxis, coriolis, gyroscopic
 from viscorod.solve.steady.steady_equations import Balance, Measure, imbalance
 from viscorod.solve.steady.steady_poses import poses_about
 from viscorod.solve.steady.strain_rates import StrainRates, force_map, strain_map
@@ -47,7 +47,7 @@ class IntrinsicSteady:
         free: which components of the nodal twists are unknown ``(n, 6)``; the others stay as they are.
         following: wrenches that are carried along ``(n, 6)``, body components.
         joint: node whose angular velocity counts as the spin; still: whether the mass centre must not travel.
-        turning: the line about which poses are to turn.
+        line: the line about which poses are to turn.
         state: twists of the first guess, and the pose from which poses are found; strain: its strains.
     """
 
@@ -61,14 +61,14 @@ class IntrinsicSteady:
         following: Floats,
         joint: int,
         still: bool,
-        turning: Turning,
+        line: RotationAxis,
         state: State,
         strain: Floats,
     ) -> None:
         self.problem, self.elements, self.linearised = problem, elements, linearised
         self.rates = StrainRates(elements, problem.size)
         self.free = np.flatnonzero(free.ravel())
-        self.following, self.joint, self.still, self.turning = following, joint, still, turning
+        self.following, self.joint, self.still, self.line = following, joint, still, line
         self._guess = state.copy()
         self.twist, self.strain = state.twist.copy(), strain[self.rates.used]
         self._columns = np.concatenate([np.arange(self.strain.size), self.strain.size + self.free])
@@ -115,7 +115,7 @@ class IntrinsicSteady:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         self.twist = self.twist * (value / float(np.linalg.norm(self.twist[self.joint, 3:])))
 
-    def sizes(self) -> Floats:
+    def scales(self) -> Floats:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         length = self.problem.length
         spin = max(float(np.linalg.norm(self.twist[self.joint, 3:])), 1e-300)
@@ -124,7 +124,7 @@ class IntrinsicSteady:
         sizes: Floats = np.concatenate([strains, twists])[self._columns]
         return sizes
 
-    def move(self, change: Floats) -> None:
+    def update(self, change: Floats) -> None:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         count = self.strain.size
         self.strain = self.strain + change[:count].reshape(-1, 6)
@@ -132,7 +132,7 @@ class IntrinsicSteady:
         twist[self.free] += change[count:]
         self.twist = twist.reshape(-1, 6)
 
-    def keep(self) -> object:
+    def save(self) -> object:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         return self.twist.copy(), self.strain.copy()
 
@@ -150,7 +150,7 @@ class IntrinsicSteady:
             self._guess,
             self.joint,
             self.twist[self.joint],
-            self.turning,
+            self.line,
         )
         return State(r, q, self.twist.copy())
 

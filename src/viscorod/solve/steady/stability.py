@@ -14,9 +14,9 @@ import scipy.linalg
 
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
-from viscorod.solve.steady.geometric_steady import Small
+from viscorod.solve.steady.geometric_steady import SecondOrder
 from viscorod.solve.steady.intrinsic_steady import FirstOrder
-from viscorod.solve.steady.rigid_rotation import Turning, rigid_twists
+from viscorod.solve.steady.rigid_rotation import RotationAxis, rigid_twists
 from viscorod.typing import Floats
 
 SLOW = 1e-4
@@ -42,7 +42,12 @@ class Stability:
 
 
 def first_order(
-    small: Small, supports: SupportState, state: State, turning: Turning, copies: Floats, length: float
+    small: SecondOrder,
+    supports: SupportState,
+    state: State,
+    line: RotationAxis,
+    copies: Floats,
+    length: float,
 ) -> FirstOrder:
     """Return small motions in poses as a system of first order, without the ``copies`` of the rotation.
 
@@ -66,11 +71,11 @@ def first_order(
     W = np.eye(count)
     if len(copies):
         n = len(state.r)
-        ad = np.zeros((6 * n, 6 * n))
-        for k, block in enumerate(small.turning):
-            ad[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = block
-        A = inverse @ ad @ basis
-        fields = [rigid_twists(state.r, state.q, c[:3], c[3:], turning.centre).ravel() for c in copies]
+        whole = np.zeros((6 * n, 6 * n))
+        for k, block in enumerate(small.ad):
+            whole[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = block
+        A = inverse @ whole @ basis
+        fields = [rigid_twists(state.r, state.q, c[:3], c[3:], line.centre).ravel() for c in copies]
         Z = inverse @ np.array(fields).T
         W = scipy.linalg.null_space(Z.T)
     C1 = C - M @ A

@@ -25,7 +25,7 @@ PARALLEL = 1e-9
 """Part of a load that may stand across the axis: round-off."""
 
 
-class Holding(Enum):
+class SupportKind(Enum):
     """How a model is held."""
 
     FREE = "no supports"
@@ -33,26 +33,26 @@ class Holding(Enum):
     HELD = "supports that turn with the rotation"
 
 
-def holding(problem: Problem) -> Holding:
+def support_kind(problem: Problem) -> SupportKind:
     """Return how a model is held; pins at one node make a ball joint."""
     supports = problem.supports
     if len(supports.nodes) == 0:
-        return Holding.FREE
+        return SupportKind.FREE
     pinned = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
     if len(supports.nodes) == 1 and np.array_equal(supports.fixed[0], pinned):
-        return Holding.JOINT
-    return Holding.HELD
+        return SupportKind.JOINT
+    return SupportKind.HELD
 
 
-def require(model: ModelDescription, problem: Problem, settings: SteadySettings) -> None:
+def require_steady(model: ModelDescription, problem: Problem, settings: SteadySettings) -> None:
     """Check that there can be such a rotation.
 
     Raises:
         InputError: with everything that is in its way, by name.
     """
     faults = [*unfit_for_steady(model), *_size(problem, settings)]
-    held = holding(problem)
-    if held is Holding.HELD and not settings.driven:
+    held = support_kind(problem)
+    if held is SupportKind.HELD and not settings.driven:
         name = _label(model, problem.supports.names[0])
         faults.append(
             Fault(
@@ -100,7 +100,7 @@ def _size(problem: Problem, settings: SteadySettings) -> Iterator[Fault]:
             f"steady rotations are computed by dense linear algebra, for up to {LARGEST} unknowns",
             "give fewer elements, of higher order",
         )
-    most = {Holding.FREE: 6, Holding.JOINT: 3}.get(holding(problem))
+    most = {SupportKind.FREE: 6, SupportKind.JOINT: 3}.get(support_kind(problem))
     if most is not None and len(free_motions(problem)) > most:
         yield Fault("rods", "", "the rods are not connected", "attach them, or compute them one by one")
 

@@ -44,16 +44,16 @@ class SteadyEquations(Protocol):
     def set_spin(self, value: float) -> None:
         """Let everything turn with an angular speed [rad/s], as it is."""
 
-    def sizes(self) -> Floats:
+    def scales(self) -> Floats:
         """What a large change of every unknown is ``(k,)``."""
 
-    def move(self, change: Floats) -> None:
+    def update(self, change: Floats) -> None:
         """Change the unknowns."""
 
     def residual(self) -> tuple[Floats, float]:
         """Balance of the nodes ``(n, 6)``, which supports complete, and what is left as a part of the forces."""
 
-    def keep(self) -> object:
+    def save(self) -> object:
         """Return a copy of the unknowns for :meth:`restore`."""
 
     def restore(self, kept: object) -> None:

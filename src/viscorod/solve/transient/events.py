@@ -34,7 +34,7 @@ class Monitor(Protocol):
     def begin(self, t: float, snapshot: Snapshot) -> None:
         """Look at the start."""
 
-    def after(self, integrator: Integrator, start: float) -> list[Event]:
+    def check_step(self, integrator: Integrator, start: float) -> list[Event]:
         """Return what happened in the step that was accepted last and began at ``start`` [s]."""
 
 
@@ -57,7 +57,7 @@ class CrossingMonitor:
         del t
         self._last = self.quantity(snapshot)
 
-    def after(self, integrator: Integrator, start: float) -> list[Event]:
+    def check_step(self, integrator: Integrator, start: float) -> list[Event]:
         """See :class:`Monitor`."""
         inner = [self.quantity(snapshot) for snapshot, _, _ in integrator.between(np.array(PARTS))]
         values = [self._last, *inner, self.quantity(integrator.snapshot())]
@@ -100,7 +100,7 @@ class LastingMonitor:
         """See :class:`Monitor`."""
         self._since = t if self.so(snapshot) else None
 
-    def after(self, integrator: Integrator, start: float) -> list[Event]:
+    def check_step(self, integrator: Integrator, start: float) -> list[Event]:
         """See :class:`Monitor`."""
         del start
         snapshots = [snapshot for snapshot, _, _ in integrator.between(np.array(PARTS))]
@@ -164,9 +164,9 @@ class EventWatch:
         for monitor in self.monitors:
             monitor.begin(t, snapshot)
 
-    def after(self, integrator: Integrator, start: float) -> float | None:
+    def check_step(self, integrator: Integrator, start: float) -> float | None:
         """Look at the accepted step from ``start`` [s]; return when the run is to end, if it is."""
-        found = [event for monitor in self.monitors for event in monitor.after(integrator, start)]
+        found = [event for monitor in self.monitors for event in monitor.check_step(integrator, start)]
         end = None
         for event in sorted(found, key=lambda event: event.time):
             self.times.append(event.time)

@@ -20,11 +20,11 @@ def pose_gap(system: System, history: History) -> tuple[float, float]:
     Integration along a rod begins at its start.
     """
     problem, gauss = system.problem, system.gauss_positions()
-    snapshots = history.sampled(MOST)
+    snapshots = history.sample(MOST)
     r = np.array([snapshot.state.r for snapshot in snapshots])
     q = np.array([snapshot.state.q for snapshot in snapshots])
     position, rotation, _, _ = StationReader(problem).read(r, q, np.zeros((*r.shape[:2], 6)))
-    reference = system.elements().reference.reshape(-1, 6)[system.gauss_places()]
+    reference = system.elements().reference.reshape(-1, 6)[system.gauss_indices()]
     strain = reference + np.array([snapshot.strain for snapshot in snapshots])
     distance = angle = 0.0
     for rod, order in enumerate(problem.rod_orders):

@@ -28,7 +28,7 @@ class StepControl(Protocol):
     def begin(self, t: float, corner: float, *, first: float | None) -> None:
         """Head for ``corner`` [s], which must be hit; ``first`` is a step [s] to begin with after a jump."""
 
-    def aim(self, t: float) -> float:
+    def next_end(self, t: float) -> float:
         """Return the end [s] of the next step."""
 
     def accepts(self, report: StepReport, h: float) -> bool:
@@ -63,7 +63,7 @@ class FixedSteps:
         self._full = (corner - t) / self._count
         self._done = self._whole = self._level = self._easy = 0
 
-    def aim(self, t: float) -> float:
+    def next_end(self, t: float) -> float:
         """See :class:`StepControl`."""
         del t
         parts = 2**HALVINGS
@@ -133,7 +133,7 @@ class ErrorControl:
             self._h, self._last = min(first, self.largest), None
             self._limit = "the jump at its start" if t > 0.0 else "the beginning of the run"
 
-    def aim(self, t: float) -> float:
+    def next_end(self, t: float) -> float:
         """See :class:`StepControl`."""
         left = self._corner - t
         if self._h >= left * (1.0 - 1e-9):

@@ -34,7 +34,7 @@ from viscorod.solve.transient.integrators.constraint_arrays import (
     move_multipliers,
 )
 from viscorod.solve.transient.integrators.iteration_verdict import CONVERGED, GOING, SLOW, judge
-from viscorod.solve.transient.integrators.midpoint_end import hold_ends, reach_end
+from viscorod.solve.transient.integrators.midpoint_end import hold_ends, place_end
 from viscorod.solve.transient.integrators.stage_data import (
     Discretisation,
     Ends,
@@ -191,12 +191,12 @@ def try_step(
         final = code == CONVERGED
         place_stages(r0, q0, twist0, X, D, h, split, held, r, q, twist, acceleration)
         lacking_motion(nodes, fixed, axes, A_tableau, h, rate_target, twist, target)
-        stage_kernels.hold(
+        stage_kernels.place_held_nodes(
             nodes, complete, given_r, given_q, given_twist, given_rate, r, q, twist, acceleration
         )
         if ends is not None:
-            r1, q1, twist1, strain1, strain_rate1, S1, strain0, force1, lacking = ends
-            reach_end(
+            r1, q1, twist1, strain1, strain_rate1, S1, strain0, force1, defect = ends
+            place_end(
                 r0, q0, X, split, held, nodes, complete, end_r, end_q, change[0], rate[0], r1, q1, twist1
             )
         if links is not None:
@@ -221,9 +221,9 @@ def try_step(
                         strain0,
                         strain1,
                         h,
-                        lacking,
+                        defect,
                     )
-                conserve_energy(elements, strain, strain_rate, strain0, strain1, h, lacking, S)
+                conserve_energy(elements, strain, strain_rate, strain0, strain1, h, defect, S)
         else:
             linearised, start, at_points, linear_rate, T_e, F_e, X_e, matrix, side = motion
             stage_forces(
@@ -323,7 +323,7 @@ def try_step(
         )
         balance(mass, twist, acceleration, internal, external, force, residual)
         if links is not None:
-            # by the midpoint rule half of what is lacking at the end is lacking in the middle
+            # by the midpoint rule half of what is defect at the end is defect in the middle
             add_gaps(gap, link_scale, 1.0 if ends is None else 0.5, count_nodes, residual)
             if final and count < limit and largest_gap(gap, unit) > GAP:
                 code, final = GOING, False

@@ -27,7 +27,7 @@ from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
 
-class LinearBody:
+class LinearModel:
     """Forces, energies and poses for displacements ``xi`` and velocities ``x``, each ``(6 n,)``.
 
     Args:
@@ -48,7 +48,7 @@ class LinearBody:
         self.body = body = Discretisation.of(system.problem, system.elements(), supports)
         self.unit = np.tile([body.length] * 3 + [1.0] * 3, n)
         self.actions = StepActions(system, supports, body, 1)
-        self._places = system.gauss_places()
+        self._places = system.gauss_indices()
         points, internal = GaussStates.of(body.elements, 1), np.zeros((n, 6))
         GeometricForces(system, body.elements).evaluate(self.base, points, internal)
         self._force, self._strain = internal.ravel().copy(), points.strain[0].copy()
@@ -190,7 +190,7 @@ class LinearBody:
         """Return everything about a state with given accelerations and loads ``(6 n,)``."""
         state = self.state(xi, x)
         points, unused = GaussStates.of(self.body.elements, 1), np.zeros_like(state.twist)
-        self._forces.arrive(self._strain + (self._B @ xi).reshape(self._strain.shape))
+        self._forces.set_strains(self._strain + (self._B @ xi).reshape(self._strain.shape))
         self._forces.evaluate(state, points, unused)
         residual = (self.internal(xi, x) + self.mass @ acceleration - load).reshape(-1, 6)
         self.supports.impose(self.base, residual, self.system.matrix, tangent=False)

@@ -11,9 +11,9 @@ from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.contract import StepReport
-from viscorod.solve.transient.integrators.linear_model import LinearBody
+from viscorod.solve.transient.integrators.linear_model import LinearModel
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, RADAU, Tableau
-from viscorod.solve.transient.time_step import start_step
+from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
 
 SWEEPS = 3
@@ -53,7 +53,7 @@ class LinearMotion:
         self.state = State.reference(problem)
         self.kinetic = self.elastic = self.work = self.loss = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
-        self._body: LinearBody | None = None
+        self._body: LinearModel | None = None
         self._last = stages - 1
         self._step = self._factor_step = 0.0
         self._now = np.zeros((2, 6 * problem.size))  # displacements and velocities at t
@@ -71,7 +71,7 @@ class LinearMotion:
         return float(np.abs(self._snapshot.strain[:, :3]).max())
 
     @property
-    def body(self) -> LinearBody:
+    def body(self) -> LinearModel:
         """The linear model, known from the first start on."""
         assert self._body is not None
         return self._body
@@ -84,20 +84,20 @@ class LinearMotion:
         self.t = t
         if self._body is None:
             self.supports.project_twists(state)
-            self._body = LinearBody(self.system, self.supports, t, state)
+            self._body = LinearModel(self.system, self.supports, t, state)
             self.jacobians += 1
             self._now[1] = state.twist.ravel()
             held = self.supports.set.nodes[self.supports.complete]
             self._now[1].reshape(-1, 6)[held] = 0.0
         self._load = self.body.loads(t, False)
         self.evaluations += 1
-        self._arrive(self._now, np.zeros_like(self._load))
+        self._set_state(self._now, np.zeros_like(self._load))
 
     def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         body = self.body.body
         force = (self._load - self.body.internal(*self._now)).reshape(-1, 6)
-        return start_step(body.mass, force, self.state.twist, body.held, body.length, duration)
+        return first_time_step(body.mass, force, self.state.twist, body.held, body.length, duration)
 
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -158,7 +158,7 @@ class LinearMotion:
         self._before, self._rates = self._now, rates
         self.t, self._step = self._end, h
         self._load = self._stage_loads[last] if last else body.loads(self.t, True)
-        self._arrive(end, rates[1])
+        self._set_state(end, rates[1])
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -193,7 +193,7 @@ class LinearMotion:
 
     # --- parts
 
-    def _arrive(self, now: Floats, acceleration: Floats) -> None:
+    def _set_state(self, now: Floats, acceleration: Floats) -> None:
         self._now = now
         self._snapshot = self.body.snapshot(now[0], now[1], acceleration, self._load)
         self.state = self._snapshot.state

@@ -9,7 +9,7 @@ from viscorod.typing import Floats, Integers
 
 
 @part
-def reach_end(
+def place_end(
     r0: Floats,
     q0: Floats,
     X: Floats,

@@ -36,7 +36,7 @@ class Predictor:
         self._old: State | None = None  # at the start of the last step
         self._step = 0.0
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Begin anew: the last step says nothing about the next one."""
         self._old = None
 
@@ -59,7 +59,7 @@ class Predictor:
             stages.X[:, body.held != 0.0] = 0.0
             stages.stress[:] = stress
             return
-        go_on(
+        extrapolate_step(
             tableau.nodes,
             h / self._step,
             tableau.values,
@@ -81,7 +81,7 @@ class Predictor:
 
 
 @kernel
-def go_on(
+def extrapolate_step(
     nodes: Floats,
     ratio: float,
     values: Floats,

@@ -48,10 +48,10 @@ class Radau(Collocation):
         self._turn = 0.0
 
     def _judge(self, error: float, unknown: int) -> tuple[float, int]:
-        self._turn, turning = largest_turn(self.stages.X[self._last])
+        self._turn, node = largest_turn(self.stages.X[self._last])
         error /= self.step_tolerance
         too_far = (self._turn / self.largest_turn) ** (self.order + 1)
-        return (too_far, 6 * turning + 3) if too_far > error else (error, unknown)
+        return (too_far, 6 * node + 3) if too_far > error else (error, unknown)
 
     @property
     def records(self) -> int:

@@ -29,7 +29,7 @@ class StageDashpots:
         self._start_power: Floats
 
     def prepare(self, h: float) -> None:
-        """Write what the compiled step needs for a step of ``h`` [s] from the last settled instant."""
+        """Write what the compiled step needs for a step of ``h`` [s] from the last accepted instant."""
         step, memory, elements = self.step, self.memory, self.body.elements
         if h != self._length:
             A, unit = self.tableau.matrix, np.eye(len(self.tableau.nodes))
@@ -51,7 +51,7 @@ class StageDashpots:
         project_blocks(body.nodes, body.fixed, matrices.Z, pattern.starts, pattern.across, blocks, old)
         return np.asarray(matrices.K + blocks)
 
-    def arrive(self, strain: Floats) -> None:
+    def end_step(self, strain: Floats) -> None:
         """Take the end of the step, where the last stage has led; ``strain (s, e, points, 6)``."""
         step, memory = self.step, self.memory
         self._start_power = memory.power(memory.strain)
@@ -62,11 +62,11 @@ class StageDashpots:
             memory.dashpot[:] = 2.0 * found - step.start
 
     @property
-    def lost(self) -> Floats:
+    def loss(self) -> Floats:
         """What the branches lost in the last step ``(n,)`` [J]."""
         return np.asarray(self._length * self.tableau.weights @ self.step.power)
 
-    def lost_until(self, parts: Floats) -> Floats:
+    def loss_until(self, parts: Floats) -> Floats:
         """Return what the branches lost up to ``parts (k,)`` of the last step ``(k, n)`` [J]."""
         return np.asarray(self._length * self.tableau.partial_weights(parts) @ self.step.power)
 

@@ -185,7 +185,7 @@ class Ends(NamedTuple):
     section_force: Floats
     start_strain: Floats
     force: Floats
-    lacking: Floats
+    defect: Floats
 
     @classmethod
     def of(cls, body: Discretisation) -> Ends:
@@ -200,7 +200,7 @@ class Ends(NamedTuple):
             section_force=np.zeros(points),
             start_strain=np.zeros(points),
             force=np.zeros((1, n, 6)),
-            lacking=np.zeros(body.elements.reference.shape[:2]),
+            defect=np.zeros(body.elements.reference.shape[:2]),
         )
 
 

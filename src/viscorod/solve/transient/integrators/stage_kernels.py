@@ -26,7 +26,7 @@ from viscorod.typing import Floats, Integers
 
 
 @part
-def hold(
+def place_held_nodes(
     nodes: Integers,
     complete: Floats,
     given_r: Floats,

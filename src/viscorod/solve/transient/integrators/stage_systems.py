@@ -20,7 +20,7 @@ class StageSystems:
 
     Args:
         body: what is integrated; scales: of its unknowns ``(6 N,)``; tableau: the method; plan: of factorisations.
-        relaxed: Maxwell branches, whose stiffness depends on ``mu``; None if there are none.
+        dashpots: Maxwell branches, whose stiffness depends on ``mu``; None if there are none.
 
     Attributes:
         factors: for compiled code, others after every factorisation.
@@ -32,9 +32,9 @@ class StageSystems:
         scales: Floats,
         tableau: Tableau,
         plan: Plan,
-        relaxed: StageDashpots | None,
+        dashpots: StageDashpots | None,
     ) -> None:
-        self.body, self.tableau, self.relaxed = body, tableau, relaxed
+        self.body, self.tableau, self.dashpots = body, tableau, dashpots
         self._several = len(tableau.nodes) > 1
         # no complex system: the smallest stands for it
         pair = plan if self._several else Plan.of(Pattern.of(1, ()))
@@ -72,7 +72,7 @@ class StageSystems:
     def _combine(self, matrices: Matrices, mu: complex, rows: Floats, blocks: Floats) -> None:
         body, pattern = self.body, self.body.pattern
         jacobian.combine(
-            matrices.K if self.relaxed is None else self.relaxed.add_stiffness(matrices, mu),
+            matrices.K if self.dashpots is None else self.dashpots.add_stiffness(matrices, mu),
             matrices.C,
             matrices.mass,
             mu,

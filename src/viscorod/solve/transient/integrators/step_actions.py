@@ -57,7 +57,7 @@ class StepActions:
                 given.shape[i, k, : len(load.shape)] = load.shape
                 given.point_dead[i, k], given.point_following[i, k] = load.dead, load.following
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Write all loads anew: ``given`` was changed from outside."""
         self._written = [None] * len(self._written)
 

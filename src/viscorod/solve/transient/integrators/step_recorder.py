@@ -20,13 +20,13 @@ from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
 
-class Records:
+class StepRecorder:
     """Snapshots at the ends of steps and between.
 
     Args:
         body, given, stages, tableau: of the method; supports: correct what is interpolated where they hold in part.
         places: where the Gauss points of the results are in the arrays of the stages, flattened.
-        linked: joints, if there are any; solve_real: with the real matrix of the last step.
+        stage_constraints: joints, if there are any; solve_real: with the real matrix of the last step.
 
     Attributes:
         snapshot: everything at the present time; strain: largest shear or stretch there.
@@ -42,19 +42,19 @@ class Records:
         tableau: Tableau,
         supports: SupportState,
         places: Integers,
-        linked: StageConstraints | None,
+        stage_constraints: StageConstraints | None,
         solve_real: Callable[[Floats], Floats],
     ) -> None:
         self.body, self.given, self.stages, self.tableau = body, given, stages, tableau
         self.supports = supports
         self._places = places
-        self.linked, self.solve_real = linked, solve_real
+        self.stage_constraints, self.solve_real = stage_constraints, solve_real
         self.strain = 0.0
         self._fields = np.empty((3, len(places), 6))
         self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
         self._reactions = np.zeros(stages.reaction.shape)
 
-    def settle(
+    def record_state(
         self, state: State, points: GaussStates, reaction: Floats, kinetic: float, elastic: float
     ) -> None:
         """Take the snapshot of a ``state`` that no stage led to.
@@ -66,7 +66,7 @@ class Records:
         self._read(state, points.strain, points.strain_rate, points.stress)
         self._take(state, reaction, kinetic, elastic)
 
-    def leave(self, state: State) -> None:
+    def keep_start(self, state: State) -> None:
         """Keep what states between need of the ``state`` at the start of an accepted step, and of its stages."""
         self._start = (state, self._fields, self.snapshot.reaction)
         self._joints = self.snapshot.joints
@@ -85,7 +85,7 @@ class Records:
             self._reactions,
         )
 
-    def arrive(self, state: State, elastic: float) -> float:
+    def record_end(self, state: State, elastic: float) -> float:
         """Take the snapshot of a ``state`` that is the last stage's; return its kinetic energy [J]."""
         stages = self.stages
         kinetic = self._read(state, stages.strain, stages.strain_rate, stages.stress)
@@ -94,7 +94,7 @@ class Records:
 
     def _take(self, state: State, reaction: Floats, kinetic: float, elastic: float) -> None:
         strain, rate, force = self._fields
-        joints = None if self.linked is None else self.linked.state()
+        joints = None if self.stage_constraints is None else self.stage_constraints.state()
         self.snapshot = Snapshot(state, strain, rate, force, reaction, kinetic, elastic, joints)
 
     def _read(self, state: State, strain: Floats, rate: Floats, force: Floats) -> float:
@@ -175,8 +175,8 @@ class Records:
         )
         kinetic, work, loss = energies.tolist()
         joints: Sequence[JointState | None] = [None] * count
-        if self.linked is not None and self._joints is not None:
+        if self.stage_constraints is not None and self._joints is not None:
             times = t - (1.0 - parts) * h
-            joints = self.linked.between(self._joints, states, parts, times, self.solve_real)
+            joints = self.stage_constraints.between(self._joints, states, parts, times, self.solve_real)
         snapshots = map(Snapshot, states, *points, reaction, kinetic, [0.0] * count, joints)
         return list(zip(snapshots, work, loss, strict=True))
