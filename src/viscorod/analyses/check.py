@@ -26,7 +26,7 @@ from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings import AnySettings, SimulateSettings, SteadySettings
 from viscorod.solve.settings_checks import require_fit
 from viscorod.solve.statics.static_solver import StaticSolver
-from viscorod.solve.steady.steady_checks import require as require_steady
+from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.typing import Floats
 
 MODES = 6

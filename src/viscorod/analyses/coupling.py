@@ -73,7 +73,7 @@ class CoSimulation:
         self._attrs = attrs or {}
         state = initial_state(work, self.settings)
         integrator, control, self._chosen = stepping(work, self.settings, state)
-        self._transient = Transient(work.problem, integrator, control, work.system.worst_place)
+        self._transient = Transient(work.problem, integrator, control, work.system.describe_node)
         self._reader = StationReader(work.problem)
         self._sites: dict[str, ResultPlace] = {}
         self._changed = False
@@ -139,7 +139,7 @@ class CoSimulation:
                 self.time, corner, first=None if begun else transient.integrator.first_step(float(duration))
             )
             self._state = None
-            if not transient.reach(corner):
+            if not transient.integrate_to(corner):
                 self._fail()
 
     def _fail(self) -> None:
@@ -198,7 +198,7 @@ class CoSimulation:
         self._transient.resume(tree)
         for port, wrench in values.items():
             self._values[port][:] = wrench
-        self._transient.result.history.forget(count)
+        self._transient.result.history.truncate(count)
         self._state = None
 
     # --- the end
@@ -208,7 +208,7 @@ class CoSimulation:
         return self._run(Outcome.COMPLETED, "")
 
     def _run(self, outcome: Outcome, message: str) -> Run:
-        self._transient.count()
+        self._transient.update_counts()
         work = self._work
         work.history = self._transient.result.history
         attrs = self._attrs | self._chosen | {"message": message}

@@ -236,7 +236,7 @@ class DiscreteModel:
         """Move ``state`` to the equilibrium just before or after t = 0; the reference shape itself if nothing acts."""
         self.supports.update(0.0, before)
         loads = self.static.loads.at(0.0, before)
-        strained = self.system.constraints.strained(state, 0.0, before=before)
+        strained = self.system.constraints.is_strained(state, 0.0, before=before)
         if loads.none and not self.supports.target.any() and not strained:
             return
         self._require_held(loads)
@@ -326,6 +326,6 @@ class DiscreteModel:
     def where(self, report: NewtonReport | StepReport) -> str:
         """A sentence on where a solution failed."""
         return (
-            f" Largest imbalance {report.residual:.3g} N at {self.system.worst_place(report.node)}, "
+            f" Largest imbalance {report.residual:.3g} N at {self.system.describe_node(report.node)}, "
             f"after {report.iterations} iterations."
         )

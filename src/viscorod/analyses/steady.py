@@ -18,7 +18,7 @@ from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings import SteadySettings
 from viscorod.solve.statics.newton import interruption
 from viscorod.solve.steady.rotation_search import Search
-from viscorod.solve.steady.steady_checks import require
+from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.solve.steady.steady_poses import nodal_state
 from viscorod.solve.steady.steady_rotation import SteadyRotation
 
@@ -39,7 +39,7 @@ def steady_rotation(
 ) -> Steady:
     """Find a steady rotation; see ``Model.steady``."""
     problem = work.problem
-    require(model, problem, settings)
+    require_steady(model, problem, settings)
     first = None if start is None else last_state(problem, start)
     search = Search(work.static, settings, first)
     try:

@@ -28,7 +28,7 @@ from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.integrators import INTEGRATORS, LINEAR_INTEGRATORS, Integrator
 from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
-from viscorod.solve.transient.time_step import chosen_time_step
+from viscorod.solve.transient.time_step import choose_time_step
 from viscorod.solve.transient.transient_solver import Transient
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def simulate(
     """
     state = initial_state(work, settings)
     integrator, control, chosen = stepping(work, settings, state)
-    transient = Transient(work.problem, integrator, control, work.system.worst_place)
+    transient = Transient(work.problem, integrator, control, work.system.describe_node)
     began = time.perf_counter()
 
     def build(history: History) -> xr.Dataset:
@@ -211,7 +211,7 @@ def stepping(
             work.static, state, scale=1.0 if settings.initial == "equilibrium" else 0.0
         )
         frequencies = small_motion.natural_frequencies(linear, 16)
-        step = chosen_time_step(work.problem, frequencies, duration)
+        step = choose_time_step(work.problem, frequencies, duration)
     return make(work.system, work.supports, **given), FixedSteps(step), given | {"time_step": step}
 
 
