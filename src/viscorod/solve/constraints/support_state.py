@@ -190,6 +190,26 @@ class SupportState:
             blocks[first : first + 6, first : first + 6] = self._directions(int(k), state)[2]
         return sparse.csc_array(blocks.tocsc()[:, free])
 
+    def reduce_tangent(
+        self, state: State, residual: Floats, matrix: Matrix
+    ) -> tuple[sparse.csr_array, sparse.csc_array]:
+        """Return the tangent stiffness of the motions that the supports allow, and the basis of these.
+
+        Displacements are measured in lengths of the model: they are comparable with rotations, whatever the unit.
+
+        Args:
+            residual: unbalanced forces ``(N, 6)``, of which reactions are made; overwritten, like ``matrix``, by
+                :meth:`impose`.
+
+        Returns:
+            ``(free, free)``; ``(6 n, free)``, from these motions to body increments of the nodes.
+        """
+        self.impose(state, residual, matrix, tangent=True)
+        size, free = 6 * self.problem.size, self.free_rows()
+        unit = sparse.diags_array(np.where(free % 6 < 3, self.problem.length, 1.0))
+        basis = sparse.csc_array(self.free_basis(state) @ unit)
+        return sparse.csr_array(unit @ (matrix.sparse()[:size, :size] @ basis)[free]), basis
+
     def project_twists(self, state: State) -> None:
         """Give partially supported nodes exactly the prescribed velocity components."""
         for k in self.partial:

@@ -200,14 +200,8 @@ class StaticSolver:
         system, supports = self.system, self.supports
         self.restore(state, t, before=before, scale=scale)
         system.assemble(state, self.loads.at(t, before, scale), None, tangent=True, moving=False)
-        residual = system.residual()
-        supports.impose(state, residual, system.matrix, tangent=True)
-        size, free = 6 * system.problem.size, supports.free_rows()
-        # displacements over the length of the model are comparable with rotations, whatever the unit of length
-        unit = sparse.diags_array(np.where(free % 6 < 3, system.problem.length, 1.0))
-        basis = sparse.csc_array(supports.free_basis(state) @ unit)
-        stiffness = unit @ (system.matrix.sparse()[:size, :size] @ basis)[free]
+        stiffness, basis = supports.reduce_tangent(state, system.residual(), system.matrix)
         gradients = None
         if system.constraints.rows:
             gradients = unit_rows(sparse.csr_array(system.constraint_gradients(state) @ basis))
-        return Tangent(sparse.csr_array(stiffness), basis, gradients)
+        return Tangent(stiffness, basis, gradients)

@@ -22,7 +22,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from viscorod.mechanics.nodes import inertia
-from viscorod.mechanics.rotations.pose_interpolation import interpolate
 from viscorod.mechanics.rotations.rotation import add_mapped, inverse_motion_tangent, retract
 from viscorod.solve.constraints.projection import close_gaps, start_consistently, with_allowed_velocities
 from viscorod.solve.constraints.support_state import SupportState
@@ -31,6 +30,7 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.statics.newton import Convergence, Outcome, SingularMatrixError, worst_node
 from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.step_recorder import interpolate_states
 from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
 
@@ -277,27 +277,11 @@ class GeneralizedAlpha:
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """Interpolate within the last step, cubic in the poses, linear in the rest (see ``contract.Integrator``)."""
-        (old, before), new, after = self._start, self.state, self._snapshot
-        count = len(parts)
-        r, q, twist = (np.empty((count, *shape.shape)) for shape in (new.r, new.q, new.twist))
-        interpolate(
-            parts,
-            self._step,
-            old.r,
-            old.q,
-            old.twist,
-            self._rate,
-            new.r,
-            new.q,
-            new.twist,
-            self._rate,
-            np.zeros(len(new.r)),
-            False,
-            r,
-            q,
-            twist,
+        (old, before), after, rate = self._start, self._snapshot, self._rate
+        split = np.zeros(len(rate))
+        states, _ = interpolate_states(
+            parts, self._step, (old, rate), (self.state, rate), split, with_rates=False
         )
-        states = [State(r[k], q[k], twist[k], new.multiplier) for k in range(count)]
         constraints, begin = self.system.constraints, self.t - self._step
         if constraints.rows:
             for state, part in zip(states, parts, strict=True):
@@ -306,12 +290,8 @@ class GeneralizedAlpha:
                 self.drift = max(self.drift[0], gap), self.drift[1]
             constraints.update(self.t, True)
         return [
-            (
-                before.blend(after, part, states[k], self.system),
-                part * self.work,
-                part * self.loss,
-            )
-            for k, part in enumerate(parts)
+            (before.blend(after, part, state, self.system), part * self.work, part * self.loss)
+            for state, part in zip(states, parts, strict=True)
         ]
 
     def resume(self) -> None:

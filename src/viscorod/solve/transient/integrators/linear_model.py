@@ -21,7 +21,7 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.element_forces import GeometricForces, IntrinsicForces
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
-from viscorod.solve.transient.integrators.jacobian import project
+from viscorod.solve.modes.vibrations import Linearisation
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Matrices
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
@@ -36,8 +36,7 @@ class LinearModel:
         state: what it is linear about; its twists do not matter.
 
     Attributes:
-        basis: displacements that the supports leave free ``(6 n, free)``, in lengths of the model.
-        reduced: stiffness, damping and mass matrix of these.
+        reduced: matrices of the motions that the supports leave free.
         mass: of all nodes ``(6 n, 6 n)``; unit: length of the model at displacements, 1 at rotations ``(6 n,)``.
     """
 
@@ -60,41 +59,18 @@ class LinearModel:
         if internal.any():
             self.actions.add_load_stiffness(t, self.base, np.zeros((n, 6)), self._load_stiffness, before=True)
         self.mass = sparse.block_diag(list(body.mass), format="csr")
-        self._reduce(self._matrices(self._strain, points.section_force[0], body.elements))
+        self.reduced = self._reduce(self._matrices(self._strain, points.section_force[0], body.elements))
         self._separate(self._strain, points.section_force[0])
 
-    def _reduce(self, matrices: Matrices) -> None:
-        """Set up the matrices of the motions that the supports leave free."""
-        body, supports = self.body, self.supports
-        supports.impose(self.base, self._force.reshape(-1, 6).copy(), self.system.matrix, tangent=False)
-        matrices.mass[:] = body.mass
-        project(
-            body.nodes,
-            body.fixed,
-            body.axes,
-            body.r0,
-            body.q0,
-            supports.target,
-            supports.reaction,
-            self.base.r,
-            self.base.q,
-            body.pattern.starts,
-            body.pattern.across,
-            body.pattern.diagonal,
-            matrices.K,
-            matrices.C,
-            matrices.mass,
-            matrices.G,
-            matrices.Z,
+    def _reduce(self, matrices: Matrices) -> Linearisation:
+        """Return the matrices of the motions that the supports leave free."""
+        self.system.matrix.blocks[:] = matrices.K
+        residual = self._force.reshape(-1, 6).copy()
+        stiffness, basis = self.supports.reduce_tangent(self.base, residual, self.system.matrix)
+        damping, mass = (
+            sparse.csr_array(basis.T @ matrix @ basis) for matrix in (self._sparse(matrices.C), self.mass)
         )
-        rows = supports.free_rows()
-        unit = sparse.diags_array(self.unit[rows])
-        self.basis = sparse.csr_array(supports.free_basis(self.base) @ unit)
-        mass = sparse.block_diag(list(matrices.mass), format="csr")
-        self.reduced = [
-            sparse.csc_array(unit @ matrix[rows] @ self.basis)
-            for matrix in (self._sparse(matrices.K), self._sparse(matrices.C), mass)
-        ]
+        return Linearisation(stiffness, damping, mass, basis, None)
 
     def _sparse(self, blocks: Floats) -> sparse.csr_array:
         return sparse.csr_array(self.body.pattern.sparse(blocks))

@@ -101,7 +101,7 @@ class LinearMotion:
 
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        h, tableau, body = end - self.t, self.tableau, self.body
+        h, tableau, body, basis = end - self.t, self.tableau, self.body, self.body.reduced.basis
         if h != self._factor_step and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         last = self._last
@@ -116,13 +116,13 @@ class LinearMotion:
             rates = D @ changes
             residual = D @ (rates - x) @ body.mass - self._stage_loads
             residual += [body.internal(xi + c, r) for c, r in zip(changes, rates, strict=True)]
-            modes = -(tableau.to_modes @ residual @ body.basis)
+            modes = -(tableau.to_modes @ residual @ basis)
             change = np.empty_like(modes)
             change[0] = self._real.solve(modes[0])
             if last:
                 pair = self._pair.solve(modes[1] + 1j * modes[2])
                 change[1], change[2] = pair.real, pair.imag
-            correction = (tableau.to_stages @ change) @ body.basis.T
+            correction = (tableau.to_stages @ change) @ basis.T
             changes += correction
             size = float(np.abs(correction / body.unit).max())
             if not size < np.inf:
@@ -143,7 +143,8 @@ class LinearMotion:
         p = x + tableau.error @ changes / h
         v = tableau.error @ (self._stages[1] - x) / h + tableau.real / h * p
         side = self._load - body.internal(*self._now) + body.mass @ v + body.damping(p)
-        return np.asarray(np.abs(body.basis @ self._real.solve(body.basis.T @ side)) / body.unit)
+        basis = body.reduced.basis
+        return np.asarray(np.abs(basis @ self._real.solve(basis.T @ side)) / body.unit)
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -200,7 +201,8 @@ class LinearMotion:
         self.kinetic, self.elastic = self._snapshot.kinetic, self._snapshot.elastic
 
     def _factorise(self, h: float) -> bool:
-        K, C, M = self.body.reduced
+        reduced = self.body.reduced
+        K, C, M = reduced.stiffness, reduced.damping, reduced.mass
         self._factor_step = h
         self.factorisations += 1
         mu = self.tableau.real / h

@@ -129,25 +129,9 @@ class StepRecorder:
         count, (n, _) = len(parts), new.r.shape
         change = (stages.twist - old.twist).reshape(len(tableau.nodes), -1)
         start_rate = np.dot(tableau.start_derivative / h, change).reshape(n, 6)
-        r, q, twist = np.empty((count, n, 3)), np.empty((count, n, 4)), np.empty((count, n, 6))
-        interpolate(
-            parts,
-            h,
-            old.r,
-            old.q,
-            old.twist,
-            start_rate,
-            new.r,
-            new.q,
-            new.twist,
-            end_rate,
-            self.body.split,
-            len(tableau.nodes) > 1,
-            r,
-            q,
-            twist,
+        states, twist = interpolate_states(
+            parts, h, (old, start_rate), (new, end_rate), self.body.split, with_rates=len(tableau.nodes) > 1
         )
-        states = [State(*fields, new.multiplier) for fields in zip(r, q, twist, strict=True)]
         if self.supports.moving and self.body.partly:
             for state, part in zip(states, parts, strict=True):
                 self.supports.correct(state, t - (1.0 - part) * h)
@@ -180,3 +164,41 @@ class StepRecorder:
             joints = self.stage_constraints.between(self._joints, states, parts, times, self.solve_real)
         snapshots = map(Snapshot, states, *points, reaction, kinetic, [0.0] * count, joints)
         return list(zip(snapshots, work, loss, strict=True))
+
+
+def interpolate_states(
+    parts: Floats,
+    h: float,
+    start: tuple[State, Floats],
+    end: tuple[State, Floats],
+    split: Floats,
+    *,
+    with_rates: bool,
+) -> tuple[list[State], Floats]:
+    """Return the states at ``parts (k,)`` (0 to 1) of a step of ``h`` [s], and their twists as one array ``(k, n, 6)``.
+
+    Args:
+        start, end: states, and rates of their twists ``(n, 6)``.
+        split: marks nodes that are held in part ``(n,)``.
+        with_rates: poses are polynomials of degree 5 that have these rates at both ends; else of degree 3.
+    """
+    (old, old_rate), (new, new_rate) = start, end
+    r, q, twist = (np.empty((len(parts), *field.shape)) for field in (new.r, new.q, new.twist))
+    interpolate(
+        parts,
+        h,
+        old.r,
+        old.q,
+        old.twist,
+        old_rate,
+        new.r,
+        new.q,
+        new.twist,
+        new_rate,
+        split,
+        with_rates,
+        r,
+        q,
+        twist,
+    )
+    return [State(*fields, new.multiplier) for fields in zip(r, q, twist, strict=True)], twist
