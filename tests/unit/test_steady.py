@@ -82,7 +82,7 @@ REFUSED = {
     "dead load of the intrinsic formulation": (
         lambda: changed(rod("clamp"), lambda m: m.gravity()),
         {"spin": (0, 0, 1.0), "formulation": "intrinsic"},
-        "of which the intrinsic formulation knows nothing",
+        "which the intrinsic formulation does not know",
     ),
     "roller of the intrinsic formulation": (
         lambda: changed(rod(None), lambda m: m.roller("beam.end", (0, 1, 0))),

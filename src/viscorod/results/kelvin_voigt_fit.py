@@ -1,4 +1,4 @@
-"""How well a Kelvin-Voigt material stands for a measured or a Maxwell material over a band of frequencies."""
+"""Fit of a Kelvin-Voigt material to a measured or a Maxwell material over a band of frequencies."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["KelvinVoigtFit"]
 
 @dataclass(frozen=True, eq=False)
 class KelvinVoigtFit:
-    """A Kelvin-Voigt solid beside the complex modulus that it stands for.
+    """A Kelvin-Voigt solid and the complex modulus to which it is fitted.
 
     Attributes:
         strain: "extension" or "shear".
@@ -65,7 +65,7 @@ class KelvinVoigtFit:
         return np.asarray(np.abs(self.fitted - self.exact) / np.abs(self.exact))
 
     def band_within(self, tolerance: float) -> tuple[float, float] | None:
-        """The band, Hz, from the lowest frequency at which `error` is below `tolerance` to where it first exceeds it.
+        """Return the band, Hz, from the lowest frequency with an `error` below `tolerance` to where it exceeds it.
 
         None if it holds nowhere.
         """

@@ -56,7 +56,7 @@ class Stream(History):
     """A history that is written to a journal and kept in memory only until then.
 
     Attributes:
-        folder: where ``run.nc`` is to be; the journal is a folder beside it.
+        folder: of ``run.nc``; the journal is a folder beside it.
         about: attributes of the run; ``case`` and ``settings`` among them have to be those of a run that goes on.
         resuming: go on from the checkpoint of the journal that is there.
     """
@@ -85,7 +85,7 @@ class Stream(History):
 
     @property
     def checkpoint(self) -> Any:
-        """The state to go on from, None at the beginning."""
+        """The state from which to go on, None at the beginning."""
         return None if self._saved is None else self._saved[0]
 
     def record(

@@ -38,16 +38,16 @@ class JointState(NamedTuple):
 
 
 class Constraints:
-    """What couples nodes beside elements.
+    """Couplings of nodes beside elements: joints, springs and held strains.
 
     Args:
-        problem: what they belong to; elements: returns all of its elements, asked for held strains only.
+        problem: of which they are part; elements: returns all of its elements, called for held strains only.
 
     Attributes:
         target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
         near: values ``(c,)`` that angles are to be near.
-        pace: how fast poses follow accelerations in the present matrix [1/s]: inertia counts with its square.
-        gap: what multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
+        pace: rate [1/s] with the square of which inertia counts in the present matrix.
+        gap: gaps that multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
     """
 
     def __init__(self, problem: Problem, elements: Callable[[], Elements]) -> None:
@@ -78,7 +78,7 @@ class Constraints:
         self.unit[self.arrays.place[self.is_held]] = self.joints.unit[self.is_held]
 
     def _gaps_of_reference(self) -> Floats:
-        """Values of held coordinates in the reference shape: what is not closed there ``(c,)``."""
+        """Return the values of held coordinates in the reference shape, their initial gaps ``(c,)``."""
         problem = self.problem
         still = np.zeros((problem.size, 6))
         value, _, _ = self.joints.measure(problem.positions, problem.quaternions, still)
@@ -113,7 +113,7 @@ class Constraints:
         return self._by_place(value - self.target, strains)
 
     def _by_place(self, coordinates: Floats, strains: Floats | None) -> Floats:
-        """Arrange what is said of all coordinates ``(c,)`` and Gauss points ``(1, e, points, 6)`` by multiplier."""
+        """Arrange values of all coordinates ``(c,)`` and Gauss points ``(1, e, points, 6)`` by multiplier."""
         out, held = np.zeros_like(self.gap), self.held
         out[self.arrays.place[self.is_held]] = coordinates[self.is_held]
         if strains is not None:
@@ -128,7 +128,7 @@ class Constraints:
 
     @cached_property
     def _evaluation(self) -> tuple[GaussStates, ElementWork, Floats]:
-        """Room for :meth:`_strains`."""
+        """Work arrays of :meth:`_strains`."""
         width = self.elements.nodes.shape[1]
         return (
             GaussStates.of(self.elements, 1),
@@ -159,7 +159,7 @@ class Constraints:
         ]
 
     def is_strained(self, reference: State, t: float, *, before: bool = True) -> bool:
-        """Whether the ``reference`` shape is not at rest: open joints, motors away from 0, springs that pull."""
+        """Return whether open joints, motors away from 0 or springs keep the ``reference`` shape from being at rest."""
         self.update(t, before)
         if np.abs(self.target).max(initial=0.0) > 0.0 or self.open_joints():
             return True
@@ -211,7 +211,7 @@ class Constraints:
         return sum(self.laws.energy(int(law[c]), float(self.value[c])) for c in np.flatnonzero(law >= 0))
 
     def track_angles(self) -> None:
-        """Take the present values as those that angles stay near."""
+        """Take the present values of angles as those that the next ones are nearest to, beyond a full turn too."""
         free = ~self.is_held
         self.near[free] = self.value[free]
 
@@ -306,7 +306,7 @@ class Constraints:
     def loss(self, duration: float) -> float:
         """Return the energy [J] lost to dampers since the last call, ``duration`` [s] ago; 0 starts counting anew.
 
-        The mean rate of the step stands for the rate, as for sections.
+        The rate is the mean one of the step, as for sections.
         """
         total = 0.0
         if duration > 0.0:

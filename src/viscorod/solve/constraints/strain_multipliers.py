@@ -69,5 +69,5 @@ def _orders(mesh: Mesh) -> list[int]:
 
 
 def _rows(order: int, strains: int) -> int:
-    """Block rows of an element's multipliers."""
+    """Return the number of block rows of an element's multipliers."""
     return -(-order * strains // 6)

@@ -1,7 +1,7 @@
-"""The memory of a model with Maxwell branches: the strains of their dashpots, from step to step.
+"""The state of Maxwell branches: the strains of their dashpots, from step to step.
 
 Statics, and everything about small motions that is not damping, sees the relaxed rods: the stiffness alone. A motion
-begins relaxed in the shape and with the strains that it starts with, as if these had been held for ever.
+begins relaxed in the shape and with the strains that it starts with, as if these had always been held.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ class DashpotMemory:
 
     Attributes:
         dashpot: ``alpha (n, e, points, 6)``; strain: of the sections then ``(e, points, 6)``.
-        known: whether a motion has begun.
-        stiffness: what the branches add to that of the sections ``(sections, 6, 6)``, by :meth:`relax` or
-            :meth:`set_step`; prestress: what they add to the section forces beside it ``(e, points, 6)``.
+        known: a motion has begun.
+        stiffness: of the branches, added to that of the sections ``(sections, 6, 6)``, by :meth:`relax` or
+            :meth:`set_step`; prestress: their section forces beside it ``(e, points, 6)``.
     """
 
     def __init__(self, elements: Elements, times: Floats, branches: Floats) -> None:
@@ -52,12 +52,12 @@ class DashpotMemory:
             self.known = True
 
     def relax(self) -> None:
-        """Let the branches carry nothing."""
+        """Remove the stiffness and the stress of the branches: statics sees the relaxed rods."""
         self.stiffness = np.zeros((len(self.branches), 6, 6))
         self.prestress = np.zeros_like(self.strain)
 
     def set_step(self, duration: float) -> None:
-        """Let the branches respond as ``duration`` [s] after the last accepted instant, 0 at once."""
+        """Set stiffness and prestress for a step of ``duration`` [s] from the last accepted instant; 0: at once."""
         ratio = duration / self.times
         instant = -np.expm1(-ratio) / ratio if duration > 0.0 else np.ones(len(ratio))
         self._duration, self._decay = duration, np.exp(-ratio)[:, None, None, None]
@@ -70,7 +70,7 @@ class DashpotMemory:
         return np.asarray(self._forces(strain - self.dashpot).sum(axis=0))
 
     def advance(self, strain: Floats) -> Floats:
-        """Take over ``strain (e, points, 6)``, reached in the time that has elapsed; return what was lost ``(n,)`` [J].
+        """Advance to ``strain (e, points, 6)`` at the end of the step; return the dissipated energies ``(n,)`` [J].
 
         With strains linear in time, ``beta = p + q e^(-t/tau)`` and ``p = tau eps_t``: the loss is integrated exactly.
         """
@@ -90,7 +90,7 @@ class DashpotMemory:
         return np.asarray(loss)
 
     def energy(self, strain: Floats) -> float:
-        """Return what the branches store at ``strain (e, points, 6)`` [J], at the last accepted instant."""
+        """Return the energy [J] of the branches at ``strain (e, points, 6)``, at the last accepted instant."""
         spring = strain - self.dashpot
         return 0.5 * float(self._product(spring, spring).sum())
 

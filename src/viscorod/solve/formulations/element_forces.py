@@ -1,4 +1,4 @@
-"""How the two formulations get the strains of a moving body: what a collocation method asks of them.
+"""Strains and internal forces of a moving body in both formulations, for collocation methods.
 
 The geometric formulation computes strains from poses. The intrinsic one keeps them as states at the Gauss points, which
 the twists move; it takes them from the poses once, at the beginning of a run.
@@ -24,7 +24,7 @@ class ElementForces(Protocol):
 
     @property
     def motion(self) -> StrainMotion | None:
-        """Handed to the compiled step."""
+        """Strains as states of the compiled step; None if they follow from poses."""
 
     def evaluate(self, state: State, points: GaussStates, internal: Floats) -> None:
         """Write the Gauss points ``(1, e, points, 6)`` and the internal forces ``(n, 6)`` of ``state``."""
@@ -39,10 +39,10 @@ class ElementForces(Protocol):
         """
 
     def set_strains(self, strain: Floats) -> None:
-        """Take the strains ``(e, points, 6)`` at the end of a step."""
+        """Set the strains ``(e, points, 6)`` from which the next step starts."""
 
     def extrapolate_strains(self, middle: Floats) -> None:
-        """Take the strains at the end of a step from those in its middle, twice the way."""
+        """Set the strains at the end of a step from those in its middle, by linear extrapolation."""
 
 
 def branch_forces(relaxation: DashpotMemory | None, strain: Floats) -> Floats:
@@ -54,7 +54,7 @@ def branch_forces(relaxation: DashpotMemory | None, strain: Floats) -> Floats:
 
 
 class GeometricForces:
-    """Strains follow from poses."""
+    """Internal forces of the geometric formulation, whose strains follow from poses."""
 
     motion = None
 
@@ -84,19 +84,19 @@ class GeometricForces:
         self.system.linearise(state, ad, stress, operators, K, C)
 
     def set_strains(self, strain: Floats) -> None:
-        """Nothing to keep: poses say it all."""
+        """Do nothing: strains follow from poses."""
 
     def extrapolate_strains(self, middle: Floats) -> None:
-        """Nothing to keep: poses say it all."""
+        """Do nothing: strains follow from poses."""
 
 
 class IntrinsicForces:
-    """Strains are states.
+    """Internal forces of the intrinsic formulation, whose strains are states.
 
     Args:
         system: whose statics give the first strains; elements: its elements.
         stages: of a step.
-        linearised: whether damping is that of AWP (22), else the full one of AWP (13).
+        linearised: damping is that of AWP (22), else the full one of AWP (13).
     """
 
     def __init__(self, system: System, elements: Elements, stages: int, *, linearised: bool) -> None:

@@ -62,7 +62,7 @@ class _Part:
         self.place, self.weight = np.zeros(0, dtype=np.int64), np.zeros(0)
 
     def set_held_strains(self, held: HeldStrains, first: int) -> None:
-        """Note which strains of this set are held; the set's elements count from ``first`` on."""
+        """Set the held strains of this set, whose elements count from ``first`` on."""
         mine = (held.element >= first) & (held.element < first + len(self.elements.nodes))
         self.held_at = held.element[mine] - first, held.point[mine], held.component[mine]
         self.place, self.weight = held.place[mine], held.weight[mine]
@@ -164,7 +164,7 @@ class GeometricSystem:
             )
 
     def _update_sections(self) -> None:
-        """Let sections have the stiffness and the prestress that Maxwell branches give them now."""
+        """Set the stiffness and the prestress of the sections with Maxwell branches."""
         if self.relaxation is None:
             return
         first = sections = 0

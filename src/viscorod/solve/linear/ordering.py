@@ -1,4 +1,4 @@
-"""In which order the block rows of a matrix are eliminated: for a narrow band, or for little fill of a sparse LU."""
+"""Orders of elimination of the block rows of a matrix: for a narrow band, or for little fill of a sparse LU."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which 6x6 blocks a matrix has: one block row per node, and one per group of six multipliers.
+"""Pattern of the 6x6 blocks of a matrix: one block row per node, and one per group of six multipliers.
 
 All matrices of a model share one pattern, symmetric and sorted by columns. Their values are arrays ``(b, 6, 6)`` whose
 entry ``[s, j, i]`` stands in row i and column j of block ``s`` (column by column, as LAPACK has it).

@@ -27,7 +27,7 @@ SHORTEST = 1e-4
 
 @dataclass(frozen=True)
 class Pencil:
-    """What depends on ``s`` in small motions with Maxwell branches."""
+    """The matrices of small motions with Maxwell branches as a function of ``s``."""
 
     stiffness: sparse.csr_array
     damping: sparse.csr_array
@@ -86,7 +86,7 @@ def follow_mode(pencil: Pencil, s: complex, vector: np.ndarray) -> tuple[complex
 
 
 def _refine(pencil: Pencil, s: complex, vector: np.ndarray, part: float) -> tuple[complex, np.ndarray] | None:
-    """Newton's method for the eigenvalue and the vector (inverse iteration); None if it does not converge nearby."""
+    """Find eigenvalue and vector by Newton's method (inverse iteration); None if it does not converge nearby."""
     import scipy.sparse.linalg as spla
 
     start = s

@@ -119,7 +119,7 @@ def _mesh(model: ModelDescription) -> Mesh:
 
 
 def _interiors(mesh: Mesh, elements: list[Integers]) -> tuple[Integers, ...]:
-    """Inner nodes of elements ``(elements, order - 1)``; where joints and supports act, elements end.
+    """Return the inner nodes of elements ``(elements, order - 1)``; where joints and supports act, elements end.
 
     Where strains are held, their multipliers keep the inner nodes in place: by themselves these have no stiffness.
     """
@@ -177,7 +177,7 @@ def _supports(model: ModelDescription, placement: Placement) -> SupportSet:
 def _times(
     model: ModelDescription, motions: list[TimeFunction]
 ) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
-    """Times that steps must hit, those at which the integrator must start anew, and load periods."""
+    """Return times that steps must hit, those at which the integrator must start anew, and load periods."""
     corners: set[float] = set()
     jumps: set[float] = set()
     functions: list[TimeFunction | None] = [load.time for load in model.loads]
@@ -197,7 +197,7 @@ def _times(
 
 
 def _initial_twist(model: ModelDescription, places: Placement) -> Callable[[Floats, Floats], Floats]:
-    """Body twists of all nodes as a function of their poses, from the given velocities."""
+    """Return the body twists of all nodes as a function of their poses, from the given velocities."""
     mesh = places.mesh
 
     def twists(r: Floats, q: Floats) -> Floats:

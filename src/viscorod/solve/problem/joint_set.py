@@ -28,7 +28,7 @@ class Coordinate(NamedTuple):
 
     Attributes:
         joint: number of the joint; word: motion word; kind, geometry: see ``mechanics.joints.joint_coordinates``.
-        held: whether a multiplier holds it; motion: what it follows then, None for the reference value.
+        held: a multiplier holds it; motion: that it follows then, None for the reference value.
         stiffness, damping, rest: of a spring.
     """
 
@@ -50,9 +50,9 @@ class JointSet:
     Attributes:
         names: of the joints and springs.
         joint: which of them every coordinate belongs to ``(c,)``; words: the coordinates' motion words.
-        arrays: what kernels need.
+        arrays: for kernels.
         blocks: number of block rows of multipliers; row: block row of the multipliers of every joint, -1 for none.
-        unit: what a gap of every coordinate is measured in ``(c,)``: a length for displacements, 1 for rotations.
+        unit: unit of the gap of every coordinate ``(c,)``: a length for displacements, 1 for rotations.
         motions: coordinates that follow functions of time.
         laws: Python functions, or None for the numbers in ``arrays``, of every law (force and damping force).
     """
@@ -74,7 +74,7 @@ class JointSet:
 
     @property
     def has_spring(self) -> np.ndarray:
-        """Which coordinates have springs, numbers or functions ``(c,)``; dampers do not hold anything."""
+        """Mask of the coordinates with springs, numbers or functions ``(c,)``; dampers do not hold anything."""
         found: np.ndarray = self.arrays.stiffness != 0.0
         for c in np.flatnonzero(self.arrays.law >= 0):
             stiffness = self.laws[self.arrays.law[c]][0]
@@ -210,7 +210,7 @@ def _reference_point(part: ResolvedJoint | ResolvedSpring) -> Floats:
 
 @dataclass(frozen=True)
 class _JointEnd:
-    """Where a joint sits in its two nodes: points and global axes turned into node axes."""
+    """Points and axes of a joint in the axes of its two nodes."""
 
     rho: tuple[Floats, Floats]
     turn: tuple[Floats, Floats]
@@ -264,13 +264,13 @@ def _of_joint(number: int, joint: ResolvedJoint, ends: _JointEnd) -> list[Coordi
     free = [i for i, word in enumerate(MOTIONS[3:]) if word in joint.free]
     acting = {*joint.stiffness, *joint.damping, *joint.motion}
     for word, kind, geometry in _rotations(free, frame, ends):
-        if len(free) < 3 or word in acting:  # rotation vectors do not count turns: asked for only
+        if len(free) < 3 or word in acting:  # rotation vectors do not count turns: only on request
             found.append(coordinate(word, kind, geometry))
     return found
 
 
 def _rotations(free: list[int], frame: Floats, ends: _JointEnd) -> list[tuple[str, int, Floats]]:
-    """Coordinates of the rotations of a joint, of which ``free`` are free, by word."""
+    """Return the coordinates of the rotations of a joint, of which ``free`` are free, by word."""
     words = MOTIONS[3:]
     if len(free) == 3:
         return [(words[i], kinds.ROTATION, ends.row(axes=frame, component=i)) for i in range(3)]

@@ -34,7 +34,7 @@ class RodMesh:
     quaternions: Floats
 
     def node_at(self, s: float) -> int | None:
-        """Index (within the rod) of the node at arc length ``s`` [m], or None between nodes."""
+        """Return the index (within the rod) of the node at arc length ``s`` [m], or None between nodes."""
         node = int(np.argmin(np.abs(self.s - s)))
         return node if abs(self.s[node] - s) <= 1e-9 * self.rod.length else None
 
@@ -61,7 +61,7 @@ class Mesh:
         return {mesh.name: i for i, mesh in enumerate(self.rods)}
 
     def rod_index(self, name: str) -> int:
-        """Index of a rod by name."""
+        """Return the index of a rod by name."""
         return self._index[name]
 
 
@@ -197,7 +197,7 @@ def element_nodes(nodes: Integers, order: int) -> Integers:
 
 
 def stations_of(mesh: Mesh) -> Stations:
-    """All element nodes, rod by rod."""
+    """Return all element nodes, rod by rod."""
     return Stations(
         rod=np.concatenate([np.full(len(m.s), i, dtype=np.int64) for i, m in enumerate(mesh.rods)]),
         s=np.concatenate([m.s for m in mesh.rods]),
@@ -241,7 +241,7 @@ class SectionTable:
 
 
 def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], Floats, Floats]:
-    """Element arrays grouped by order, nodal masses ``(n, 6, 6)`` lumped at Gauss-Lobatto nodes, relaxation times."""
+    """Return element arrays by order, nodal masses ``(n, 6, 6)`` lumped at Gauss-Lobatto nodes, relaxation times."""
     mass = np.zeros((len(mesh.positions), 6, 6))
     for node, body in enumerate(mesh.bodies):
         mass[node] = body.mass_matrix()
@@ -321,7 +321,7 @@ def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], 
 
 
 def link_matrix(mesh: Mesh, link: int) -> Floats:
-    """Body increment of an attached end per increment of the shared node ``(6, 6)``."""
+    """Return the body increment of an attached end per increment of the shared node ``(6, 6)``."""
     X = np.empty((6, 6))
     link_map(mesh.link_positions[link], mesh.link_quaternions[link], X)
     return X

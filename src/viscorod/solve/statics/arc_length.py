@@ -29,10 +29,10 @@ SHARPEST_TURN = 0.9
 LARGEST_GAP = 2.0
 """Largest distance between two points over the difference of their distances from a third one before them."""
 HALVINGS = 24
-"""How often the step is halved that contains a limit point or a bifurcation."""
+"""Halvings of a step that contains a limit point or a bifurcation."""
 SECANTS = 30
 LINEAR = 1e-3
-"""Change of the load factor, as a part of its unit, that tells the change of the imbalance."""
+"""Change of the load factor, as a part of its unit, by which the imbalance is differenced."""
 
 
 class Direction(NamedTuple):
@@ -66,7 +66,7 @@ Ending = Callable[[PathPoint], float]
 
 @dataclass
 class Path:
-    """How a path was followed.
+    """Course of a path.
 
     Attributes:
         outcome: COMPLETED, POINTS (as many as allowed), or why it could not be followed further.
@@ -86,7 +86,7 @@ class Path:
 
 
 class PathFollower:
-    """Follows the equilibria of a model from the unloaded one on, whether loads grow or shrink on the way.
+    """Follows the equilibria of a model from the unloaded one on, while loads grow or shrink.
 
     A point at the distance s from the last one, whose unit direction is t, fulfils the balance and t . (u, factor) = s.
     The bordered system is solved with two right sides and the factors of the tangent stiffness alone (Riks; Crisfield).

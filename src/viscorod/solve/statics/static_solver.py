@@ -26,7 +26,7 @@ from viscorod.solve.statics.tangent import Tangent
 
 @dataclass
 class StaticPath:
-    """The solution of a static analysis and how it was reached.
+    """The solution of a static analysis and the steps to it.
 
     Attributes:
         outcome: COMPLETED, or why the last load step failed.
@@ -73,7 +73,7 @@ class StaticSolver:
         self._stop = stop
 
     def check_interrupt(self) -> None:
-        """Do nothing, unless the solution is to stop.
+        """Raise where the solution is to stop; called in every iteration.
 
         Raises:
             KeyboardInterrupt: it is; as if asked from the keyboard, with the reason.

@@ -1,4 +1,4 @@
-"""Newton's method on steady rotations, and the ways to one: along a measure, and up a bent branch."""
+"""Newton's method on steady rotations, and continuation: along a measure, and along a branch of bent shapes."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SMALLEST_STEP = 1.0 / 1024.0
 STALLED = 1e-5
 """Change below which round-off of a stiff rod may keep changes from shrinking further."""
 LARGEST_GAP = 1e-4
-"""Imbalance, as a part of the forces that balance, beyond which a state that no longer changes is no solution;
+"""Imbalance, as a part of the forces that balance, beyond which a state that no longer changes is not a solution;
 round-off of positions is multiplied by the stiffness against stretching."""
 GROWTH = 2.0
 """Growth of the elastic energy from one state of a bent branch to the next."""
@@ -28,7 +28,7 @@ DOWN = 16
 
 @dataclass
 class IterationCounts:
-    """What a search took.
+    """Iterations of a search, and how to interrupt it.
 
     Attributes:
         check_interrupt: called in every iteration; raises what ends the search.

@@ -44,7 +44,7 @@ class GeometricSteady:
     """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; the last unknown is the angular speed.
 
     Args:
-        system, supports: what turns; supports turn with it.
+        system, supports: the model; supports turn with it.
         loads: that stay as they are while it turns.
         line: the line about which it turns.
         state: first guess of the poses, overwritten; rate: of the angular speed [rad/s].

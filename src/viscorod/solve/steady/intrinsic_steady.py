@@ -43,7 +43,7 @@ class IntrinsicSteady:
     """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; unknowns are all twists and strains.
 
     Args:
-        problem, elements: what turns; linearised: whether damping is.
+        problem, elements: the model; linearised: damping is.
         free: which components of the nodal twists are unknown ``(n, 6)``; the others stay as they are.
         following: wrenches that are carried along ``(n, 6)``, body components.
         joint: node whose angular velocity counts as the spin; still: whether the mass centre must not travel.
@@ -182,11 +182,11 @@ class IntrinsicSteady:
         return force + inertial - self.following, self._gap(rates, force, inertial)
 
     def elastic_energy(self) -> float:
-        """Elastic energy [J]."""
+        """Return the elastic energy [J]."""
         return self.measure("elastic")[0]
 
     def _rates_and_forces(self) -> tuple[Floats, Floats, Floats]:
-        """Strain rates ``(m, 6)``, internal forces (without the viscous ones of full damping) and inertial ones."""
+        """Return strain rates ``(m, 6)``, internal forces (without viscous ones of full damping) and inertial ones."""
         x, weights = self.twist.ravel(), self.rates.weights[:, None]
         B = self.rates.at(self.strain)
         force = np.einsum("gij,gi->j", B, weights * np.einsum("gij,gj->gi", self.rates.C, self.strain))
@@ -196,7 +196,7 @@ class IntrinsicSteady:
         return B @ x, force.reshape(-1, 6), coriolis(self.problem.mass, self.twist)
 
     def _matrix(self, *, viscous: bool = False) -> Floats:
-        """Derivative of strain rates and forces by strains and twists.
+        """Return the derivative of strain rates and forces by strains and twists.
 
         Args:
             viscous: include the viscous forces of full damping, which vanish in a steady state but resist small

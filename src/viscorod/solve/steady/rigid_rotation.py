@@ -75,7 +75,7 @@ def mean_spin(mass: Floats, state: State, centre: Floats) -> Floats:
 
 
 def coriolis(mass: Floats, twist: Floats) -> Floats:
-    """Return ``L1(x1) M x1 (n, 6)``: what inertia asks of the forces in a steady motion."""
+    """Return the inertial forces ``L1(x1) M x1 (n, 6)`` of a steady motion."""
     out = np.zeros_like(twist)
     inertia.add_coriolis(mass, twist, out)
     return out

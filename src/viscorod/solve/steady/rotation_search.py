@@ -1,4 +1,4 @@
-"""Finds a steady rotation: the first guess, the way from it, and what is to be said of the result."""
+"""The search for a steady rotation: the first guess, the continuation from it, and what is refused."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ STILL = 1e-9
 
 
 class Search:
-    """Looks for the steady rotation that ``settings`` pick.
+    """Searches for the steady rotation that the settings select.
 
     Args:
         solver: of the model's statics, with its system and supports.
@@ -51,7 +51,7 @@ class Search:
         solver.supports.update(0.0)
 
     def run(self) -> SteadyRotation:
-        """Find it.
+        """Find the steady rotation.
 
         Raises:
             InputError: there is none of this kind; SolveError: none was found.
@@ -89,7 +89,7 @@ class Search:
     # --- first guesses
 
     def _from_start(self) -> GeometricSteady | IntrinsicSteady:
-        """Where a motion is, turning with its mean angular velocity."""
+        """Start from the given motion, rotating with its mean angular velocity."""
         assert self.start is not None
         state, mass = self.start.copy(), self.problem.mass
         centre = self._centre(state)
@@ -110,7 +110,7 @@ class Search:
         return self._equations(state, None, RotationAxis(spin / rate, centre), rate)
 
     def _from_reference(self, target: float) -> GeometricSteady | IntrinsicSteady:
-        """The reference shape, or the equilibrium under the loads, about a given axis."""
+        """Start from the reference shape, or the equilibrium under the loads, about a given axis."""
         settings, problem = self.settings, self.problem
         state = State.reference(problem)
         if settings.driven and not no_loads(self.loads) and settings.formulation == "geometric":
@@ -132,7 +132,7 @@ class Search:
         return self._equations(state, None, line, self._rate(state, line, target))
 
     def _rate(self, state: State, line: RotationAxis, target: float) -> float:
-        """The angular speed [rad/s] at which the given shape has the ``target``."""
+        """Return the angular speed [rad/s] at which the given shape has the ``target``."""
         kind = self.settings.measure
         if kind == "spin":
             return target
@@ -141,7 +141,7 @@ class Search:
         return float(np.sqrt(2.0 * target / inertia)) if kind == "energy" else target / inertia
 
     def _from_mode(self, way: float) -> tuple[GeometricSteady | IntrinsicSteady, float]:
-        """Bent in the slowest elastic mode, turning about the axis of the least inertia; and the elastic energy."""
+        """Start bent in the slowest elastic mode, about the axis of least inertia; return its elastic energy too."""
         state, strain, frequency, elastic = initial_guess.bent_shape(
             self.solver, self.problem, self.elements, self.joint, way
         )
@@ -187,7 +187,7 @@ class Search:
     # --- refusals
 
     def _require_principal_axis(self, state: State, line: RotationAxis) -> None:
-        """With linearised damping only what causes no gyroscopic forces stays (AWP 33)."""
+        """Refuse axes about which gyroscopic forces arise: linearised damping makes such rotations fade (AWP 33)."""
         mass, (axis, centre) = self.problem.mass, (line.direction, line.centre)
         own = np.abs(coriolis(mass, rigid_twists(state.r, state.q, [0.0] * 3, axis, centre))).max()
         any_axis = max(

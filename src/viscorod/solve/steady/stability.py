@@ -1,7 +1,7 @@
 """Small motions about a steady rotation: eigenvalues of both formulations, and whether any of them grows.
 
 A perturbed rotation may just be the same one seen from elsewhere: turned in space, or moved. In body twists and strains
-such copies are no perturbations at all; from the poses of the geometric formulation they are taken out exactly, which
+such copies are not perturbations at all; from the poses of the geometric formulation they are taken out exactly, which
 leaves the same eigenvalues.
 """
 

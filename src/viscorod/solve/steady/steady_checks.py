@@ -1,4 +1,4 @@
-"""What the supports and loads of a model allow: who turns, about which point, and what is refused."""
+"""Checks that a model can rotate steadily: how it is held, what its loads do, and how large it is."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PARALLEL = 1e-9
 
 
 class SupportKind(Enum):
-    """How a model is held."""
+    """Support of a model, by which it may turn freely."""
 
     FREE = "no supports"
     JOINT = "ball joint"
@@ -68,7 +68,7 @@ def require_steady(model: ModelDescription, problem: Problem, settings: SteadySe
             Fault(
                 "supports",
                 _label(model, problem.supports.names[index]),
-                "it holds velocities along moving axes, which says nothing of a steady rotation",
+                "it holds velocities along moving axes, which do not define a steady rotation",
                 "hold positions: a pin, a clamp or another support",
             )
         )
@@ -108,7 +108,7 @@ def _size(problem: Problem, settings: SteadySettings) -> Iterator[Fault]:
 def _load(
     index: int, load: AnyLoad, model: ModelDescription, problem: Problem, settings: SteadySettings
 ) -> Iterator[Fault]:
-    """Loads must stay as they are while everything turns."""
+    """Refuse a load that does not stay as it is while everything turns."""
     kind = str(type(load).model_fields["kind"].default)
     where = f"loads[{index}]"
     if load.until is not None and load.until <= 0.0:
@@ -133,7 +133,7 @@ def _load(
         yield Fault(
             where,
             kind,
-            "it keeps its direction in space, of which the intrinsic formulation knows nothing",
+            "it keeps its direction in space, which the intrinsic formulation does not know",
             "leave out formulation, or let it follow (following = true)",
         )
         return
@@ -150,7 +150,7 @@ def _load(
 
 
 def _across(vectors: Floats, spin: Floats) -> bool:
-    """Whether any of ``vectors (m, 3)`` has a part across ``spin``."""
+    """Return whether any of ``vectors (m, 3)`` has a part across ``spin``."""
     axis = spin / np.linalg.norm(spin)
     across = vectors - np.outer(vectors @ axis, axis)
     return bool(np.abs(across).max(initial=0.0) > PARALLEL * np.abs(vectors).max(initial=0.0))
@@ -196,10 +196,10 @@ def _intrinsic_supports(
 
 
 def _label(model: ModelDescription, place: str) -> str:
-    """Kind and place of a support."""
+    """Return kind and place of a support."""
     return next((support.label for support in model.supports if str(support.at) == place), place)
 
 
 def no_loads(loads: LoadState) -> bool:
-    """Whether nothing acts (loads may be there with the factor 0)."""
+    """Return whether nothing acts (loads may be there with the factor 0)."""
     return loads.none or not (loads.dead.any() or loads.following.any() or loads.gravity.any())

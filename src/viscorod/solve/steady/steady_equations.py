@@ -1,4 +1,4 @@
-"""What the two formulations offer to find steady rotations: unknowns, residual and derivative, scalar measures."""
+"""The equations of steady rotations in either formulation: unknowns, residual and derivative, scalar measures."""
 
 from __future__ import annotations
 
@@ -33,25 +33,25 @@ class Balance:
 
 
 class SteadyEquations(Protocol):
-    """Unknowns of a steady rotation and the equations that they obey."""
+    """Unknowns of a steady rotation and the equations that they fulfil."""
 
     def balance(self) -> Balance:
-        """Residual and derivative at the present unknowns."""
+        """Return residual and derivative at the present unknowns."""
 
     def measure(self, kind: Measure) -> tuple[float, Floats]:
-        """Value of a scalar measure and its derivative ``(k,)`` by the unknowns."""
+        """Return the value of a scalar measure and its derivative ``(k,)`` by the unknowns."""
 
     def set_spin(self, value: float) -> None:
-        """Let everything turn with an angular speed [rad/s], as it is."""
+        """Set the angular speed [rad/s] without changing the shape."""
 
     def scales(self) -> Floats:
-        """What a large change of every unknown is ``(k,)``."""
+        """Return the scale of every unknown ``(k,)``: what a large change is."""
 
     def update(self, change: Floats) -> None:
         """Change the unknowns."""
 
     def residual(self) -> tuple[Floats, float]:
-        """Balance of the nodes ``(n, 6)``, which supports complete, and what is left as a part of the forces."""
+        """Return the balance of the nodes ``(n, 6)`` before supports, and the gap that they leave over the forces."""
 
     def save(self) -> object:
         """Return a copy of the unknowns for :meth:`restore`."""
@@ -60,10 +60,10 @@ class SteadyEquations(Protocol):
         """Return to kept unknowns."""
 
     def state(self) -> State:
-        """Poses and twists of all nodes."""
+        """Return poses and twists of all nodes."""
 
     def fields(self) -> tuple[Floats, Floats]:
-        """Strains and elastic section forces at the Gauss points ``(e, points, 6)``."""
+        """Return strains and elastic section forces at the Gauss points ``(e, points, 6)``."""
 
 
 def imbalance(left: Floats, forces: tuple[Floats, ...], inertial: float, length: float) -> float:

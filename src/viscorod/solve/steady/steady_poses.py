@@ -66,7 +66,7 @@ def poses_about(
 def _element(
     elements: Elements, e: int, strain: Floats, k: int, r: Floats, q: Floats
 ) -> tuple[Floats, Floats]:
-    """Poses of an element's nodes from that of its node ``k``."""
+    """Return the poses of an element's nodes from that of its node ``k``."""
     p = int(elements.order[e])
     N, dN = elements.shapes[p, :p, : p + 1], elements.slopes[p, :p, : p + 1] / elements.half_lengths[e]
     total = elements.reference[e, :p] + strain[:p]

@@ -1,4 +1,4 @@
-"""What is to be said of a steady rotation that was found."""
+"""A steady rotation that was found: its fields, energies and stability."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def describe_rotation(
     kind: SupportKind,
     iterations: int,
 ) -> SteadyRotation:
-    """Return fields, energies and stability of the rotation at which ``equations`` have arrived."""
+    """Return fields, energies and stability of the rotation to which ``equations`` have converged."""
     problem, supports, line = solver.system.problem, solver.supports, equations.line
     state, (strain, force) = equations.state(), equations.fields()
     balance, gap = equations.residual()
@@ -97,7 +97,7 @@ def describe_rotation(
 def _copies(
     supports: SupportState, state: State, line: RotationAxis, kind: SupportKind, unloaded: bool
 ) -> Floats:
-    """Velocity fields ``(c, 6)`` that take the rotation to copies of itself: what nothing holds or directs."""
+    """Return velocity fields ``(c, 6)`` that take the rotation to copies of itself: free turns and travels."""
     turns = np.hstack([np.zeros((3, 3)), np.eye(3)])
     if unloaded and kind is SupportKind.FREE:
         return np.vstack([turns, np.eye(6)[:3]])

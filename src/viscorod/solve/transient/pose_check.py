@@ -1,4 +1,4 @@
-"""How far poses integrated in time are from those that the strains give along the rods (intrinsic formulation)."""
+"""Distance of poses integrated in time from those that follow from strains along rods (intrinsic formulation)."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def pose_gap(system: System, history: History) -> tuple[float, float]:
 
 
 def half_lengths(system: System, rod: int) -> Floats:
-    """Half lengths of a rod's elements in order of arc length [m]."""
+    """Return the half lengths of a rod's elements in order of arc length [m]."""
     sets = system.problem.sets
     start = np.concatenate([e.start[e.rod == rod] for e in sets])
     half = np.concatenate([e.half_lengths[e.rod == rod] for e in sets])

@@ -1,4 +1,4 @@
-"""How large the next step is: fixed steps that are halved where they fail, or steps that follow the error."""
+"""Step size control: fixed steps that are halved where they fail, or steps that follow the error."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ PATIENCE, PROGRESS = 500, 1e-7
 
 
 class StepControl(Protocol):
-    """Says where steps end and whether an attempt is good enough."""
+    """Decides where steps end and whether an attempt is good enough."""
 
     @property
     def notes_failures(self) -> bool:
-        """Whether a step that fails is worth a note; where steps adapt anyway it is not."""
+        """True if a failed step is worth a note; where steps adapt anyway it is not."""
 
     def begin(self, t: float, corner: float, *, first: float | None) -> None:
-        """Head for ``corner`` [s], which must be hit; ``first`` is a step [s] to begin with after a jump."""
+        """Set the next ``corner`` [s], which must be hit; ``first`` is a step [s] to begin with after a jump."""
 
     def next_end(self, t: float) -> float:
         """Return the end [s] of the next step."""
@@ -36,11 +36,11 @@ class StepControl(Protocol):
 
     @property
     def exhausted(self) -> bool:
-        """Whether steps cannot become smaller."""
+        """True if steps cannot become smaller."""
 
     @property
     def limit(self) -> str:
-        """What limited the last accepted step."""
+        """The limit of the last accepted step, in words."""
 
 
 class FixedSteps:

@@ -26,7 +26,7 @@ LARGEST_STRAIN = 100.0
 
 @dataclass
 class StepCounts:
-    """What a run took: steps, iterations, and where the smallest accepted step was and why."""
+    """Numbers of steps and iterations of a run, and where and why the smallest accepted step was taken."""
 
     steps: int = 0
     rejected: int = 0
@@ -108,10 +108,10 @@ class Transient:
             state: initial poses and twists (overwritten).
             output_interval: time between records [s]; None records every step and what lies between.
             progress: called with (time, step) after every step.
-            history: what records; None keeps everything in memory.
-            checkpoint: what :meth:`saved` returned in a run that was stopped: this one goes on from there.
+            history: that records; None keeps everything in memory.
+            checkpoint: from :meth:`saved` of a run that was stopped; this one goes on from there.
             after_step: called after every step; returns why the run is to stop, or nothing.
-            watch: asked after every step what has happened, and whether the run ends with it.
+            watch: checks every step for events, which may end the run.
         """
         self.watch = watch or EventWatch([])
         self.output_interval, self.duration = output_interval, duration
@@ -129,7 +129,7 @@ class Transient:
         return result
 
     def update_counts(self) -> None:
-        """Note what the integrator has done so far."""
+        """Take over the counts of the integrator."""
         effort, integrator = self.effort, self.integrator
         effort.evaluations, effort.factorisations = integrator.evaluations, integrator.factorisations
         effort.jacobians = integrator.jacobians
@@ -166,7 +166,7 @@ class Transient:
             self.watch.begin(0.0, integrator.snapshot())
 
     def integrate_to(self, corner: float) -> bool:
-        """Go on to the time ``corner`` [s], for which the step control has been told; False if the run ends before."""
+        """Integrate to the time ``corner`` [s], for which the step control is set; False if the run ends before."""
         integrator, control, effort, result = self.integrator, self.control, self.effort, self.result
         while integrator.t < corner:
             t = integrator.t
@@ -227,7 +227,7 @@ class Transient:
             history.record(times[-1], integrator.snapshot(), account, end - t, iterations)
 
     def saved(self) -> SavedTree:
-        """Return from what another run of the same model can go on."""
+        """Return the state from which another run of the same model can go on."""
         parts = (self.integrator, self.control, self.account, self.effort, self.watch)
         return {"parts": [saved(part) for part in parts], "notes": list(self.notes)}
 
@@ -250,14 +250,14 @@ class Transient:
         return [*times, end] if final and (not times or times[-1] < end * (1.0 - 1e-9)) else times
 
     def _limit_in_words(self, report: StepReport) -> str:
-        """What limited an accepted step, in words."""
+        """Say what limited an accepted step."""
         limit = self.control.limit
         if limit in ("the error", "convergence of Newton's method"):
             return f"{limit}{' of' if limit == 'the error' else ' for'} {report.motion} at {self.place(report.node)}"
         return limit
 
     def corners(self, start: float, end: float) -> tuple[list[float], set[float]]:
-        """Instants from ``start`` to ``end`` [s] that steps must hit, and those after which the integrator starts anew.
+        """Return the times from ``start`` to ``end`` [s] that steps must hit, and those after which to restart.
 
         ``end`` is the last of the former, ``start`` may be one of the latter. Instants that only rounding keeps apart
         are one; the later stands for both, but ``start`` for what is next to it.

@@ -1,11 +1,10 @@
-"""Collocation methods on the Lie group: what Radau IIA and the midpoint rule share.
+"""Collocation methods on the Lie group: the common part of Radau IIA and the midpoint rule.
 
 The step's unknowns are nodal coordinates relative to the poses at its start, in which the equations of motion are
-ordinary
-differential equations; so the methods keep their order for large rotations. Stresses are carried as independent
-iterates (mixed Newton), which lets a frozen Jacobian serve steps with large rotations: only strains, never stiffness
-times strains, are linearised about old poses. The Jacobian and the factors stay in use over several steps (see
-``stage_kernels`` and ``jacobian``).
+ordinary differential equations; so the methods keep their order for large rotations. Stresses are carried as
+independent iterates (mixed Newton), which lets a frozen Jacobian serve steps with large rotations: only strains, never
+stiffness times strains, are linearised about old poses. The Jacobian and the factors stay in use over several steps
+(see ``stage_kernels`` and ``jacobian``).
 """
 
 from __future__ import annotations
@@ -44,10 +43,10 @@ _OUTCOME = {
 
 
 class Collocation:
-    """What all collocation methods share (see :class:`~viscorod.solve.transient.integrators.contract.Integrator`).
+    """Common part of all collocation methods (see :class:`~viscorod.solve.transient.integrators.contract.Integrator`).
 
     Args:
-        system, supports: what is integrated.
+        system, supports: the model.
         tableau: the method.
         newton_tolerance: error left by the iteration (displacement over model length, rotation in rad).
     """
@@ -227,7 +226,7 @@ class Collocation:
             snapshot = snapshot._replace(branch_power=power.ravel()[self.system.gauss_indices()])
         if self.stage_constraints is None or self._factor_step == 0.0:
             return snapshot
-        self.system.constraints.update(self.t, True)  # states between may have been asked for
+        self.system.constraints.update(self.t, True)  # states between may have been computed
         return self.stage_constraints.with_allowed_velocities(snapshot, self.systems.solve_real)
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:

@@ -1,4 +1,4 @@
-"""A collocation step in one compiled call, and what it tells: powers and energy, error."""
+"""A collocation step in one compiled call, with its powers, energies and estimated error."""
 
 from __future__ import annotations
 

@@ -1,18 +1,15 @@
 """Generalised-alpha on the Lie group, in poses and spatial momenta.
 
-The equations of motion are first order in the poses ``H`` (with ``H_t = H x1``) and the spatial momenta ``pi``
-(with ``pi_t``
-= resultant wrench about the origin). Both are advanced by the generalised-alpha method for first-order systems (Jansen,
-Whiting and Hulbert 2000), the poses on SE(3) by the exponential (as Bruels and Cardona 2010 do for the second-order
-method):
+The equations of motion are first order in the poses ``H`` (with ``H_t = H x1``) and the spatial momenta ``pi`` (with
+``pi_t`` = resultant wrench about the origin). Both are advanced by the generalised-alpha method for first-order systems
+(Jansen, Whiting and Hulbert 2000), the poses on SE(3) by the exponential (as Bruels and Cardona 2010 do for the
+second-order method):
 
     D/h  = (1-g) xi_n + g xi_n+1      (1-am) xi_n+1 + am xi_n = (1-af) x1_n+1 + af x1_n       H_n+1 = H_n exp(D)
 
 and the same for ``pi`` with the wrenches in place of the twists. It is of second order, dissipates only high
-frequencies,
-``rho`` being the spectral radius at infinity, and keeps linear and angular momentum of a free body to round-off,
-because
-internal forces have no spatial resultant and the scheme is linear in the momenta.
+frequencies, ``rho`` being the spectral radius at infinity, and keeps linear and angular momentum of a free body to
+round-off, because internal forces have no spatial resultant and the scheme is linear in the momenta.
 """
 
 from __future__ import annotations
@@ -51,7 +48,7 @@ class Coefficients:
 
     @classmethod
     def of(cls, rho: float) -> Coefficients:
-        """Second order with optimal dissipation (Jansen et al. 2000, in the convention of Bruels and Cardona)."""
+        """Return those of order 2 with optimal dissipation (Jansen et al. 2000, convention of Bruels and Cardona)."""
         return cls(
             mass=(3.0 * rho - 1.0) / (2.0 * (1.0 + rho)), force=rho / (1.0 + rho), gamma=1.0 / (1.0 + rho)
         )
@@ -80,7 +77,7 @@ class GeneralizedAlpha:
     """Implicit one-step integrator of second order (see the module's text).
 
     Args:
-        system, supports: what is integrated.
+        system, supports: the model.
         spectral_radius: 1 damps nothing numerically, 0 annihilates the highest frequencies in one step.
         tolerance: wanted accuracy of the motion (displacement over model length, rotation in rad); None makes no
             error estimate.
@@ -261,7 +258,7 @@ class GeneralizedAlpha:
         return float(np.abs(self._snapshot.strain[:, :3]).max())
 
     def _work_rate(self) -> float:
-        """Present power of loads and moving supports [W]."""
+        """Return the present power of loads and moving supports [W]."""
         loads = float(np.sum(self.system.external * self.state.twist))
         return loads + self.supports.power() + self.system.constraints.motor_power()
 
@@ -363,7 +360,7 @@ class GeneralizedAlpha:
         return residual, change
 
     def _update_state(self, new: State, increment: Floats, relation: Relation) -> None:
-        """Poses and twists that belong to an increment."""
+        """Write the poses and twists that belong to an increment."""
         retract(self.state.r, self.state.q, increment, new.r, new.q)
         np.multiply(increment, relation.slope, out=new.twist)
         new.twist += relation.constant

@@ -33,7 +33,7 @@ class LinearModel:
     Args:
         system, supports: the model.
         t: time [s] just before which its loads hold the state.
-        state: what it is linear about; its twists do not matter.
+        state: about which it is linear; its twists do not matter.
 
     Attributes:
         reduced: matrices of the motions that the supports leave free.
@@ -76,7 +76,7 @@ class LinearModel:
         return sparse.csr_array(self.body.pattern.sparse(blocks))
 
     def _matrices(self, strain: Floats, section_force: Floats, elements: Elements) -> Matrices:
-        """Operators, stiffness (that of the loads too) and damping matrix at rest, not projected."""
+        """Return operators, stiffness (that of the loads too) and damping matrix at rest, not projected."""
         matrices = Matrices.of(self.body)
         matrices.K[:] = self._load_stiffness
         still = np.zeros_like(section_force)
@@ -97,8 +97,8 @@ class LinearModel:
     def _separate(self, strain: Floats, section_force: Floats) -> None:
         """Split the stiffness into ``B^T C B`` and what loads and stresses add.
 
-        Sums of stiff terms leave a rest that is no equilibrium; applied factor by factor, ``C`` multiplies strains, and
-        what rounding adds to them does no harm.
+        The rounding of sums of stiff terms would disturb an equilibrium; applied factor by factor, ``C`` multiplies
+        strains, in which rounding does no harm.
         """
         elements = self.body.elements
         weights = [
@@ -176,7 +176,7 @@ class LinearModel:
 
 
 def _operator(blocks: Floats, elements: Elements, nodes: int) -> sparse.csr_array:
-    """Operators of all elements ``(e, 6 points, 6 m)`` as one sparse array, Gauss points times nodes."""
+    """Return operators of all elements ``(e, 6 points, 6 m)`` as one sparse array, Gauss points times nodes."""
     count, rows, columns = blocks.shape
     at = (6 * elements.nodes[:, :, None] + np.arange(6)).reshape(count, 1, columns)
     row = np.arange(count * rows).reshape(count, rows, 1)

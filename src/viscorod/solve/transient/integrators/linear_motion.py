@@ -27,7 +27,7 @@ class LinearMotion:
     """Radau IIA or the midpoint rule, see :class:`~viscorod.solve.transient.integrators.contract.Integrator`.
 
     Args:
-        system, supports: what is integrated; the supports stay where they are, and the first
+        system, supports: the model; the supports stay where they are, and the first
             state that it starts from is the one it is linear about.
         tableau: the method.
         tolerance: wanted accuracy of the motion where the method has an error estimate: displacement over model
@@ -138,7 +138,7 @@ class LinearMotion:
         return report._replace(error=float(error.max()) / allowed, node=node, component=component)
 
     def _error(self, h: float, changes: Floats) -> Floats:
-        """Estimated errors ``(6 n,)``: displacements over model length, rotations (see ``step_error``)."""
+        """Return estimated errors ``(6 n,)``: displacements over model length, rotations (see ``step_error``)."""
         tableau, body, x = self.tableau, self.body, self._now[1]
         p = x + tableau.error @ changes / h
         v = tableau.error @ (self._stages[1] - x) / h + tableau.real / h * p
@@ -219,7 +219,7 @@ class LinearMotion:
 def _quintic(
     part: float, h: float, old: Floats, new: Floats, rates: tuple[Floats, Floats]
 ) -> tuple[Floats, Floats, Floats]:
-    """Displacement, velocity and acceleration at a ``part`` of a step ``h`` between two ends with all three given."""
+    """Return displacement, velocity and acceleration at a ``part`` of a step ``h`` from all three at both ends."""
     x0, x1 = old[0], new[0]
     v0, v1, a0, a1 = h * old[1], h * new[1], h * h * rates[0], h * h * rates[1]
     gap, slope, bend = x1 - x0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0
@@ -234,10 +234,10 @@ def _quintic(
 
 
 def linear_radau(system: System, supports: SupportState, *, tolerance: float) -> LinearMotion:
-    """Radau IIA of order 5 with error control."""
+    """Return Radau IIA of order 5 with error control."""
     return LinearMotion(system, supports, RADAU, tolerance)
 
 
 def linear_midpoint(system: System, supports: SupportState) -> LinearMotion:
-    """The implicit midpoint rule."""
+    """Return the implicit midpoint rule."""
     return LinearMotion(system, supports, MIDPOINT)

@@ -20,7 +20,7 @@ class Midpoint(Collocation):
     ``internal_force.conserve_energy``); body velocities make the kinetic energy quadratic, which the rule keeps exact.
 
     Args:
-        system, supports: what is integrated.
+        system, supports: the model.
         newton_tolerance: error left by the iteration (displacement over model length, rotation in rad).
     """
 
@@ -89,7 +89,7 @@ class Midpoint(Collocation):
         self._end_twist = twist
 
     def _end_step(self) -> None:
-        """Go twice the way to the middle, and evaluate the forces there."""
+        """Extrapolate from the middle to the end of the step, and evaluate the forces there."""
         ends, stages = self.ends, self.stages
         twist = 2.0 * stages.twist[0] - self.state.twist
         self.forces.extrapolate_strains(stages.strain[0])

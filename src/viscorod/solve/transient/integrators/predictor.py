@@ -1,4 +1,4 @@
-"""Where the iteration of a collocation step starts: the polynomials of the last step go on."""
+"""First guess of a collocation step: the polynomials of the last step, continued."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Predictor:
         self._step = 0.0
 
     def reset(self) -> None:
-        """Begin anew: the last step says nothing about the next one."""
+        """Forget the last step: it does not predict the next one."""
         self._old = None
 
     def keep(self, state: State, stress: Floats, h: float) -> None:

@@ -24,7 +24,7 @@ class Radau(Collocation):
     """Radau IIA with three stages: order 5, L-stable, stiffly accurate, with an error estimate.
 
     Args:
-        system, supports: what is integrated.
+        system, supports: the model.
         tolerance: wanted accuracy of the motion: displacement over model length, rotation in rad.
     """
 

@@ -18,7 +18,7 @@ from viscorod.typing import Floats
 
 
 class StageConstraints:
-    """Targets, predictions and records of the links of a run.
+    """Targets, predictions and records of joints, springs and held strains in a run.
 
     Args:
         constraints: of the system that is integrated; tableau: the method.
@@ -55,7 +55,7 @@ class StageConstraints:
         arrays.target_rate[0] = (constraints.target - first) / (end - t)
 
     def reset(self) -> None:
-        """Begin anew: the last step says nothing about the next one."""
+        """Forget the last step: it does not predict the next one."""
         self._past = None
 
     def predict(self, h: float) -> None:
@@ -72,7 +72,7 @@ class StageConstraints:
         arrays.multiplier[:], arrays.carried[:] = stages[:, :places], stages[:, places:]
 
     def begin(self, state: State) -> None:
-        """Take over a state whose joints were measured just now."""
+        """Take over a state for which joint coordinates have just been evaluated."""
         constraints = self.constraints
         constraints.track_angles()
         self._multiplier, self._force = state.multiplier.copy(), constraints.force.copy()

@@ -13,10 +13,10 @@ from viscorod.typing import Floats
 
 
 class StageDashpots:
-    """The memory of the branches in the steps of a run.
+    """The state of the branches in the steps of a run.
 
     Args:
-        memory: of the system; body: what is integrated; tableau: the method.
+        memory: of the system; body: the model; tableau: the method.
 
     Attributes:
         step: for the compiled step.
@@ -58,16 +58,16 @@ class StageDashpots:
         found = strain[-1] - step.spring[-1]
         if len(self.tableau.nodes) > 1:
             memory.dashpot[:], memory.strain[:] = found, strain[-1]
-        else:  # twice the way to the middle; strains at the end are known later
+        else:  # extrapolated from the middle; strains at the end are known later
             memory.dashpot[:] = 2.0 * found - step.start
 
     @property
     def loss(self) -> Floats:
-        """What the branches lost in the last step ``(n,)`` [J]."""
+        """Energy that the branches dissipated in the last step ``(n,)`` [J]."""
         return np.asarray(self._length * self.tableau.weights @ self.step.power)
 
     def loss_until(self, parts: Floats) -> Floats:
-        """Return what the branches lost up to ``parts (k,)`` of the last step ``(k, n)`` [J]."""
+        """Return the energy that the branches dissipated up to ``parts (k,)`` of the last step ``(k, n)`` [J]."""
         return np.asarray(self._length * self.tableau.partial_weights(parts) @ self.step.power)
 
     def power_between(self, parts: Floats) -> Floats:

@@ -19,7 +19,7 @@ class StageSystems:
     """Matrices ``mu^2 M + mu C + K`` with the eigenvalues ``mu`` of a method, and their factors.
 
     Args:
-        body: what is integrated; scales: of its unknowns ``(6 N,)``; tableau: the method; plan: of factorisations.
+        body: the model; scales: of its unknowns ``(6 N,)``; tableau: the method; plan: of factorisations.
         dashpots: Maxwell branches, whose stiffness depends on ``mu``; None if there are none.
 
     Attributes:

@@ -1,4 +1,4 @@
-"""What is recorded of the steps of a collocation method: everything at their ends, and between their stages."""
+"""Records of the steps of a collocation method: everything at their ends, and between their stages."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class StepRecorder:
     def record_state(
         self, state: State, points: GaussStates, reaction: Floats, kinetic: float, elastic: float
     ) -> None:
-        """Take the snapshot of a ``state`` that no stage led to.
+        """Record a ``state`` that is not a stage of a step.
 
         Args:
             state: poses and twists; points: one stage of Gauss points in that state.
@@ -67,7 +67,7 @@ class StepRecorder:
         self._take(state, reaction, kinetic, elastic)
 
     def keep_start(self, state: State) -> None:
-        """Keep what states between need of the ``state`` at the start of an accepted step, and of its stages."""
+        """Keep the ``state`` at the start of an accepted step, and reactions at its stages, for states between."""
         self._start = (state, self._fields, self.snapshot.reaction)
         self._joints = self.snapshot.joints
         b, stages = self.body, self.stages
@@ -86,7 +86,7 @@ class StepRecorder:
         )
 
     def record_end(self, state: State, elastic: float) -> float:
-        """Take the snapshot of a ``state`` that is the last stage's; return its kinetic energy [J]."""
+        """Record a ``state`` that is the last stage's; return its kinetic energy [J]."""
         stages = self.stages
         kinetic = self._read(state, stages.strain, stages.strain_rate, stages.stress)
         self._take(state, self._reactions[-1], kinetic, elastic)
