@@ -98,7 +98,7 @@ class Stream(History):
             if len(self._samples) == 2 * MOST:  # half as many, twice as far apart
                 self._samples, self._stride = self._samples[::2], 2 * self._stride
 
-    def sampled(self, most: int) -> list[Snapshot]:
+    def sample(self, most: int) -> list[Snapshot]:
         """See :class:`~viscorod.solve.history.History`: of a run that went on, those since then."""
         return self._samples[:: max(1, len(self._samples) // most)]
 

@@ -4,7 +4,7 @@ A position-level constraint ``g(x) = 0`` asks velocities for ``G x1 = g_t``. The
 matrix with the constraints' rows measures it: the mass at a start, where it is an impulse, and the factorised matrix of
 the last step for what is recorded, whose rows may be some steps old; so it is repeated until nothing is left.
 
-Steps go on from velocities as they leave them. What these lack does not add up, because positions are held; while a
+Steps go on from velocities as they leave them. Their error does not add up, because positions are held; while a
 correction in any other measure than the mass would do work, step after step.
 """
 

@@ -81,7 +81,7 @@ class Plan:
     def targets(self) -> Integers:
         """Positions of the remaining blocks in the values of the band or the sparse matrix ``(c, 2)``.
 
-        Entry (i, j) of block s stands at ``targets[s, 0] + j * targets[s, 1] + i``.
+        Entry (i, j) of block s is at ``targets[s, 0] + j * targets[s, 1] + i``.
         """
         rows, columns, starts = self.ordered[:3]
         if self.banded:

@@ -260,7 +260,7 @@ class Transient:
         """Return the times from ``start`` to ``end`` [s] that steps must hit, and those after which to restart.
 
         ``end`` is the last of the former, ``start`` may be one of the latter. Instants that only rounding keeps apart
-        are one; the later stands for both, but ``start`` for what is next to it.
+        are one, the later, but ``start`` where one is next to it.
         """
         near = 1e-12 * end
         corners = [start]

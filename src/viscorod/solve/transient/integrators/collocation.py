@@ -298,7 +298,7 @@ class Collocation:
     ) -> None:
         """Make ``state`` the one at ``t``: forces, energies and reactions there.
 
-        Without accelerations those of free nodes are unknown, and reactions lack the inertia of partly held ones.
+        Without accelerations those of free nodes are unknown, and reactions exclude the inertia of partly held ones.
         """
         supports, body, points = self.supports, self.body, self._points
         self.t, self.state = t, state

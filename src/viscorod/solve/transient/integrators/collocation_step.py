@@ -122,7 +122,7 @@ def try_step(
     If that succeeds, estimate the error and take account of the energy.
 
     Args:
-        ends: for the midpoint rule; None for the others, whose code then lacks what it needs.
+        ends: for the midpoint rule; None for the others, whose compiled code leaves this part out.
         motion: strains as states of their own (intrinsic formulation); None: they follow from the poses.
         links: joints, springs and held strains; relaxing: Maxwell branches; None: there are none.
         r0, q0, twist0: start of the step; force0: what accelerates the nodes there ``(n, 6)``; h: step [s].

@@ -29,7 +29,7 @@ class Midpoint(Collocation):
     oldest = 8
     """Steps with one Jacobian, where there are constraints.
 
-    What velocities lack at the end of a step is of second order itself, and is projected away along the constraints'
+    The error of velocities at the end of a step is of second order itself, and is projected away along the constraints'
     gradients in the Jacobian: with a Jacobian of a fixed age the method would have order 1.
     """
 

@@ -139,7 +139,7 @@ def evaluate_loads(
     slots: Integers,
     no_blocks: Floats,
 ) -> None:
-    """Write the external loads of all stages ``(s, n, 6)``, in body components; arguments as in ``Given``.
+    """Write the external loads of all stages ``(s, n, 6)``, in body components; arguments as in ``StageInputs``.
 
     ``diagonal`` and ``slots`` are not used: that there are ``no_blocks`` says so.
     """
