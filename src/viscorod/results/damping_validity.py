@@ -175,7 +175,7 @@ def _rod(
     found = []
     for k in np.flatnonzero(work > LITTLE * work.sum()).tolist():
         time = law["times"][k]
-        # the point of the rod where the strain is largest stands for all
+        # the point of the rod where the strain is largest represents all
         point = int(mine[np.argmax(largest[mine, k])])
         history = run.data["strain"].isel(point=point, component=k).values
         omega, rate = _spectrum(run.time, np.asarray(history, dtype=float))

@@ -301,7 +301,7 @@ def _shapes(
         peak = shape.ravel()[np.argmax(np.abs(shape))]
         if np.abs(peak) < 1e-12 * np.abs(turn).max():  # pure twisting
             peak = turn.ravel()[np.argmax(np.abs(turn))]
-        if peak == 0.0:  # only what is no rod moves
+        if peak == 0.0:  # only bodies move
             peak = 1.0
         shapes.append(shape / peak)
         rotations.append(turn / peak)

@@ -161,7 +161,7 @@ class PathFollower:
             reached = self.step(at, step)
             if reached is None:
                 path.rejected += 1
-                step *= 0.45  # no even part, lest the end stay where the matrix is singular
+                step *= 0.45  # not one half, or the end might stay where the matrix is singular
                 if step < SMALLEST * largest:
                     path.outcome = path.report.outcome if path.report is not None else Outcome.SINGULAR
                     return

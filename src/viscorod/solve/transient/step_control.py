@@ -138,7 +138,7 @@ class ErrorControl:
         left = self._corner - t
         if self._h >= left * (1.0 - 1e-9):
             return self._corner
-        # no tiny last step: the one before it gives way
+        # no tiny last step: the one before it is shortened
         return t + (self._h if self._h <= 0.5 * left else 0.5 * left)
 
     def accepts(self, report: StepReport, h: float) -> bool:

@@ -135,7 +135,7 @@ def try_step(
         code, iterations, size of the last change, convergence rate, unknown of the largest change, size and unknown
         of the largest error.
     """
-    # all tuples are taken apart here: whatever is read from a tuple further down, copies the whole of it
+    # all tuples are unpacked here: reading a member further down copies the whole tuple
     (
         elements,
         mass,

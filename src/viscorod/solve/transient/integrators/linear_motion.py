@@ -112,7 +112,7 @@ class LinearMotion:
         D = tableau.derivative / h
         changes = np.zeros_like(self._stages[0])
         size = 0.0
-        for _ in range(SWEEPS):  # the first solves, the others mend what rounding of stiff terms spoilt
+        for _ in range(SWEEPS):  # the first solves, the others remove the rounding errors of stiff terms
             rates = D @ changes
             residual = D @ (rates - x) @ body.mass - self._stage_loads
             residual += [body.internal(xi + c, r) for c, r in zip(changes, rates, strict=True)]

@@ -36,7 +36,7 @@ class StageSystems:
     ) -> None:
         self.body, self.tableau, self.dashpots = body, tableau, dashpots
         self._several = len(tableau.nodes) > 1
-        # no complex system: the smallest stands for it
+        # without a complex system its solver is the smallest possible
         pair = plan if self._several else Plan.of(Pattern.of(1, ()))
         self.real, self.pair = DirectSolver(plan), DirectSolver(pair, complex)
         self._real_blocks = np.zeros((len(body.pattern.rows), 6, 6))
