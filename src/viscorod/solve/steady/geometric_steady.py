@@ -10,8 +10,6 @@ motions about the rotation, gyroscopic and centrifugal parts included.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy.linalg
 
@@ -22,22 +20,11 @@ from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.steady.rigid_rotation import RotationAxis, coriolis, rigid_twists
+from viscorod.solve.steady.stability import FirstOrder, SecondOrder, first_order
+from viscorod.solve.steady.steady_checks import SupportKind, no_loads, support_kind
 from viscorod.solve.steady.steady_equations import Balance, Measure, imbalance
 from viscorod.solve.transient.integrators import jacobian
 from viscorod.typing import Floats
-
-
-@dataclass
-class SecondOrder:
-    """Small motions about a steady rotation, before supports: ``M d'' + C d' + K d = 0`` in body increments ``d``.
-
-    Dense ``(6 n, 6 n)``; ``ad`` is ``ad(x)`` of every node ``(n, 6, 6)``.
-    """
-
-    mass: Floats
-    damping: Floats
-    stiffness: Floats
-    ad: Floats
 
 
 class GeometricSteady:
@@ -124,7 +111,7 @@ class GeometricSteady:
         return W, np.append(internal, 0.0)
 
     def elastic_energy(self) -> float:
-        """Return the elastic energy [J] of the last evaluation."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         return self.system.elastic_energy()
 
     def update(self, change: Floats) -> None:
@@ -156,8 +143,8 @@ class GeometricSteady:
             field.reshape(-1, 6)[self.system.gauss_indices()] = values
         return fields[0], fields[1]
 
-    def small_motions(self) -> SecondOrder:
-        """Return the matrices of small motions at the present state."""
+    def small_motions(self) -> FirstOrder:
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         state, system, n = self.state(), self.system, self.problem.size
         self.residual()
         system.reset_stress()
@@ -166,7 +153,8 @@ class GeometricSteady:
         system.assemble(state, self.loads, ad, tangent=True, moving=True, rate_matrix=rate_matrix)
         self._add_inertia(state, system.matrix.blocks, rate_matrix.blocks)
         mass = scipy.linalg.block_diag(*self.problem.mass)
-        return SecondOrder(mass, rate_matrix.sparse().toarray(), system.matrix.sparse().toarray(), ad)
+        small = SecondOrder(mass, rate_matrix.sparse().toarray(), system.matrix.sparse().toarray(), ad)
+        return first_order(small, self.supports, state, self.line, self._copies(state), self.problem.length)
 
     def _evaluate(self, state: State) -> None:
         """Assemble forces and loads; without twists, whose strain rates are round-off."""
@@ -177,3 +165,19 @@ class GeometricSteady:
         mass, (ad, product) = self.problem.mass, np.zeros((2, self.problem.size, 6, 6))
         jacobian.adjoint(state.twist, ad)
         jacobian.add_inertia(mass, state.twist, ad, K, C, self.problem.pattern.diagonal, product)
+
+    def _copies(self, state: State) -> Floats:
+        """Return velocity fields ``(c, 6)`` that take the rotation to copies of itself: free turns and travels."""
+        supports, kind, unloaded = self.supports, support_kind(self.problem), no_loads(self.loads)
+        turns = np.hstack([np.zeros((3, 3)), np.eye(3)])
+        if unloaded and kind is SupportKind.FREE:
+            return np.vstack([turns, np.eye(6)[:3]])
+        if unloaded and kind is SupportKind.JOINT:
+            arm = state.r[supports.set.nodes[0]] - self.line.centre
+            if np.linalg.norm(np.cross(arm, self.line.direction)) < 1e-9 * supports.problem.length:
+                return turns
+        about = np.concatenate([np.zeros(3), self.line.direction])
+        field = rigid_twists(state.r, state.q, [0.0] * 3, self.line.direction, self.line.centre).ravel()
+        basis = supports.free_basis(state).toarray()
+        left = field - basis @ (np.linalg.pinv(basis) @ field)
+        return np.zeros((0, 6)) if np.abs(left).max() > 1e-9 * np.abs(field).max() else about[None]

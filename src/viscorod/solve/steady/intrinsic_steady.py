@@ -11,8 +11,6 @@ state.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from viscorod.mechanics.elements.internal_force import Elements
@@ -20,23 +18,11 @@ from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.steady.rigid_rotation import RotationAxis, coriolis, gyroscopic
+from viscorod.solve.steady.stability import FirstOrder
 from viscorod.solve.steady.steady_equations import Balance, Measure, imbalance
 from viscorod.solve.steady.steady_poses import poses_about
 from viscorod.solve.steady.strain_rates import StrainRates, force_map, strain_map
 from viscorod.typing import Floats
-
-
-@dataclass
-class FirstOrder:
-    """Small motions about a steady rotation: ``mass z' = matrix z``.
-
-    ``magnitude`` has the sizes of what adds up to the entries of the matrix: round-off is a part of them. From the
-    intrinsic formulation ``z`` are changes of strains, then of free twists.
-    """
-
-    mass: Floats
-    matrix: Floats
-    magnitude: Floats
 
 
 class IntrinsicSteady:
@@ -165,7 +151,7 @@ class IntrinsicSteady:
         return strain, force
 
     def small_motions(self) -> FirstOrder:
-        """Return the matrices of small motions at the present state."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         count, n = self.strain.size, self.problem.size
         mass = np.eye(count + 6 * n)
         for k, block in enumerate(self.problem.mass):
@@ -182,7 +168,7 @@ class IntrinsicSteady:
         return force + inertial - self.following, self._gap(rates, force, inertial)
 
     def elastic_energy(self) -> float:
-        """Return the elastic energy [J]."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         return self.measure("elastic")[0]
 
     def _rates_and_forces(self) -> tuple[Floats, Floats, Floats]:

@@ -24,7 +24,7 @@ from viscorod.solve.steady.rigid_rotation import (
     spatial_momenta,
 )
 from viscorod.solve.steady.steady_checks import SupportKind, no_loads, support_kind
-from viscorod.solve.steady.steady_equations import Measure
+from viscorod.solve.steady.steady_equations import Measure, SteadyEquations
 from viscorod.solve.steady.steady_rotation import SteadyRotation, describe_rotation
 from viscorod.typing import Floats
 
@@ -84,11 +84,11 @@ class Search:
                 "iterations. What to try: another axis or start; begin from a slower or faster rotation "
                 "(start = its result)"
             )
-        return describe_rotation(self.solver, equations, self.loads, self.held, self.effort.iterations)
+        return describe_rotation(self.solver, equations, self.effort.iterations)
 
     # --- first guesses
 
-    def _from_start(self) -> GeometricSteady | IntrinsicSteady:
+    def _from_start(self) -> SteadyEquations:
         """Start from the given motion, rotating with its mean angular velocity."""
         assert self.start is not None
         state, mass = self.start.copy(), self.problem.mass
@@ -109,7 +109,7 @@ class Search:
             raise InputError("start: its last state does not turn; give one that does, or axis instead")
         return self._equations(state, None, RotationAxis(spin / rate, centre), rate)
 
-    def _from_reference(self, target: float) -> GeometricSteady | IntrinsicSteady:
+    def _from_reference(self, target: float) -> SteadyEquations:
         """Start from the reference shape, or the equilibrium under the loads, about a given axis."""
         settings, problem = self.settings, self.problem
         state = State.reference(problem)
@@ -140,7 +140,7 @@ class Search:
         inertia = float(line.direction @ tensor @ line.direction)
         return float(np.sqrt(2.0 * target / inertia)) if kind == "energy" else target / inertia
 
-    def _from_mode(self, way: float) -> tuple[GeometricSteady | IntrinsicSteady, float]:
+    def _from_mode(self, way: float) -> tuple[SteadyEquations, float]:
         """Start bent in the slowest elastic mode, about the axis of least inertia; return its elastic energy too."""
         state, strain, frequency, elastic = initial_guess.bent_shape(
             self.solver, self.problem, self.elements, self.joint, way
@@ -160,7 +160,7 @@ class Search:
 
     def _equations(
         self, state: State, strain: Floats | None, line: RotationAxis, rate: float
-    ) -> GeometricSteady | IntrinsicSteady:
+    ) -> SteadyEquations:
         problem, supports = self.problem, self.problem.supports
         geometric = GeometricSteady(self.solver.system, self.solver.supports, self.loads, line, state, rate)
         if self.settings.formulation == "geometric":

@@ -14,8 +14,6 @@ import scipy.linalg
 
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
-from viscorod.solve.steady.geometric_steady import SecondOrder
-from viscorod.solve.steady.intrinsic_steady import FirstOrder
 from viscorod.solve.steady.rigid_rotation import RotationAxis, rigid_twists
 from viscorod.typing import Floats
 
@@ -25,6 +23,32 @@ FAINT = 1e-9
 """Motions that grow or fade by less than this part of ``|s|`` or, if larger, of the angular speed are neutral."""
 ROUND_OFF = 10.0 * float(np.finfo(float).eps)
 """Error of the matrices, as a part of what adds up to their entries, and of ``1/s``."""
+
+
+@dataclass
+class SecondOrder:
+    """Small motions about a steady rotation, before supports: ``M d'' + C d' + K d = 0`` in body increments ``d``.
+
+    Dense ``(6 n, 6 n)``; ``ad`` is ``ad(x)`` of every node ``(n, 6, 6)``.
+    """
+
+    mass: Floats
+    damping: Floats
+    stiffness: Floats
+    ad: Floats
+
+
+@dataclass
+class FirstOrder:
+    """Small motions about a steady rotation: ``mass z' = matrix z``.
+
+    ``magnitude`` has the sizes of what adds up to the entries of the matrix: round-off is a part of them. From the
+    intrinsic formulation ``z`` are changes of strains, then of free twists.
+    """
+
+    mass: Floats
+    matrix: Floats
+    magnitude: Floats
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,8 @@ import numpy as np
 import scipy.linalg
 
 from viscorod.solve.formulations.system import State
+from viscorod.solve.steady.rigid_rotation import RotationAxis
+from viscorod.solve.steady.stability import FirstOrder
 from viscorod.typing import Floats
 
 Measure: TypeAlias = Literal["spin", "energy", "momentum", "elastic"]
@@ -34,6 +36,9 @@ class Balance:
 
 class SteadyEquations(Protocol):
     """Unknowns of a steady rotation and the equations that they fulfil."""
+
+    line: RotationAxis
+    """The line about which everything turns."""
 
     def balance(self) -> Balance:
         """Return residual and derivative at the present unknowns."""
@@ -64,6 +69,12 @@ class SteadyEquations(Protocol):
 
     def fields(self) -> tuple[Floats, Floats]:
         """Return strains and elastic section forces at the Gauss points ``(e, points, 6)``."""
+
+    def elastic_energy(self) -> float:
+        """Return the elastic energy [J] at the last residual or measure."""
+
+    def small_motions(self) -> FirstOrder:
+        """Return the matrices of small motions at the present state."""
 
 
 def imbalance(left: Floats, forces: tuple[Floats, ...], inertial: float, length: float) -> float:

@@ -8,15 +8,11 @@ import numpy as np
 
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.mechanics.rotations.quaternion import matrices
-from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
-from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.statics.static_solver import StaticSolver
-from viscorod.solve.steady.geometric_steady import GeometricSteady
-from viscorod.solve.steady.intrinsic_steady import IntrinsicSteady
-from viscorod.solve.steady.rigid_rotation import RotationAxis, rigid_twists, spatial_momenta
-from viscorod.solve.steady.stability import Stability, first_order, stability
-from viscorod.solve.steady.steady_checks import SupportKind, no_loads
+from viscorod.solve.steady.rigid_rotation import spatial_momenta
+from viscorod.solve.steady.stability import Stability, stability
+from viscorod.solve.steady.steady_equations import SteadyEquations
 from viscorod.typing import Floats
 
 ROUND_OFF = 1e-13
@@ -53,9 +49,7 @@ class SteadyRotation:
 
 def describe_rotation(
     solver: StaticSolver,
-    equations: GeometricSteady | IntrinsicSteady,
-    loads: LoadState,
-    kind: SupportKind,
+    equations: SteadyEquations,
     iterations: int,
 ) -> SteadyRotation:
     """Return fields, energies and stability of the rotation to which ``equations`` have converged."""
@@ -71,11 +65,6 @@ def describe_rotation(
     whole = float(problem.mass[:, 0, 0].sum()) * problem.length * rate**2
     reaction[np.abs(reaction) < ROUND_OFF * whole * np.array([1.0] * 3 + [problem.length] * 3)] = 0.0
     _, momentum = spatial_momenta(problem.mass, state.r, state.q, state.twist, line.centre)
-    if isinstance(equations, GeometricSteady):
-        copies = _copies(supports, state, line, kind, no_loads(loads))
-        small = first_order(equations.small_motions(), supports, state, line, copies, problem.length)
-    else:
-        small = equations.small_motions()
     places = solver.system.gauss_indices()
     return SteadyRotation(
         state=state.copy(),
@@ -90,23 +79,5 @@ def describe_rotation(
         elastic=equations.elastic_energy(),
         gap=gap,
         iterations=iterations,
-        stability=stability(small, rate),
+        stability=stability(equations.small_motions(), rate),
     )
-
-
-def _copies(
-    supports: SupportState, state: State, line: RotationAxis, kind: SupportKind, unloaded: bool
-) -> Floats:
-    """Return velocity fields ``(c, 6)`` that take the rotation to copies of itself: free turns and travels."""
-    turns = np.hstack([np.zeros((3, 3)), np.eye(3)])
-    if unloaded and kind is SupportKind.FREE:
-        return np.vstack([turns, np.eye(6)[:3]])
-    if unloaded and kind is SupportKind.JOINT:
-        arm = state.r[supports.set.nodes[0]] - line.centre
-        if np.linalg.norm(np.cross(arm, line.direction)) < 1e-9 * supports.problem.length:
-            return turns
-    about = np.concatenate([np.zeros(3), line.direction])
-    field = rigid_twists(state.r, state.q, [0.0] * 3, line.direction, line.centre).ravel()
-    basis = supports.free_basis(state).toarray()
-    left = field - basis @ (np.linalg.pinv(basis) @ field)
-    return np.zeros((0, 6)) if np.abs(left).max() > 1e-9 * np.abs(field).max() else about[None]
