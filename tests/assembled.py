@@ -35,7 +35,7 @@ class DiscreteModel:
     def residual(self, increment, tangent=False):
         """Balance of all nodes before supports; assembled matrix with ``tangent``."""
         new = self.old.copy()
-        self.integrator._reach(new, increment, self.relation)
+        self.integrator._update_state(new, increment, self.relation)
         inverse_motion_tangent(increment, self.relation.slope, self.integrator._map)
         self.system.assemble(new, self.loads, self.integrator._map, tangent=tangent, moving=True)
         return new, self.integrator._residual(new, self.relation, tangent=tangent)

@@ -277,7 +277,7 @@ def test_whirling_rod_keeps_whirling(formulation):
     from viscorod.analyses.discrete import DiscreteModel
     from viscorod.analyses.motion import stepping
     from viscorod.solve.settings import SimulateSettings, SteadySettings
-    from viscorod.solve.steady.search import Search
+    from viscorod.solve.steady.rotation_search import Search
     from viscorod.solve.transient.transient_solver import Transient
 
     model = hinged(4, 4)
@@ -286,7 +286,7 @@ def test_whirling_rod_keeps_whirling(formulation):
     duration = 3.0 * 2.0 * np.pi / float(np.linalg.norm(found.spin))
     settings = SimulateSettings(duration, tolerance=1e-8, formulation=formulation, initial="reference")
     integrator, control, _ = stepping(work, settings, found.state)
-    run = Transient(work.problem, integrator, control, work.system.worst_place).run(
+    run = Transient(work.problem, integrator, control, work.system.describe_node).run(
         found.state.copy(), duration, output_interval=None, progress=None
     )
     last = run.history.snapshots[-1]

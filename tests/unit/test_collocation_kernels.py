@@ -55,7 +55,7 @@ def test_internal_forces_are_those_of_the_assembly(name):
     at.system.reset_stress()  # forces are those of the stress iterate
     at.system.assemble(at.state, loads, None, tangent=False, moving=True)
     assert out == pytest.approx(at.system.internal, abs=1e-12 * np.abs(out).max())
-    expected, places = at.system.gauss_points(), at.system.gauss_places()
+    expected, places = at.system.gauss_points(), at.system.gauss_indices()
     damped = at.elements.damped  # the assembly knows no strain rates without damping
     for field in ("strain", "section_force", *(("strain_rate",) if damped else ())):
         found = getattr(points, field).reshape(-1, 6)[places]

@@ -13,7 +13,7 @@ import pytest
 from viscorod.mechanics.compilation.compiled import kernel
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.elimination import Elimination
-from viscorod.solve.linear.ordering import cuthill_mckee, reach
+from viscorod.solve.linear.ordering import cuthill_mckee, half_bandwidth
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan, plans
 from viscorod.solve.linear.singular import SingularMatrixError
@@ -226,7 +226,7 @@ def test_shuffled_chains_have_the_band_of_ordered_ones():
     pattern = Pattern.of(60, [ends[:20], ends[21:]])  # two chains and ten nodes alone
     order = cuthill_mckee(pattern)
     assert sorted(order) == list(range(60))
-    assert reach(pattern, order) == 1
+    assert half_bandwidth(pattern, order) == 1
 
 
 SPARSE = """

@@ -135,7 +135,7 @@ def test_joints_in_a_table(files):
         (["probe", "run.nc", "rod.end", "rod.start", "--s", "0.1"], "arc lengths go with one rod"),
         (["probe", "arc.nc", "beam.end", "--times", "0.5"], "holds no motion over time"),
         (["export", "arc.nc", "--vtk", "v", "--times", "0.5"], "holds no motion over time"),
-        (["probe", "none.nc", "rod.end"], "is no file"),
+        (["probe", "none.nc", "rod.end"], "is not a file"),
     ],
 )
 def test_wrong_commands(files, monkeypatch, arguments, message):

@@ -208,9 +208,9 @@ def test_names_of_unnamed_springs_are_unique():
 def test_places_of_messages():
     problem = discretise(arm())
     system = GeometricSystem(problem)
-    assert system.worst_place(int(problem.bodies.nodes[0])) == "body 'plate'"
-    assert system.worst_place(int(problem.stations.nodes[0])) == "rod 'a', element 1, s = 0 m"
-    rows = [system.worst_place(problem.size + row) for row in range(problem.multipliers)]
+    assert system.describe_node(int(problem.bodies.nodes[0])) == "body 'plate'"
+    assert system.describe_node(int(problem.stations.nodes[0])) == "rod 'a', element 1, s = 0 m"
+    rows = [system.describe_node(problem.size + row) for row in range(problem.multipliers)]
     assert rows[:2] == ["joint 'elbow'", "joint 'shoulder'"]
     assert rows[2:] == sorted(rows[2:])
     assert set(rows[2:]) == {f"held strains of rod 'b', element {k}" for k in (1, 2)}

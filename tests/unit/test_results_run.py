@@ -94,7 +94,7 @@ def test_decrement_of_places(run):
         assert run.decrement(place, "y").damping_ratio == pytest.approx(0.05, abs=1e-6)
     with pytest.raises(vr.InputError, match="passes no complete maximum"):
         run.decrement("beam.end", axis="z")
-    with pytest.raises(vr.InputError, match="axis = 'w' is no global axis"):
+    with pytest.raises(vr.InputError, match="axis = 'w' is not a global axis"):
         run.decrement("beam.end", axis="w")
 
 
@@ -181,7 +181,7 @@ def test_stations_are_ordered_by_arc_length_whatever_their_numbers():
         ("boom", "is no place; write beam.start"),
         ("beam.middle", "is no place"),
         ("beam@", "is no place"),
-        ("beam@half", "'half' is no arc length"),
+        ("beam@half", "'half' is not an arc length"),
         ("beam@nan", "lies outside the rod"),
         ("beam@0.31", "lies outside the rod; its arc length runs from 0 to 0.3 m"),
         ("beam@-0.1", "lies outside the rod"),
@@ -230,7 +230,7 @@ def test_data_of_the_wrong_kind():
 
 
 def test_files_that_are_no_results(tmp_path):
-    with pytest.raises(vr.InputError, match="is no file"):
+    with pytest.raises(vr.InputError, match="is not a file"):
         vr.load(tmp_path / "none.nc")
     text = tmp_path / "text.nc"
     text.write_text("not netCDF")

@@ -246,7 +246,7 @@ def test_an_interrupted_initial_equilibrium_is_told(monkeypatch, tmp_path):
         if ask():
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(StaticSolver, "go_on", interrupted)
+    monkeypatch.setattr(StaticSolver, "check_interrupt", interrupted)
     with pytest.raises(vr.SolveError, match=r"initial equilibrium was not found.*interrupted") as error:
         loaded().simulate(1.0, folder=tmp_path)
     assert error.value.run is None

@@ -16,8 +16,14 @@ from viscorod.solve.problem.external_loads import ExternalLoads
 from viscorod.solve.settings import SteadySettings
 from viscorod.solve.steady.geometric_steady import GeometricSteady
 from viscorod.solve.steady.intrinsic_steady import IntrinsicSteady
-from viscorod.solve.steady.rigid_rotation import Turning, inertia_about, mass_centre, mean_spin, rigid_twists
-from viscorod.solve.steady.steady_poses import lay_out
+from viscorod.solve.steady.rigid_rotation import (
+    RotationAxis,
+    inertia_about,
+    mass_centre,
+    mean_spin,
+    rigid_twists,
+)
+from viscorod.solve.steady.steady_poses import integrate_poses
 from viscorod.solve.steady.strain_rates import StrainRates
 
 MEASURES = ("spin", "energy", "momentum", "elastic")
@@ -81,7 +87,7 @@ REFUSED = {
     "dead load of the intrinsic formulation": (
         lambda: changed(rod("clamp"), lambda m: m.gravity()),
         {"spin": (0, 0, 1.0), "formulation": "intrinsic"},
-        "of which the intrinsic formulation knows nothing",
+        "which the intrinsic formulation does not know",
     ),
     "roller of the intrinsic formulation": (
         lambda: changed(rod(None), lambda m: m.roller("beam.end", (0, 1, 0))),
@@ -146,7 +152,7 @@ def intrinsic(at, *, linearised=False, still=True, joint=2):
         following=rng.normal(size=(at.n, 6)),
         joint=joint,
         still=still,
-        turning=Turning(AXIS, np.zeros(3)),
+        line=RotationAxis(AXIS, np.zeros(3)),
         state=at.state,
         strain=strain,
     )
@@ -172,14 +178,14 @@ def test_strain_rates_are_those_of_the_element():
 def test_derivatives_of_the_intrinsic_equations(linearised):
     """Finite differences: residual and measures, in a random direction at a random state; both are polynomials."""
     equations = intrinsic(Moved(frame()), linearised=linearised)
-    balance, kept = equations.balance(), equations.keep()
-    direction = np.random.default_rng(1).normal(size=balance.matrix.shape[1]) * equations.sizes()
+    balance, kept = equations.balance(), equations.save()
+    direction = np.random.default_rng(1).normal(size=balance.matrix.shape[1]) * equations.scales()
 
     def slope_of(value, h=1e-4):
         ends = []
         for sign in (1.0, -1.0):
             equations.restore(kept)
-            equations.move(sign * h * direction)
+            equations.update(sign * h * direction)
             ends.append(value())
         equations.restore(kept)
         return (ends[0] - ends[1]) / (2.0 * h)
@@ -195,15 +201,15 @@ def test_derivatives_of_the_geometric_equations():
     """Finite differences: residual and measures, in a random direction at a random state without supports."""
     at = Moved(frame())
     loads = ExternalLoads(at.problem).at(0.0)
-    equations = GeometricSteady(at.system, at.supports, loads, Turning(AXIS, np.ones(3)), at.state, 0.7)
-    balance, kept = equations.balance(), equations.keep()
+    equations = GeometricSteady(at.system, at.supports, loads, RotationAxis(AXIS, np.ones(3)), at.state, 0.7)
+    balance, kept = equations.balance(), equations.save()
     direction = np.random.default_rng(1).normal(size=balance.matrix.shape[1])
 
     def slope_of(value, h=1e-5):
         ends = []
         for sign in (1.0, -1.0):
             equations.restore(kept)
-            equations.move(sign * h * direction)
+            equations.update(sign * h * direction)
             ends.append(value())
         equations.restore(kept)
         return (ends[0] - ends[1]) / (2.0 * h)
@@ -228,7 +234,9 @@ def test_laying_out_undoes_taking_strains():
     at = Moved(model, size=0.0)
     strain = np.zeros_like(at.elements.reference)
     for root in (0, problem.size - 1):
-        r, q = lay_out(problem, at.elements, strain, root, problem.positions[root], problem.quaternions[root])
+        r, q = integrate_poses(
+            problem, at.elements, strain, root, problem.positions[root], problem.quaternions[root]
+        )
         assert r == pytest.approx(problem.positions, abs=1e-9)
         assert np.abs(np.einsum("ni,ni->n", q, problem.quaternions)) == pytest.approx(1.0, abs=1e-12)
 

@@ -19,7 +19,7 @@ def march(control, corner, judge, t=0.0, first=None, limit=2000):
     control.begin(t, corner, first=first)
     ends, rejected = [], []
     for _ in range(limit):
-        end = control.aim(t)
+        end = control.next_end(t)
         assert t < end <= corner
         if control.accepts(judge(t, end - t), end - t):
             t = end
@@ -118,7 +118,7 @@ def test_first_step_is_named():
     for t, name in ((0.0, "the beginning of the run"), (1.0, "the jump at its start")):
         control = control_of()
         control.begin(t, 10.0, first=1e-3)
-        assert control.accepts(report(), control.aim(t) - t)
+        assert control.accepts(report(), control.next_end(t) - t)
         assert control.limit == name
 
 
@@ -134,13 +134,13 @@ def test_rejected_steps_shrink(bad, name):
     """A step that errs too much or does not converge is tried again, shorter; the reason is kept."""
     control = control_of()
     control.begin(0.0, 10.0, first=0.4)
-    before = control.aim(0.0)
+    before = control.next_end(0.0)
     assert not control.accepts(bad, before)
-    after = control.aim(0.0)
+    after = control.next_end(0.0)
     assert 0.1 * before <= after <= 0.9 * before * (1 + 1e-12)
     assert control.accepts(report(error=0.5), after)
     assert control.limit == name
-    assert control.aim(after) - after <= after * (1 + 1e-9)  # no growth right after a failure
+    assert control.next_end(after) - after <= after * (1 + 1e-9)  # no growth right after a failure
     assert not control.notes_failures
 
 
@@ -156,7 +156,7 @@ def test_a_step_cut_at_a_corner_does_not_shorten_the_next():
     control = control_of()
     march(control, 1.03, lambda t, h: report(error=(h / 0.13) ** 4), first=0.1)
     control.begin(1.03, 10.0, first=None)
-    assert control.aim(1.03) - 1.03 > 0.08
+    assert control.next_end(1.03) - 1.03 > 0.08
 
 
 def test_crawling_is_noticed():

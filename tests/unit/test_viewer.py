@@ -418,7 +418,7 @@ def test_command_writes_beside_the_result(tmp_path):
     assert meta["notes"][0] == "20 frames shown of 51 stored times"
     missing = CliRunner().invoke(app, ["view", str(tmp_path / "no.nc")])
     assert missing.exit_code == 2
-    assert "is no file" in missing.output
+    assert "is not a file" in missing.output
 
 
 def test_public_name_writes_a_page(tmp_path):

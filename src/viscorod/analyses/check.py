@@ -20,7 +20,7 @@ from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_fr
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings import AnySettings, SimulateSettings, SteadySettings
 from viscorod.solve.settings_checks import require_fit
-from viscorod.solve.steady.conditions import require as require_steady
+from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.typing import Floats
 
 MODES = 6

@@ -54,7 +54,7 @@ class CoSimulation:
         self._discrete, self._wrenches = discrete, wrenches
         state = initial_state(discrete, settings)
         integrator, control, self._chosen = stepping(discrete, settings, state)
-        self._transient = Transient(discrete.problem, integrator, control, discrete.system.worst_place)
+        self._transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)
         self._reader = StationReader(discrete.problem)
         self._places: dict[str, ResultPlace] = {}
         self._changed = False
@@ -141,7 +141,7 @@ class CoSimulation:
                 self.time, corner, first=None if begun else transient.integrator.first_step(float(duration))
             )
             self._state = None
-            if not transient.reach(corner):
+            if not transient.integrate_to(corner):
                 self._fail()
 
     def _fail(self) -> None:
@@ -200,7 +200,7 @@ class CoSimulation:
         self._transient.resume(tree)
         for port, wrench in values.items():
             self._wrenches[port][:] = wrench
-        self._transient.result.history.forget(count)
+        self._transient.result.history.truncate(count)
         self._state = None
 
     # --- the end
@@ -210,7 +210,7 @@ class CoSimulation:
         return self._run(Outcome.COMPLETED, "")
 
     def _run(self, outcome: Outcome, message: str) -> Run:
-        self._transient.count()
+        self._transient.update_counts()
         attrs: dict[str, Any] = {**self._chosen, "message": message}
         attrs |= described(self._discrete, self._transient, self.settings, outcome)
         return Run(self._discrete.data_set("simulate", self._transient.result.history, attrs)())

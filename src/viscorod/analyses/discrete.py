@@ -175,7 +175,7 @@ class DiscreteModel:
     def where(self, report: NewtonReport | StepReport) -> str:
         """Say in a sentence where a solution failed."""
         return (
-            f" Largest imbalance {report.residual:.3g} N at {self.system.worst_place(report.node)}, "
+            f" Largest imbalance {report.residual:.3g} N at {self.system.describe_node(report.node)}, "
             f"after {report.iterations} iterations."
         )
 

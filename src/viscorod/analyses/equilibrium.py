@@ -69,7 +69,7 @@ def find_initial_equilibrium(discrete: DiscreteModel, state: State, *, before: b
     """
     discrete.supports.update(0.0, before)
     loads = discrete.static.loads.at(0.0, before)
-    strained = discrete.system.constraints.strained(state, 0.0, before=before)
+    strained = discrete.system.constraints.is_strained(state, 0.0, before=before)
     if loads.none and not discrete.supports.target.any() and not strained:
         return
     discrete.require_held(loads)

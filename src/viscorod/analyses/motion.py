@@ -38,7 +38,7 @@ from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
-from viscorod.solve.transient.time_step import chosen_time_step
+from viscorod.solve.transient.time_step import choose_time_step
 from viscorod.solve.transient.transient_solver import Transient
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def _motion(discrete: DiscreteModel, settings: SimulateSettings, stream: Stream 
     options, labels = discrete.options, _labels(discrete, settings)
     state = initial_state(discrete, settings)
     integrator, control, chosen = stepping(discrete, settings, state)
-    transient = Transient(discrete.problem, integrator, control, discrete.system.worst_place)
+    transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)
     began = time.perf_counter()
 
     def build(history: History) -> xr.Dataset:
@@ -227,7 +227,7 @@ def stepping(
             discrete.static, state, scale=1.0 if settings.initial == "equilibrium" else 0.0
         )
         frequencies = small_motion.natural_frequencies(linear, 16)
-        step = chosen_time_step(discrete.problem, frequencies, duration)
+        step = choose_time_step(discrete.problem, frequencies, duration)
     return make(discrete.system, discrete.supports, **given), FixedSteps(step), given | {"time_step": step}
 
 

@@ -15,8 +15,8 @@ from viscorod.solve.history import EnergyAccount, History, Snapshot
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings import SteadySettings
 from viscorod.solve.statics.newton import interruption
-from viscorod.solve.steady.conditions import require
-from viscorod.solve.steady.search import Search
+from viscorod.solve.steady.rotation_search import Search
+from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.solve.steady.steady_poses import nodal_state
 from viscorod.solve.steady.steady_rotation import SteadyRotation
 
@@ -31,7 +31,7 @@ def steady_rotation(discrete: DiscreteModel, settings: SteadySettings) -> Steady
     discrete.static.stop = discrete.options.stop
     discrete.require_independent()
     problem, start = discrete.problem, discrete.options.start
-    require(discrete.model, problem, settings)
+    require_steady(discrete.model, problem, settings)
     first = None if start is None else last_state(problem, start)
     search = Search(discrete.static, settings, first)
     try:

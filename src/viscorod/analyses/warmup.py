@@ -33,8 +33,8 @@ from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.registry import FORMULATIONS, Formulation
 from viscorod.solve.settings import SimulateSettings
 from viscorod.solve.transient.integrators import INTEGRATORS
+from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.radau import Radau
-from viscorod.solve.transient.integrators.solved_step import try_step
 
 SIZE = 0.01
 """Length of the rods [m]: small enough to need the scaling of the linear algebra."""

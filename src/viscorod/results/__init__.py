@@ -1,1 +1,1 @@
-"""What comes back: runs and equilibria, read from a data set alone."""
+"""Results: runs, equilibria, steady rotations and sweeps, read from a data set alone."""

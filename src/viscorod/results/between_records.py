@@ -1,4 +1,4 @@
-"""What lies between stored states: polynomials in time of poses and of fields.
+"""States between stored ones: polynomials in time of poses and of fields.
 
 Positions and rotations are cubics through two stored states and their rates. Everything else, velocities too (the rate
 of that cubic would divide the round-off and the drift corrections of positions by a small step), is a polynomial
@@ -26,10 +26,10 @@ _SMALL = 1e-4  # rotation [rad] below which series replace quotients
 
 @dataclass(frozen=True)
 class Instants:
-    """Times asked for, among stored ones.
+    """Requested times, among stored ones.
 
     Attributes:
-        time: times asked for ``(n,)`` [s].
+        time: requested times ``(n,)`` [s].
         states: numbers of the stored states that are needed, increasing ``(m,)``.
         interval: the stored state before each time, as a place in ``states``, after which comes that behind it.
         part: of the interval, 0 to 1; length: of the interval [s].
@@ -49,7 +49,7 @@ class Instants:
         """Locate times [s] among the stored ones, which increase.
 
         Args:
-            known: stored times; times: those asked for.
+            known: stored times; times: requested ones.
             ends: which stored states end a step, the first one too; see :func:`step_ends`.
 
         Raises:
@@ -154,18 +154,18 @@ def _windows(known: Floats, times: Floats, k: Integers, ends: Integers | None) -
 
 
 def _hermite(u: Floats, h: Floats, y0: Floats, y1: Floats, v0: Floats, v1: Floats) -> Floats:
-    """The cubic with values ``y`` and rates ``v`` at both ends of an interval ``h``."""
+    """Return the cubic with values ``y`` and rates ``v`` at both ends of an interval ``h``."""
     return hermite(u, y0, y1, h * v0, h * v1)
 
 
 def _quaternion(theta: Floats) -> Floats:
-    """Unit quaternions of rotation vectors ``(..., 3)``."""
+    """Return the unit quaternions of rotation vectors ``(..., 3)``."""
     half = 0.5 * np.linalg.norm(theta, axis=-1, keepdims=True)
     return np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * theta], axis=-1)
 
 
 def _vector(q: Floats) -> Floats:
-    """Rotation vectors of unit quaternions ``(..., 4)``, the shorter way round."""
+    """Return the rotation vectors of unit quaternions ``(..., 4)``, at most pi long."""
     q = np.where(q[..., :1] < 0.0, -q, q)
     sine = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
     factor = 2.0 * np.arctan2(sine, q[..., :1]) / np.where(sine > 0.0, sine, 1.0)
@@ -174,7 +174,7 @@ def _vector(q: Floats) -> Floats:
 
 
 def _vector_rate(theta: Floats, spin: Floats) -> Floats:
-    """Rate of a rotation vector from the body angular velocity: the inverse right tangent of the exponential.
+    """Return the rate of a rotation vector from the body angular velocity, by the inverse right tangent.
 
     ``rate = w + theta x w/2 + (1 - phi/2 cot(phi/2))/phi^2 theta x (theta x w)``.
     """

@@ -49,7 +49,7 @@ class Component:
 
     @property
     def short(self) -> str:
-        """The last word of its name that tells what it is: "moment", "force", "curvature"."""
+        """The last word of its name, its kind: "moment", "force", "curvature"."""
         return next(
             word
             for word in ("moment", "force", "curvature", "strain", "torque", "twist", "dissipation")

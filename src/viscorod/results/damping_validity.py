@@ -1,7 +1,7 @@
-"""Was Kelvin-Voigt damping right for a motion? The strains of a run against what the material was known by.
+"""Validity of Kelvin-Voigt damping for a motion: the strains of a run compared with the data of the material.
 
 Kelvin-Voigt damping is meant for motions that are slow beside the material's relaxation (Linn, Lang and Tuganov 2013,
-called LLT, end of section 2.6). Where it stands for a Prony series, LLT bound the error of the stress by
+called LLT, end of section 2.6). Where it approximates a Prony series, LLT bound the error of the stress by
 
     (1/2 pi) int |eps^(w)| sum_j M_j (tau_j w)^2/sqrt(1 + (tau_j w)^2) dw.
 
@@ -55,7 +55,7 @@ class StrainValidity:
         high_frequency: below which 95 % of the energy was lost, Hz.
         bound: LLT's bound of the stress error over the largest elastic stress; NaN where only times are known.
         limit: frequency up to which the damping would be right, Hz.
-        valid: whether it was right for this motion.
+        valid: it was right for this motion.
     """
 
     rod: str
@@ -88,12 +88,12 @@ class StrainValidity:
 
 @dataclass(frozen=True)
 class DampingValidity:
-    """Whether Kelvin-Voigt damping was right for a run.
+    """Validity of Kelvin-Voigt damping for a run.
 
     Attributes:
         strains: those that took part in the motion of damped rods.
         tolerance: accepted error of the stress.
-        notes: what else should be known.
+        notes: further remarks.
     """
 
     strains: tuple[StrainValidity, ...]
@@ -102,7 +102,7 @@ class DampingValidity:
 
     @property
     def valid(self) -> bool:
-        """Whether it was right for every strain."""
+        """True if it was right for every strain."""
         return all(strain.valid for strain in self.strains)
 
     @property
@@ -158,7 +158,7 @@ def damping_validity(run: Run, tolerance: float = 0.1) -> DampingValidity:
 
 
 def _sizes(run: Run) -> tuple[Floats, Floats]:
-    """Largest size over time of every strain, and of its work with the section force, ``(points, 6)`` each."""
+    """Return the largest size over time of strains, and of their work with section forces, ``(points, 6)`` each."""
     largest, work = np.zeros((2, run.data.sizes["point"], 6))
     for strain, force in zip(blocks(run, "strain"), blocks(run, "section_force"), strict=True):
         largest = np.maximum(largest, np.abs(strain).max(axis=0))
@@ -175,7 +175,7 @@ def _rod(
     found = []
     for k in np.flatnonzero(work > LITTLE * work.sum()).tolist():
         time = law["times"][k]
-        # the point of the rod where the strain is largest stands for all
+        # the point of the rod where the strain is largest represents all
         point = int(mine[np.argmax(largest[mine, k])])
         history = run.data["strain"].isel(point=point, component=k).values
         omega, rate = _spectrum(run.time, np.asarray(history, dtype=float))
@@ -195,7 +195,7 @@ def _rod(
 
 
 def _spectrum(time: Floats, strain: Floats) -> tuple[Floats, Floats]:
-    """Angular frequencies (n,) and the size of the transform of the rate of a strain, (n,)."""
+    """Return angular frequencies (n,) and the size of the transform of the rate of a strain, (n,)."""
     from scipy.interpolate import CubicSpline
 
     known, first = np.unique(time, return_index=True)
@@ -211,7 +211,7 @@ def _spectrum(time: Floats, strain: Floats) -> tuple[Floats, Floats]:
 
 
 def _frequencies(omega: Floats, rate: Floats) -> tuple[float, float]:
-    """Mean frequency and that below which 95 % lies of what viscosity takes, Hz: weights |eps_t^|^2."""
+    """Return the mean frequency and that below which 95 % of the dissipation lies, Hz: weights |eps_t^|^2."""
     power = rate**2
     total = np.cumsum(power) - 0.5 * power  # up to the frequency itself, by the trapezoidal rule
     mean = float(np.sum(omega * power) / total[-1])
@@ -220,7 +220,7 @@ def _frequencies(omega: Floats, rate: Floats) -> tuple[float, float]:
 
 
 def _weight(omega: Floats, series: dict[str, Any]) -> Floats:
-    """Bound of the error of the complex modulus less its value at rest, Pa."""
+    """Return a bound of the error of the complex modulus less its value at rest, Pa."""
     moduli, times = np.array(series["moduli"]), np.array(series["times"])
     product = omega[:, None] * times
     slow = math.isclose(series["viscosity"], float(moduli @ times), rel_tol=1e-9)
@@ -232,7 +232,7 @@ def _weight(omega: Floats, series: dict[str, Any]) -> Floats:
 
 
 def _bound(omega: Floats, rate: Floats, largest: float, series: dict[str, Any]) -> float:
-    """Bound of the stress error over the largest elastic stress."""
+    """Return a bound of the stress error over the largest elastic stress."""
     inside = omega > 0.0
     integrand = rate[inside] / omega[inside] * _weight(omega[inside], series)
     moving = float(np.sum(integrand)) * float(omega[1] - omega[0]) / math.pi  # both signs of the frequency
@@ -241,7 +241,7 @@ def _bound(omega: Floats, rate: Floats, largest: float, series: dict[str, Any]) 
 
 
 def _limit(series: dict[str, Any], tolerance: float) -> float:
-    """Frequency up to which the error of a harmonic stress stays within the tolerance, Hz."""
+    """Return the frequency up to which the error of a harmonic stress stays within the tolerance, Hz."""
     times = series["times"]
     omega = np.geomspace(1e-4 / times[-1], 1e4 / times[0], 4000)
     error = _weight(omega, series) + abs(series["equilibrium"] - series["modulus"])

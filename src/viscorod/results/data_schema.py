@@ -12,7 +12,7 @@ or lost there. Springs of joints are part of the elastic energy, their dampers o
 motors of the work from outside. Runs with joints or held strains have the attributes ``drift_position`` and
 ``drift_velocity``: the largest gap that was found between what these hold and the motion, over the size of the
 model (or in rad, or strain), and that of velocities over the fastest one, before it was removed. The attributes
-``damping_assumptions`` and ``damping_laws`` (JSON by rod) tell what was assumed of the damping and what it was
+``damping_assumptions`` and ``damping_laws`` (JSON by rod) state what was assumed of the damping and what it was
 computed with (``viscorod.analyses.material_record``).
 """
 
@@ -207,7 +207,7 @@ def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
     missing = [name for name in (DIMENSION[kind], *_REQUIRED[kind]) if name not in data.variables]
     if missing:
         raise InputError(
-            f"this data set is no complete viscorod result: {', '.join(missing)} missing; "
+            f"this data set is not a complete viscorod result: {', '.join(missing)} missing; "
             "use a file that viscorod wrote"
         )
     result = data.copy()

@@ -30,8 +30,8 @@ def dataset(
 
     Args:
         kind: "simulate", "equilibrium" or "steady".
-        problem: what was solved; gauss: where its Gauss points are.
-        history: what was recorded.
+        problem: the solved one; gauss: positions of its Gauss points.
+        history: recorded states.
         attrs: attributes of the whole data set (see ``schema``).
     """
     import xarray as xr
@@ -120,7 +120,7 @@ def dataset(
 
 
 def _joints(along: str, problem: Problem, history: History) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Variables and coordinates of the coordinates of joints and springs."""
+    """Return variables and dimensions for the coordinates of joints and springs."""
     states = [snapshot.joints for snapshot in history.snapshots if snapshot.joints is not None]
     if len(states) < len(history.snapshots):
         return {}, {}
@@ -140,14 +140,14 @@ def _joints(along: str, problem: Problem, history: History) -> tuple[dict[str, A
 
 @lru_cache
 def _labels(dimension: str, words: tuple[str, ...]) -> xr.Variable:
-    """The coordinate of a dimension whose places have names; its index is made once for all results."""
+    """Return the coordinate of a dimension whose places have names; its index is made once for all results."""
     import xarray as xr
 
     return xr.Dataset(coords={dimension: list(words)}).variables[dimension]
 
 
 def _momenta(problem: Problem, r: Floats, q: Floats, twist: Floats) -> Floats:
-    """Total linear and angular momentum about the origin, global axes ``(instants, 6)``."""
+    """Return total linear and angular momentum about the origin, global axes ``(instants, 6)``."""
     total = np.empty((len(r), 6))
     nodal = np.empty(twist.shape[1:])
     for k in range(len(r)):

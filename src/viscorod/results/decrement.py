@@ -11,13 +11,13 @@ from viscorod.results.extremes import creeping_rest, maxima, resting_value
 from viscorod.typing import Floats
 
 _FLOOR = 1e-6  # maxima below this part of the largest amplitude are what the solver's tolerance left
-_LAST = 2  # cycles that the drawn envelope follows, and that stand for the decay where no line does
+_LAST = 2  # cycles that the drawn envelope follows, and that represent the decay where no line does
 _FITTED = 3  # cycles from which the limit of small amplitude is extrapolated
 _CURVED = 0.05  # largest distance of ratios from the extrapolating line, as a part of their own range
 _FLAT = 2e-3  # the same as a part of the ratio: so near to it that the line does no harm
 _AGREEING = 1.3  # largest ratio of two periods in what is called a decay
 _GROWING = 0.02  # logarithmic growth of a maximum in what is called a decay: numerical errors, beats
-_SCATTER = 0.5  # change of the ratio between cycles, as a part of the largest, that tells of several modes
+_SCATTER = 0.5  # change of the ratio between cycles, as a part of the largest, that indicates several modes
 _UNDAMPED = 1e-3  # ratios below it scatter by the errors of the integration
 
 
@@ -45,7 +45,7 @@ class Decrement:
         return np.abs(self.value - self.rest)
 
     def rest_at(self, time: Floats) -> Floats:
-        """Displacement about which it swings [m] at any times [s]; outside of the maxima that of the nearest."""
+        """Return the displacement about which it swings [m] at any times [s]; beyond the maxima that of the nearest."""
         return np.asarray(np.interp(time, self.time, np.broadcast_to(self.rest, self.time.shape)))
 
     @property
@@ -73,7 +73,7 @@ class Decrement:
 
     @property
     def regular(self) -> bool:
-        """Whether this is a decay at all: two periods or more that agree within 30 %, and no amplitude that grows."""
+        """True if this is a decay: two periods or more that agree within 30 %, and no amplitude that grows."""
         if len(self.period) < 2:
             return False
         steady = float(np.max(self.period)) < _AGREEING * float(np.min(self.period))
@@ -81,7 +81,7 @@ class Decrement:
 
     @property
     def scattered(self) -> bool:
-        """Whether the ratios jump from cycle to cycle, as they do where several modes take part."""
+        """True if the ratios jump from cycle to cycle, as they do where several modes take part."""
         ratio = self.damping_ratio
         largest = float(np.max(np.abs(ratio)))
         return largest > _UNDAMPED and bool(np.any(np.abs(np.diff(ratio)) > _SCATTER * largest))
@@ -119,7 +119,7 @@ class Decrement:
 
     @property
     def limit(self) -> tuple[str, float]:
-        """The ratio that stands for the decay, and what it is of, in words."""
+        """The representative damping ratio of the decay, and in words of which cycles."""
         if self.scattered:
             return "all cycles taken as one", self.mean_damping_ratio
         return self._of_last_cycles
@@ -174,8 +174,8 @@ def decrement(
         value: displacement [m], shape (m,).
         rate: its rate [m/s], shape (m,).
         rest: displacement about which it swings [m], or None to take it from the extremes: from the last three,
-            or from three at a time where they tell that it creeps (see ``creeping_rest``).
-        below: whether the swings to the negative side count, minima instead of maxima.
+            or from three at a time where they show that it creeps (see ``creeping_rest``).
+        below: count the swings to the negative side, minima instead of maxima.
         place: name for messages and tables.
         axis: name for messages and tables.
 

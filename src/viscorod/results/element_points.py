@@ -45,7 +45,7 @@ class ElementPoints:
     """Places in elements of one order p.
 
     Attributes:
-        places: numbers of these places among all that were asked for ``(n,)``.
+        places: numbers of these places among all requested ones ``(n,)``.
         element: number of the element of each ``(n,)``.
         nodes: stations of every element ``(elements, p + 1)``, numbers among those that are read.
         gauss: Gauss points of every element ``(elements, p)``, likewise.
@@ -91,7 +91,7 @@ class ElementPoints:
 
 @dataclass(frozen=True)
 class Stencil:
-    """All places that are asked for, and what has to be read for them.
+    """All requested places, and what has to be read for them.
 
     Attributes:
         sites: the places; stations, points: numbers of what is read, ascending.

@@ -1,4 +1,4 @@
-"""The energy account of a run: where every joule is."""
+"""The energy account of a run."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ class Energy:
         external: work of loads (gravity among them), moving supports and motors so far.
         numerical: remainder that the integration made or lost, positive where it made energy.
         scale: elastic energy at a strain of one: round-off of the shape is its 1e-24th part.
-        branches: what each Maxwell branch lost so far, parts of ``viscous`` ``(times, branches)``; relaxation_times:
-            of the branches [s].
+        branches: energy that each Maxwell branch lost so far, parts of ``viscous`` ``(times, branches)``;
+            relaxation_times: of the branches [s].
     """
 
     time: Floats
@@ -62,7 +62,7 @@ class Energy:
 
     @property
     def moved(self) -> float:
-        """Energy that moved [J], the scale of the account.
+        """Exchanged energy [J], the scale of the account.
 
         The largest of: range of the kinetic energy, range of the elastic energy, viscous loss, and largest
         amount of work done by or against the loads and supports. Zero if all of it is round-off.

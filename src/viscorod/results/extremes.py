@@ -31,7 +31,7 @@ def resting_value(time: Floats, value: Floats, rate: Floats) -> float:
 
 
 def creeping_rest(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Floats, Floats] | None:
-    """Extremes of a swing about a rest that creeps one way until the end, and the rest at each of them.
+    """Return extremes of a swing about a rest that creeps one way until the end, and the rest at each of them.
 
     Extremes ``r_k + a (-q)^k`` have the second differences ``x_(k-1) - 2 x_k + x_(k+1) = -a (-q)^k (2 + q + 1/q)``
     where the rest r_k is constant or moves by equal steps, and their quotients give q: the amplitude at each

@@ -1,4 +1,4 @@
-"""Where bodies, joints and springs are, in terms of stations: what a picture of a result needs to know of them."""
+"""Places of bodies, joints and springs in terms of stations, for pictures of results."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def bodies_of_stations(problem: Problem, reader: StationReader) -> np.ndarray:
 
 
 def connections(problem: Problem, reader: StationReader) -> dict[str, Any]:
-    """Return the coordinates that tell where joints and springs are: two stations each, and points in their axes."""
+    """Return the places of joints and springs: two stations each, and points in their axes."""
     joints = problem.joints
     geometry = joints.arrays.geometry
     count = len(joints.names)

@@ -1,4 +1,4 @@
-"""How far the mesh is from what it follows: an estimate from the strains at the Gauss points."""
+"""Error of positions by the mesh, estimated from the strains at the Gauss points."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ __all__ = ["mesh_errors"]
 def mesh_errors(result: Result) -> dict[str, float]:
     """Estimate the error of positions that comes from the elements, as a part of the length of each rod.
 
-    The ``p`` Gauss points of an element tell its strains up to the Legendre polynomial of degree ``p - 1``. What is
+    The ``p`` Gauss points of an element resolve its strains up to the Legendre polynomial of degree ``p - 1``. What is
     missing is about as large as the last term, and since positions of nodes converge with twice the order of the
     element, its square counts: ``(h |a_(p-1)|/(2 p))^2``, of displacements and rotations over the length ``h``, over
     the turning of the whole rod if that is below 1. Besides, an element that turns by ``phi`` has the error of Gauss
     collocation, ``p!^2/((2p)! (2p + 1)!) phi^(2p + 1)``, over the turning of the rod if that is above 1. Neither is a
-    bound: it is a number to tell a fine mesh from a coarse one.
+    bound: it is a number to distinguish a fine mesh from a coarse one.
 
     Returns:
         Rod -> estimated error of positions over its length, the largest over all states.
@@ -44,7 +44,7 @@ def mesh_errors(result: Result) -> dict[str, float]:
 
 
 def _largest(strain: Floats, weight: Floats, p: int) -> float:
-    """The largest estimate over the states ``(states, points, 6)`` of one rod with elements of order ``p``."""
+    """Return the largest estimate over the states ``(states, points, 6)`` of one rod with elements of order ``p``."""
     strain = strain * np.repeat([1.0 / weight.sum(), 1.0], 3)  # displacements over the length, rotations
     strain = strain.reshape(len(strain), -1, p, 6)
     weight = weight.reshape(-1, p)

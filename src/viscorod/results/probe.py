@@ -1,4 +1,4 @@
-"""Everything at any place and, of a motion, any time; see ``Result.probe``."""
+"""All fields at any place and, of a motion, any time; see ``Result.probe``."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Places = str | int | Sequence[str | int]
 
 DIRECTORS = ("d1", "d2", "d3")
 FIELDS = ("strain", "section_force", "dissipation")
-"""What rods have and bodies have not."""
+"""Fields of rods that bodies do not have."""
 
 
 def probed(
@@ -130,7 +130,7 @@ def _sites(result: Result, places: Places, s: Sequence[float] | Floats | None) -
 
 
 class _Read:
-    """Reads what is needed of the data set, and no more of it."""
+    """Reads the needed parts of the data set only."""
 
     def __init__(self, result: Result, instants: Instants | None) -> None:
         self.data, self.along, self.instants = result.data, result.dimension, instants
@@ -145,7 +145,7 @@ class _Read:
         return np.asarray(variable.values, dtype=float)
 
     def moving(self, stations: Integers) -> tuple[Poses, Floats, Floats] | None:
-        """Poses, velocities and spins at the times; None where the result has no velocities."""
+        """Return poses, velocities and spins at the times; None where the result has no velocities."""
         if not self.has("velocity"):
             return None
         names = ("position", "rotation", "velocity", "angular_velocity")
@@ -156,7 +156,7 @@ class _Read:
         return Poses(r, q), v, w
 
     def poses(self, stations: Integers) -> Poses:
-        """Poses of the stored states that are needed."""
+        """Return poses of the stored states that are needed."""
         return Poses(self.at("position", "station", stations), self.at("rotation", "station", stations))
 
 
@@ -219,7 +219,7 @@ class _OfRods:
 
 
 def _placed(poses: Poses, reference: Floats) -> dict[str, Floats]:
-    """Positions, displacements, rotations and frames of places."""
+    """Return positions, displacements, rotations and frames of places."""
     q = poses.rotation.copy()
     if len(q) > 1:  # both signs mean one rotation: each nearest to the one before it in time
         flips = np.sum(q[1:] * q[:-1], axis=-1) < 0.0

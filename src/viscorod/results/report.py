@@ -47,13 +47,13 @@ def run_report(run: Run) -> str:
 
 
 def _events(run: Run) -> str:
-    """What the run was watched for."""
+    """Report the events of the run."""
     attrs = run.data.attrs
     if "events" not in attrs:
         return ""
     events = json.loads(attrs["events"])
     if not events:
-        return "Events: none of those that the run was watched for"
+        return "Events: none of those that the run watched for"
     lines = [f"  {event['time']:.9g} s  {event['event']}" for event in events[:_MOST_EVENTS]]
     if len(events) > _MOST_EVENTS:
         lines.append(f"  and {len(events) - _MOST_EVENTS} more")
@@ -63,7 +63,7 @@ def _events(run: Run) -> str:
 
 
 def _validity(run: Run) -> str:
-    """Whether Kelvin-Voigt damping stood well for what is known of a material, in a sentence."""
+    """Say in a sentence whether Kelvin-Voigt damping was right for the data of a material."""
     if "damping_laws" not in run.data.attrs:
         return ""
     try:
@@ -170,7 +170,7 @@ def _ends(result: Result, title: str, state: int) -> str:
 
 
 def _named_sites(result: Result, *, points: bool = True) -> list[ResultPlace]:
-    """Return the ends of the rods and the places on bodies, without named points if these say nothing new."""
+    """Return the ends of the rods and the places on bodies; ``points`` False leaves named points out."""
     sites = result.sites
     bodies = [sites.at(place) for place in sites.bodies if points or "." not in place]
     return [end for rod in sites.rods for end in sites.ends(rod)] + bodies
@@ -181,7 +181,7 @@ def _places(result: Result) -> str:
 
 
 def _shown_state(run: Run) -> tuple[str, int]:
-    """The state whose rod ends tell most: the held start, or the end where the rods start undeformed."""
+    """Return the state whose rod ends are reported: the held start, or the end where the rods start undeformed."""
     time = run.time
     if time.size == 1 or np.any(run.field("displacement", states=0)):
         return f"{_places(run)} at {time[0]:g} s, the start", 0
@@ -238,7 +238,7 @@ def _reactions(equilibrium: Equilibrium | Steady) -> str:
 
 
 def _joints(equilibrium: Equilibrium) -> str:
-    """Coordinates that joints leave free or drive, springs, and all forces."""
+    """Report coordinates that joints leave free or drive, springs, and all forces."""
     data = equilibrium.data
     if "joint_value" not in data:
         return ""
@@ -339,7 +339,7 @@ def _warnings(result: Result) -> str:
 
 
 def _vector(values: Floats, scale: float) -> list[str]:
-    """Numbers with six digits; what is round-off against ``scale`` reads 0."""
+    """Format numbers with six digits; round-off against ``scale`` becomes 0."""
     return [f"{0.0 if abs(value) < _ROUND_OFF * scale else value:.6g}" for value in values]
 
 

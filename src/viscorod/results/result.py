@@ -1,4 +1,4 @@
-"""What a run and an equilibrium have in common: places, histories, the file."""
+"""Common part of runs and equilibria: places, histories, the file."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ Quantity: TypeAlias = Literal["position", "displacement", "velocity"]
 
 
 class Result(ABC):
-    """A data set with the questions that every kind of result answers."""
+    """A data set with the methods that all kinds of result have."""
 
     kind: ClassVar[str]
     _build: Callable[[], xr.Dataset]
@@ -37,7 +37,7 @@ class Result(ABC):
 
     @classmethod
     def later(cls, build: Callable[[], xr.Dataset]) -> Self:
-        """A result whose data set is built when it is first asked for; ``build`` must not depend on when."""
+        """Return a result whose data set is built on first use; ``build`` must not depend on when."""
         result = cls.__new__(cls)
         result._build = build
         return result
@@ -111,8 +111,8 @@ class Result(ABC):
 
         Returns:
             ``value`` [m or rad], ``rate`` and ``force`` [N or N m] ``(time, motion)``, or ``(load_factor, motion)``;
-            motion is the motion word, ``held`` tells which the joint or a motor holds. A force is what acts on a from
-            the joint. Held values are what they have to be to 1e-10 of the size.
+            motion is the motion word, ``held`` marks those that the joint or a motor holds. A force is what acts on a
+            from the joint. Held values are what they have to be to 1e-10 of the size.
 
         Raises:
             InputError: no such joint or spring.

@@ -59,7 +59,7 @@ class ResultPlaces:
 
     @classmethod
     def of(cls, rods: np.ndarray, s: Floats, order: Integers) -> ResultPlaces:
-        """Stations by their rods, arc lengths [m] and orders of elements ``(k,)``, without a data set."""
+        """Return stations by their rods, arc lengths [m] and orders of elements ``(k,)``, without a data set."""
         sites = cls.__new__(cls)
         sites._take(rods, s, order)
         return sites
@@ -131,7 +131,7 @@ class ResultPlaces:
             s = float(match["s"])
         except ValueError:
             raise InputError(
-                f"{place!r}: {match['s']!r} is no arc length; write a number of metres"
+                f"{place!r}: {match['s']!r} is not an arc length; write a number of metres"
             ) from None
         return self.along(rod, s)
 
@@ -161,7 +161,7 @@ class ResultPlaces:
         )
 
     def _known(self) -> list[str]:
-        """All places that have names."""
+        """Return all places that have names."""
         return [*self.bodies, *(f"{rod}.{end}" for rod in self.rods for end in ("start", "end"))]
 
     def _numbered(self, station: int) -> ResultPlace:

@@ -1,4 +1,4 @@
-"""What a reader of a result should know before trusting it."""
+"""Warnings to a reader of a result."""
 
 from __future__ import annotations
 

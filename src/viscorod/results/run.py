@@ -63,7 +63,7 @@ class Run(Result):
             axis: global axis "x", "y" or "z".
             rest: displacement about which it swings [m]; None takes it from the extremes of the motion, also where it
                 creeps.
-            below: whether the minima bound the cycles instead of the maxima.
+            below: minima bound the cycles instead of maxima.
 
         Raises:
             InputError: no such place or axis, or fewer than two maxima.
@@ -73,7 +73,7 @@ class Run(Result):
         return decrement(self.time, value, rate, rest=rest, below=below, place=site.label, axis=axis)
 
     def free_decay(self, place: str | int, axis: str) -> Decrement | None:
-        """Return the decrement about the position of rest, or None where the motion is no regular decay.
+        """Return the decrement about the position of rest, or None where the motion is not a regular decay.
 
         Maxima whose periods agree within 30 % and that do not grow are one; the report and the picture show
         cycles only there. Where the motion starts far below its position of rest, minima count.
@@ -89,9 +89,9 @@ class Run(Result):
         return found if found.regular else None
 
     def _component(self, site: ResultPlace, axis: str) -> tuple[Floats, Floats]:
-        """Displacement [m] of a site along a global axis and its rate [m/s]."""
+        """Return the displacement [m] of a site along a global axis and its rate [m/s]."""
         if axis not in AXES:
-            raise InputError(f"axis = {axis!r} is no global axis; it can be x, y or z")
+            raise InputError(f"axis = {axis!r} is not a global axis; it can be x, y or z")
         column = AXES.index(axis)
         return self.vector(site, "displacement")[:, column], self.vector(site, "velocity")[:, column]
 
@@ -189,7 +189,7 @@ class Run(Result):
         """Draw the motion: history with envelope, snapshots of the rods, damping ratio of every cycle.
 
         Args:
-            path: picture to write; the suffix tells the format (.png, .pdf, .svg).
+            path: picture to write; the suffix determines the format (.png, .pdf, .svg).
             place: place whose history is drawn; by default the one that moves most.
             axis: global axis of the history; by default the one along which the place moves most.
 
@@ -229,7 +229,7 @@ class Run(Result):
 
 
 class Equilibrium(Result):
-    """A static equilibrium; the last load factor is the answer, the earlier ones are the way to it.
+    """A static equilibrium; the last load factor is the result, the earlier ones are the steps to it.
 
     One that ``Model.path`` found holds the points of a path, along which loads may grow and shrink.
     """
@@ -253,7 +253,7 @@ class Equilibrium(Result):
         """Return the rotation of a place from its reference orientation.
 
         Returns:
-            Rotation vector [rad], shape (3,), global axes; the shorter way round, its length at most pi.
+            Rotation vector [rad], shape (3,), global axes, of length pi at most.
         """
         site = self.sites.at(place)
         return rotation_vector(
@@ -279,7 +279,7 @@ class Equilibrium(Result):
 
     @property
     def is_path(self) -> bool:
-        """Whether the states are the points of a path."""
+        """True if the states are the points of a path."""
         return "limit_points" in self.data.attrs
 
     @property

@@ -1,4 +1,4 @@
-"""The result of looking for a steady rotation."""
+"""The result of a steady rotation."""
 
 from __future__ import annotations
 
@@ -69,8 +69,8 @@ class Steady(Result):
     def eigenvalues(self) -> np.ndarray:
         """``s`` [1/s] of the small motions ``exp(s t)`` about the rotation: one of each conjugate pair, slowest first.
 
-        Turning all in space, or moving it, makes a copy of the same rotation and is no small motion here. A change of
-        the angular speed of a rod that turns freely is one, with s = 0.
+        Turning all in space, or moving it, makes a copy of the same rotation and is not a small motion here. A change
+        of the angular speed of a rod that turns freely is one, with s = 0.
         """
         real, imaginary = self._values("eigenvalue").T
         values: np.ndarray = real + 1j * imaginary
@@ -91,7 +91,7 @@ class Steady(Result):
 
     @property
     def stable(self) -> bool:
-        """Whether no small motion grows faster than round-off lets it seem to."""
+        """True if no small motion grows faster than round-off."""
         return int(self.data.attrs["unstable"]) == 0
 
     @property

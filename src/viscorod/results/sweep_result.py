@@ -1,4 +1,4 @@
-"""What a sweep answers: its members, one data set over all of them, a table, the file."""
+"""Result of a sweep: its members, one data set over all of them, a table, the file."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TABLE = {
         "largest numerical remainder of the energy account over the energy that moved",
     ),
 }
-"""Variables of every member that are no fields -> (unit, long name)."""
+"""Variables of every member that are not fields -> (unit, long name)."""
 
 KINDS: dict[str, type[Run | Equilibrium | Steady]] = {kind.kind: kind for kind in (Run, Equilibrium, Steady)}
 """The results that members may have, by their word."""
@@ -57,11 +57,11 @@ class SweepRun:
 
     @property
     def completed(self) -> bool:
-        """Whether there is a whole result."""
+        """True if there is a whole result."""
         return self.outcome == COMPLETED and self.result is not None
 
     def figures(self) -> dict[str, float]:
-        """Steps, wall time [s] and, of a run, the numerical part of its energy account."""
+        """Return steps, wall time [s] and, of a run, the numerical part of its energy account."""
         if self.result is None:
             return {}
         attrs = self.result.data.attrs
@@ -76,7 +76,7 @@ class Sweep:
 
     Attributes:
         members: all of them, failed ones too.
-        notes: what was chosen for the user.
+        notes: choices made for the user.
     """
 
     def __init__(self, members: Sequence[SweepRun], title: str = "", notes: Sequence[str] = ()) -> None:
@@ -101,7 +101,7 @@ class Sweep:
 
     @cached_property
     def separate(self) -> str:
-        """Why ``data`` holds no fields: what differs between the completed members; empty if they are stacked."""
+        """The reason why ``data`` holds no fields: differences between completed members; empty if they are stacked."""
         results = [member.result.data for member in self.completed if member.result is not None]
         return next((text for other in results[1:] if (text := _difference(results[0], other))), "")
 
@@ -187,7 +187,7 @@ class Sweep:
 
     @classmethod
     def of(cls, data: xr.Dataset, path: Path) -> Sweep:
-        """The sweep whose file is ``path`` and whose root is ``data``."""
+        """Return the sweep whose file is ``path`` and whose root is ``data``."""
         record = json.loads(data.attrs["sweep"])
         members = []
         for row in record["members"]:
@@ -203,7 +203,7 @@ class Sweep:
 
 
 def _difference(one: xr.Dataset, other: xr.Dataset) -> str:
-    """What keeps two results from being stacked, in words; empty if nothing does."""
+    """Say what keeps two results from being stacked; empty if nothing does."""
     if one.attrs["kind"] != other.attrs["kind"] or set(one.variables) != set(other.variables):
         return "they hold different quantities"
     along = DIMENSION[one.attrs["kind"]]
@@ -220,7 +220,7 @@ def _difference(one: xr.Dataset, other: xr.Dataset) -> str:
 
 
 def _stacked(results: Sequence[xr.Dataset]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Variables and coordinates of results that differ in values only; what is equal in all is kept once."""
+    """Return variables and coordinates of results that differ in values only; what is equal in all is kept once."""
     first = results[0]
     along = DIMENSION[first.attrs["kind"]]
     fields: dict[str, Any] = {}
@@ -237,12 +237,12 @@ def _stacked(results: Sequence[xr.Dataset]) -> tuple[dict[str, Any], dict[str, A
 
 
 def _unstacked(data: xr.Dataset, number: int) -> xr.Dataset:
-    """The fields of one member, as its own result holds them."""
+    """Return the fields of one member, as its own result holds them."""
     return data.drop_vars(TABLE, errors="ignore").sel(member=number, drop=True)
 
 
 def _column(values: Sequence[Any]) -> np.ndarray:
-    """Values along ``member``: numbers or texts as they are, anything else as JSON."""
+    """Return values along ``member``: numbers or texts as they are, anything else as JSON."""
     if all(isinstance(value, str) for value in values):
         return np.array(values, dtype=str)
     if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):

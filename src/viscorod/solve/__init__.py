@@ -1,1 +1,1 @@
-"""How it is computed: discretisation, linear algebra, statics, transients, modes."""
+"""Solvers: discretisation, linear algebra, statics, transients, modes, steady rotations."""

@@ -1,4 +1,4 @@
-"""What an analysis records: plain arrays at nodes and Gauss points, ready to become a data set."""
+"""Records of an analysis: plain arrays at nodes and Gauss points, ready to become a data set."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class StationReader:
 
     @property
     def places(self) -> tuple[Floats, Floats]:
-        """Positions ``(stations, 3)`` [m] and orientations ``(stations, 4)`` of the stations in their nodes."""
+        """Positions ``(stations, 3)`` [m] and orientations ``(stations, 4)`` of the stations in node axes."""
         return self._offset, self._turn
 
     def read(self, r: Floats, q: Floats, twist: Floats) -> tuple[Floats, Floats, Floats, Floats]:
@@ -71,7 +71,7 @@ def _rotate(q: Floats, a: Floats) -> Floats:
 
 
 class Progressing(Protocol):
-    """What the energy account needs of an integrator after a step."""
+    """Energies of an integrator after a step, for the energy account."""
 
     kinetic: float
     elastic: float
@@ -80,14 +80,14 @@ class Progressing(Protocol):
 
     @property
     def branch_loss(self) -> Floats:
-        """What each Maxwell branch lost ``(n,)`` [J], part of ``loss``."""
+        """Energy dissipated by each Maxwell branch ``(n,)`` [J], part of ``loss``."""
 
 
 @dataclass
 class EnergyAccount:
     """Energies so far [J].
 
-    ``numerical`` is what the balance lacks, ``branches`` what each Maxwell branch lost, parts of ``viscous``.
+    ``numerical`` closes the balance; ``branches`` are dissipated by each Maxwell branch, parts of ``viscous``.
     """
 
     kinetic: float = 0.0
@@ -198,7 +198,7 @@ class Snapshot(NamedTuple):
 
 @dataclass
 class History:
-    """What was recorded, one list entry each; instants are times [s] or load factors."""
+    """Recorded states, one list entry each; instants are times [s] or load factors."""
 
     instant: list[float] = field(default_factory=list)
     snapshots: list[Snapshot] = field(default_factory=list)
@@ -224,7 +224,7 @@ class History:
         self.step_size.append(step_size)
         self.iterations.append(iterations)
 
-    def forget(self, count: int) -> None:
+    def truncate(self, count: int) -> None:
         """Keep the first ``count`` records only."""
         for values in (
             self.instant,
@@ -237,7 +237,7 @@ class History:
             del values[count:]
         self.count = count
 
-    def sampled(self, most: int) -> list[Snapshot]:
+    def sample(self, most: int) -> list[Snapshot]:
         """Return at most about so many of the recorded states, evenly."""
         count = len(self.snapshots)
         chosen = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))

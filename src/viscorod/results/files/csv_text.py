@@ -152,7 +152,7 @@ def _heading(name: str, unit: str) -> str:
 
 
 def _components(found: xr.Dataset, name: str) -> tuple[list[str], np.ndarray]:
-    """Headings of the components of a variable, and its values."""
+    """Return headings of the components of a variable, and its values."""
     variable = found[name]
     unit, word = str(variable.attrs["units"]), name.replace("_", " ")
     if name == "frame":

@@ -1,4 +1,4 @@
-"""A run on its way to disk: states are appended as they come, so that memory stays bounded and nothing is lost.
+"""The journal of a run on disk: states are appended as they come, so that memory stays bounded and nothing is lost.
 
 A journal is a folder with
 
@@ -100,7 +100,7 @@ class Journal:
         (self.folder / f"new-{_LAYOUT}").replace(self.folder / _LAYOUT)
 
     def checkpoint(self, state: Any, about: Mapping[str, Any]) -> None:
-        """Write from what the run can go on, after the present number of states; ``about`` is told by `checkpoint`.
+        """Write from what the run can go on, after the present number of states; ``about`` goes with it.
 
         Raises:
             OSError: the disk is full, or gone.
@@ -144,7 +144,7 @@ def checkpoint(folder: Path) -> tuple[Any, int, dict[str, Any]]:
     """Return the last checkpoint of a journal: the saved state, the number of states then, and what was said about it.
 
     Raises:
-        InputError: there is none, or it cannot be read.
+        InputError: it does not exist, or cannot be read.
     """
     path = folder / _CHECKPOINT
     try:

@@ -96,7 +96,7 @@ def _pyvista() -> Any:
 
 
 def _rod_points(result: Result) -> tuple[list[ResultPlace], Integers, Floats]:
-    """Places of all rods, rod by rod, their number on each, and the radius at each [m]."""
+    """Return places of all rods, rod by rod, their number on each, and the radius at each [m]."""
     data = result.data
     arc = np.asarray(data["station_s"].values, dtype=float)
     orders = np.asarray(data["station_order"].values, dtype=int)
@@ -139,7 +139,7 @@ def _states(
 
 
 def _lines(pv: Any, fields: dict[str, Floats], counts: Integers) -> pyvista.PolyData:
-    """Polylines with everything that rods have."""
+    """Return polylines with all fields of rods."""
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     lines = np.concatenate(
         [np.concatenate([[n], first + np.arange(n)]) for first, n in zip(starts, counts, strict=True)]
@@ -163,7 +163,7 @@ def _lines(pv: Any, fields: dict[str, Floats], counts: Integers) -> pyvista.Poly
 
 
 def _points(pv: Any, fields: dict[str, Floats]) -> pyvista.PolyData:
-    """Points with everything that bodies have."""
+    """Return points with all fields of bodies."""
     mesh: pyvista.PolyData = pv.PolyData(np.ascontiguousarray(fields["position"]))
     mesh.point_data["body"] = np.arange(len(fields["position"]))
     _common(mesh, fields)

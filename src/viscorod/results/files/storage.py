@@ -54,7 +54,7 @@ def write(
 
 
 def read(path: str | Path, group: str | None = None) -> xr.Dataset:
-    """Read a data set (that of a group of the file): into memory, or piece by piece when asked for if it is large.
+    """Read a data set (that of a group of the file): into memory, or piece by piece on access if it is large.
 
     Raises:
         InputError: no such file, or not a netCDF4 file.
@@ -63,7 +63,7 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
 
     path = Path(path)
     if not path.is_file():
-        raise InputError(f"{path} is no file; name a run.nc that viscorod wrote")
+        raise InputError(f"{path} is not a file; name a run.nc that viscorod wrote")
     try:
         _require_honest(path)
         if path.stat().st_size > LARGE:

@@ -56,7 +56,7 @@ class Stream(History):
     """A history that is written to a journal and kept in memory only until then.
 
     Attributes:
-        folder: where ``run.nc`` is to be; the journal is a folder beside it.
+        folder: of ``run.nc``; the journal is a folder beside it.
         about: attributes of the run; ``case`` and ``settings`` among them have to be those of a run that goes on.
         resuming: go on from the checkpoint of the journal that is there.
     """
@@ -85,7 +85,7 @@ class Stream(History):
 
     @property
     def checkpoint(self) -> Any:
-        """The state to go on from, None at the beginning."""
+        """The state from which to go on, None at the beginning."""
         return None if self._saved is None else self._saved[0]
 
     def record(
@@ -98,7 +98,7 @@ class Stream(History):
             if len(self._samples) == 2 * MOST:  # half as many, twice as far apart
                 self._samples, self._stride = self._samples[::2], 2 * self._stride
 
-    def sampled(self, most: int) -> list[Snapshot]:
+    def sample(self, most: int) -> list[Snapshot]:
         """See :class:`~viscorod.solve.history.History`: of a run that went on, those since then."""
         return self._samples[:: max(1, len(self._samples) // most)]
 
@@ -110,7 +110,7 @@ class Stream(History):
         with self._writing():
             self.journal.append(data)
         count = self.count
-        self.forget(0)
+        self.truncate(0)
         self.count = count
         self._flushed = time.monotonic()
 

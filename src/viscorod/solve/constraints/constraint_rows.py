@@ -20,7 +20,7 @@ def gradients_of_gaps(
     """
     problem, held, arrays = constraints.problem, constraints.held, constraints.arrays
     mine = np.flatnonzero(constraints.is_held)
-    gradients = constraints.measured(state)[2][mine].reshape(-1, 2, 6)
+    gradients = constraints.measure(state)[2][mine].reshape(-1, 2, 6)
     nodes = arrays.nodes[mine]
     present = nodes >= 0
     rows = [np.repeat(np.broadcast_to(arrays.place[mine][:, None], nodes.shape)[present], 6)]

@@ -38,16 +38,16 @@ class JointState(NamedTuple):
 
 
 class Constraints:
-    """What couples nodes beside elements.
+    """Couplings of nodes beside elements: joints, springs and held strains.
 
     Args:
-        problem: what they belong to; elements: returns all of its elements, asked for held strains only.
+        problem: of which they are part; elements: returns all of its elements, called for held strains only.
 
     Attributes:
         target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
         near: values ``(c,)`` that angles are to be near.
-        pace: how fast poses follow accelerations in the present matrix [1/s]: inertia counts with its square.
-        gap: what multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
+        pace: rate [1/s] with the square of which inertia counts in the present matrix.
+        gap: gaps that multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
     """
 
     def __init__(self, problem: Problem, elements: Callable[[], Elements]) -> None:
@@ -78,10 +78,10 @@ class Constraints:
         self.unit[self.arrays.place[self.is_held]] = self.joints.unit[self.is_held]
 
     def _gaps_of_reference(self) -> Floats:
-        """Values of held coordinates in the reference shape: what is not closed there ``(c,)``."""
+        """Return the values of held coordinates in the reference shape, their initial gaps ``(c,)``."""
         problem = self.problem
         still = np.zeros((problem.size, 6))
-        value, _, _ = self.joints.measured(problem.positions, problem.quaternions, still)
+        value, _, _ = self.joints.measure(problem.positions, problem.quaternions, still)
         value[~self.is_held] = 0.0
         value[np.abs(value) < 1e-14 * self.joints.unit] = 0.0
         return value
@@ -91,9 +91,9 @@ class Constraints:
         """All elements."""
         return self._elements()
 
-    def measured(self, state: State) -> tuple[Floats, Floats, Floats]:
+    def measure(self, state: State) -> tuple[Floats, Floats, Floats]:
         """Return values and rates ``(c,)`` and gradients ``(c, 12)`` of all coordinates in a state."""
-        return self.joints.measured(state.r, state.q, state.twist, self.near)
+        return self.joints.measure(state.r, state.q, state.twist, self.near)
 
     @property
     def rows(self) -> int:
@@ -102,18 +102,18 @@ class Constraints:
 
     def rate_gaps(self, state: State) -> Floats:
         """Return the rates of all gaps ``(places,)`` [1/s and units of the gaps], 0 where velocities are allowed."""
-        _, rate, _ = self.measured(state)
+        _, rate, _ = self.measure(state)
         strains = self._strains(state).strain_rate if len(self.held.place) else None
         return self._by_place(rate - self.target_rate, strains)
 
     def gaps(self, state: State) -> Floats:
         """Return all gaps ``(places,)``, 0 where positions are as the last :meth:`update` wants them."""
-        value, _, _ = self.measured(state)
+        value, _, _ = self.measure(state)
         strains = self._strains(state).strain if len(self.held.place) else None
         return self._by_place(value - self.target, strains)
 
     def _by_place(self, coordinates: Floats, strains: Floats | None) -> Floats:
-        """Arrange what is said of all coordinates ``(c,)`` and Gauss points ``(1, e, points, 6)`` by multiplier."""
+        """Arrange values of all coordinates ``(c,)`` and Gauss points ``(1, e, points, 6)`` by multiplier."""
         out, held = np.zeros_like(self.gap), self.held
         out[self.arrays.place[self.is_held]] = coordinates[self.is_held]
         if strains is not None:
@@ -128,7 +128,7 @@ class Constraints:
 
     @cached_property
     def _evaluation(self) -> tuple[GaussStates, ElementWork, Floats]:
-        """Room for :meth:`_strains`."""
+        """Work arrays of :meth:`_strains`."""
         width = self.elements.nodes.shape[1]
         return (
             GaussStates.of(self.elements, 1),
@@ -158,8 +158,8 @@ class Constraints:
             for c in np.flatnonzero(np.abs(gaps) > CLOSED * self.joints.unit)
         ]
 
-    def strained(self, reference: State, t: float, *, before: bool = True) -> bool:
-        """Whether the ``reference`` shape is not at rest: open joints, motors away from 0, springs that pull."""
+    def is_strained(self, reference: State, t: float, *, before: bool = True) -> bool:
+        """Return whether open joints, motors away from 0 or springs keep the ``reference`` shape from being at rest."""
         self.update(t, before)
         if np.abs(self.target).max(initial=0.0) > 0.0 or self.open_joints():
             return True
@@ -210,8 +210,8 @@ class Constraints:
         law = self.arrays.law
         return sum(self.laws.energy(int(law[c]), float(self.value[c])) for c in np.flatnonzero(law >= 0))
 
-    def settle(self) -> None:
-        """Take the present values as those that angles stay near."""
+    def track_angles(self) -> None:
+        """Take the present values of angles as those that the next ones are nearest to, beyond a full turn too."""
         free = ~self.is_held
         self.near[free] = self.value[free]
 
@@ -306,7 +306,7 @@ class Constraints:
     def loss(self, duration: float) -> float:
         """Return the energy [J] lost to dampers since the last call, ``duration`` [s] ago; 0 starts counting anew.
 
-        The mean rate of the step stands for the rate, as for sections.
+        The rate is the mean one of the step, as for sections.
         """
         total = 0.0
         if duration > 0.0:

@@ -1,4 +1,4 @@
-"""Motions that constraints allow, and constraints that say what others say already."""
+"""Motions that constraints allow, and constraints that depend on others."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _unit_rows(gradients: sparse.csr_array) -> tuple[Floats, Floats]:
 
 
 def unit_rows(gradients: sparse.csr_array) -> sparse.csr_array:
-    """Return conditions of unit length, those left out that say nothing of the free motions."""
+    """Return conditions of unit length without those that do not restrict the free motions."""
     size = np.sqrt(gradients.multiply(gradients).sum(axis=1))
     kept = np.flatnonzero(size > ROUND_OFF * size.max(initial=0.0))
     unit = sparse.csr_array(sparse.diags_array(1.0 / size[kept]) @ gradients[kept])

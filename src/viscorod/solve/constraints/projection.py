@@ -4,7 +4,7 @@ A position-level constraint ``g(x) = 0`` asks velocities for ``G x1 = g_t``. The
 matrix with the constraints' rows measures it: the mass at a start, where it is an impulse, and the factorised matrix of
 the last step for what is recorded, whose rows may be some steps old; so it is repeated until nothing is left.
 
-Steps go on from velocities as they leave them. What these lack does not add up, because positions are held; while a
+Steps go on from velocities as they leave them. Their error does not add up, because positions are held; while a
 correction in any other measure than the mass would do work, step after step.
 """
 
@@ -42,27 +42,27 @@ def start_consistently(system: System, supports: SupportState, state: State) -> 
     residual = np.zeros((system.problem.pattern.size, 6))
     supports.impose(state, residual, system.matrix, tangent=True)
     system.matrix.factorise()
-    project(constraints, state, system.matrix.solve)
+    project_velocities(constraints, state, system.matrix.solve)
 
 
-def shown(
+def with_allowed_velocities(
     constraints: Constraints, snapshot: Snapshot, solve: Callable[[Floats], Floats]
 ) -> tuple[Snapshot, float]:
-    """Return a snapshot at the end of a step with velocities that are allowed; and what is left, see :func:`project`.
+    """Return a snapshot at the end of a step with allowed velocities, and the largest rate of a gap that is left.
 
     Args:
-        constraints: measured and driven at the time of the snapshot; solve: see :func:`project`.
+        constraints: measured and driven at the time of the snapshot; solve: see :func:`project_velocities`.
     """
     state = snapshot.state.copy()
-    left = project(constraints, state, solve)
+    left = project_velocities(constraints, state, solve)
     joints = snapshot.joints
     if joints is not None:
-        joints = joints._replace(rate=constraints.measured(state)[1])
+        joints = joints._replace(rate=constraints.measure(state)[1])
     return snapshot._replace(state=state, joints=joints), left
 
 
-def close(constraints: Constraints, state: State, solve: Callable[[Floats], Floats]) -> float:
-    """Move ``state`` to where the positions of joints and held strains are as they must be, then :func:`project` it.
+def close_gaps(constraints: Constraints, state: State, solve: Callable[[Floats], Floats]) -> float:
+    """Move ``state`` until joints and held strains are closed, then project its velocities.
 
     For states between the stages of a step, which polynomials give.
 
@@ -73,13 +73,13 @@ def close(constraints: Constraints, state: State, solve: Callable[[Floats], Floa
     def move(change: Floats) -> None:
         retract(state.r, state.q, change, state.r, state.q)
 
-    left = _remove(constraints, lambda: constraints.gaps(state), move, solve)
-    project(constraints, state, solve)
+    left = _remove_gaps(constraints, lambda: constraints.gaps(state), move, solve)
+    project_velocities(constraints, state, solve)
     return left
 
 
-def project(constraints: Constraints, state: State, solve: Callable[[Floats], Floats]) -> float:
-    """Remove what the velocities of ``state`` lack.
+def project_velocities(constraints: Constraints, state: State, solve: Callable[[Floats], Floats]) -> float:
+    """Change the velocities of ``state`` to ones that the constraints allow.
 
     Args:
         solve: with a factorised matrix that has the rows of the constraints, for ``(N, 6)``.
@@ -94,10 +94,10 @@ def project(constraints: Constraints, state: State, solve: Callable[[Floats], Fl
     def change_twists(change: Floats) -> None:
         state.twist += constraints.speed(state) * change
 
-    return _remove(constraints, gaps, change_twists, solve)
+    return _remove_gaps(constraints, gaps, change_twists, solve)
 
 
-def _remove(
+def _remove_gaps(
     constraints: Constraints,
     gaps: Callable[[], Floats],
     change: Callable[[Floats], None],

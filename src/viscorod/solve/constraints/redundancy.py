@@ -69,7 +69,7 @@ def require_independent(system: System, supports: SupportState) -> None:
 
 
 def _open_by(system: System, name: str) -> str:
-    """How far the joint of a condition is open in the reference shape, in words; nothing if it is closed."""
+    """Say in words how far the joint of a condition is open in the reference shape; return "" if it is closed."""
     for text in system.constraints.open_joints():
         joint, _, gap = text.rpartition(", ")
         if name.rpartition(",")[0] == f"joint {joint}":
@@ -78,7 +78,7 @@ def _open_by(system: System, name: str) -> str:
 
 
 def _support_gradients(system: System, supports: SupportState, state: State) -> sparse.csr_array:
-    """Rows of what supports hold, by body increments ``(rows, 6 n)``."""
+    """Return the derivatives of the held motions of supports by body increments ``(rows, 6 n)``."""
     problem = system.problem
     rows, columns, values = [], [], []
     count = 0
@@ -102,7 +102,7 @@ def _normalised(rows: sparse.csr_array) -> sparse.csr_array:
 
 
 def _clearly_independent(rows: sparse.csr_array) -> bool:
-    """Whether no pivot of the Gram matrix comes near round-off: what each row adds to those before it, squared."""
+    """Return whether all pivots of the Gram matrix, the squared independent parts of the rows, exceed round-off."""
     gram = sparse.csc_array(rows @ rows.T)
     try:
         factor = splu(

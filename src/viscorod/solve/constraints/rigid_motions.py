@@ -32,7 +32,7 @@ class FreeMotion:
 
     @property
     def size(self) -> float:
-        """Largest nodal displacement of the motion [m]; 1 for a turning about the rod's own axis."""
+        """Largest nodal displacement of the motion [m]; 1 for a rotation about the rod's own axis."""
         return float(np.abs(self.increments[:, :3]).max()) or 1.0
 
 
@@ -63,7 +63,7 @@ def _conditions(problem: Problem, labels: np.ndarray, centres: Floats) -> list[C
     R = matrices(problem.quaternions)
 
     def increments(node: int) -> Floats:
-        """Body increments (6, 6) of a node per motion of its part."""
+        """Return the body increments (6, 6) of a node per motion of its part."""
         out = np.zeros((6, 6))
         out[:3, :3] = R[node].T
         out[:3, 3:] = R[node].T @ skew(centres[labels[node]] - problem.positions[node]) / problem.length
@@ -76,10 +76,10 @@ def _conditions(problem: Problem, labels: np.ndarray, centres: Floats) -> list[C
         moves = np.kron(np.eye(2), A.T @ R[node]) @ increments(node)
         found.append([(int(labels[node]), moves[problem.supports.fixed[k] > 0.0])])
     joints = problem.joints.arrays
-    _, _, gradients = problem.joints.measured(
+    _, _, gradients = problem.joints.measure(
         problem.positions, problem.quaternions, np.zeros((problem.size, 6))
     )
-    for c in np.flatnonzero((joints.place >= 0) | problem.joints.pulls):
+    for c in np.flatnonzero((joints.place >= 0) | problem.joints.has_spring):
         sides = [(side, int(node)) for side, node in enumerate(joints.nodes[c]) if node >= 0]
         unit = np.repeat([1.0, 1.0 / problem.length], 3)  # per spin times length
         rows = [
@@ -92,7 +92,7 @@ def _conditions(problem: Problem, labels: np.ndarray, centres: Floats) -> list[C
 
 
 def _row(condition: Condition, group: list[int]) -> Floats:
-    """The rows of a condition in the motions of a group of parts."""
+    """Return the rows of a condition in the motions of a group of parts."""
     row = np.zeros((len(condition[0][1]), 6 * len(group)))
     for part, values in condition:
         at = 6 * group.index(part)
@@ -101,7 +101,7 @@ def _row(condition: Condition, group: list[int]) -> Floats:
 
 
 def _groups(parts: int, conditions: list[Condition]) -> list[tuple[list[int], list[Condition]]]:
-    """Parts that conditions couple, and these."""
+    """Return groups of parts that conditions couple, each with its conditions."""
     if parts == 1:
         return [([0], conditions)]
     from scipy.sparse import csr_array
@@ -152,7 +152,7 @@ def undetermined(
     drive one motion, all free ones are named.
 
     Args:
-        problem: what the motions belong to.
+        problem: of the motions.
         external: external forces in the reference shape, body components ``(n, 6)``.
         stiffness: tangent there, loads included, before supports ``(6 n, 6 n)``.
         motions: from :func:`free_motions`.
@@ -205,7 +205,7 @@ def skew(a: Floats) -> Floats:
 
 
 def _null_space(rows: Floats) -> list[Floats]:
-    """Basis of the null space, along the coordinate motions of single parts where possible."""
+    """Return a basis of the null space, along the coordinate motions of single parts where possible."""
     _, values, basis = np.linalg.svd(rows)
     rank = int(np.count_nonzero(values > 1e-9))
     null = basis[rank:]

@@ -11,7 +11,7 @@ from viscorod.solve.problem.problem import ElementSet
 from viscorod.typing import Integers
 
 
-def held_cliques(mesh: Mesh, first: int) -> tuple[list[Integers], int]:
+def multiplier_cliques(mesh: Mesh, first: int) -> tuple[list[Integers], int]:
     """Return the block rows that couple through held strains, and how many of them are multipliers.
 
     Args:
@@ -31,7 +31,7 @@ def held_cliques(mesh: Mesh, first: int) -> tuple[list[Integers], int]:
 
 
 def held_strains(sets: tuple[ElementSet, ...], pattern: Pattern, nodes: int, first: int) -> HeldStrains:
-    """Return the held strains of all elements; arguments as in :func:`held_cliques`, ``nodes`` being their number."""
+    """Return the held strains of all elements; ``first`` as in :func:`multiplier_cliques`, ``nodes`` counts nodes."""
     most = max(e.nodes.shape[1] for e in sets)
     found: list[tuple[int, int, int, int, float]] = []
     up: list[list[int]] = []
@@ -69,5 +69,5 @@ def _orders(mesh: Mesh) -> list[int]:
 
 
 def _rows(order: int, strains: int) -> int:
-    """Block rows of an element's multipliers."""
+    """Return the number of block rows of an element's multipliers."""
     return -(-order * strains // 6)

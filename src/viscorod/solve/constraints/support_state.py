@@ -126,11 +126,11 @@ class SupportState:
         return free
 
     def power(self) -> float:
-        """Power [W] that moving supports put into the model."""
+        """Return the power [W] that moving supports put into the model."""
         return float(np.sum(self.set.fixed * self.reaction * self.rate))
 
     def global_reactions(self, state: State) -> Floats:
-        """Reactions as force [N] and moment [N m] in global axes ``(m, 6)``.
+        """Return the reactions as force [N] and moment [N m] in global axes ``(m, 6)``.
 
         The components that :meth:`impose` keeps are conjugate to those of the rotation vector; ``G^T`` makes a wrench
         of them.
@@ -152,7 +152,7 @@ class SupportState:
         return wrenches
 
     def _directions(self, k: int, state: State) -> tuple[Floats, Floats, Floats, Floats]:
-        """Measured components, their derivative G, dual directions Z and rotation vector of a support."""
+        """Return the components of a support's motion, their derivative G, dual directions Z, and rotation vector."""
         value, G, Z, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)
         node = self.set.nodes[k]
         supports.support_directions(
@@ -171,13 +171,13 @@ class SupportState:
         return value, G, Z, psi
 
     def free_rows(self) -> np.ndarray:
-        """Indices of the balance rows that remain after :meth:`impose`."""
+        """Return the indices of the balance rows that remain after :meth:`impose`."""
         free = np.ones((self.problem.size, 6), dtype=bool)
         free[self.set.nodes] = self.set.fixed == 0.0
         return np.flatnonzero(free.ravel())
 
     def free_basis(self, state: State) -> sparse.csc_array:
-        """Columns spanning the body increments that the supports allow, one per free row."""
+        """Return columns that span the body increments that the supports allow, one per free row."""
         free = self.free_rows()
         size = 6 * self.problem.size
         if len(self.partial) == 0:
@@ -189,6 +189,26 @@ class SupportState:
             first = 6 * int(self.set.nodes[k])
             blocks[first : first + 6, first : first + 6] = self._directions(int(k), state)[2]
         return sparse.csc_array(blocks.tocsc()[:, free])
+
+    def reduce_tangent(
+        self, state: State, residual: Floats, matrix: Matrix
+    ) -> tuple[sparse.csr_array, sparse.csc_array]:
+        """Return the tangent stiffness of the motions that the supports allow, and the basis of these.
+
+        Displacements are measured in lengths of the model: they are comparable with rotations, whatever the unit.
+
+        Args:
+            residual: unbalanced forces ``(N, 6)``, of which reactions are made; overwritten, like ``matrix``, by
+                :meth:`impose`.
+
+        Returns:
+            ``(free, free)``; ``(6 n, free)``, from these motions to body increments of the nodes.
+        """
+        self.impose(state, residual, matrix, tangent=True)
+        size, free = 6 * self.problem.size, self.free_rows()
+        unit = sparse.diags_array(np.where(free % 6 < 3, self.problem.length, 1.0))
+        basis = sparse.csc_array(self.free_basis(state) @ unit)
+        return sparse.csr_array(unit @ (matrix.sparse()[:size, :size] @ basis)[free]), basis
 
     def project_twists(self, state: State) -> None:
         """Give partially supported nodes exactly the prescribed velocity components."""

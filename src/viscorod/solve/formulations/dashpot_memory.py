@@ -1,7 +1,7 @@
-"""The memory of a model with Maxwell branches: the strains of their dashpots, from step to step.
+"""The state of Maxwell branches: the strains of their dashpots, from step to step.
 
 Statics, and everything about small motions that is not damping, sees the relaxed rods: the stiffness alone. A motion
-begins relaxed in the shape and with the strains that it starts with, as if these had been held for ever.
+begins relaxed in the shape and with the strains that it starts with, as if these had always been held.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from viscorod.typing import Floats
 
 
 class DashpotMemory:
-    """Strains of the dashpots at the last settled instant ``(n, e, points, 6)``, and what follows from them.
+    """Strains of the dashpots at the last accepted instant ``(n, e, points, 6)``, and what follows from them.
 
     For integrators that advance strains by themselves (generalised-alpha), strains that are linear in time over ``h``
     give ``beta = e^(-h/tau) beta_0 + tau/h (1 - e^(-h/tau)) (eps - eps_0)`` exactly (Simo and Hughes 1998, 10.3).
@@ -23,9 +23,9 @@ class DashpotMemory:
 
     Attributes:
         dashpot: ``alpha (n, e, points, 6)``; strain: of the sections then ``(e, points, 6)``.
-        known: whether a motion has begun.
-        stiffness: what the branches add to that of the sections ``(sections, 6, 6)``, by :meth:`relax` or
-            :meth:`elapse`; prestress: what they add to the section forces beside it ``(e, points, 6)``.
+        known: a motion has begun.
+        stiffness: of the branches, added to that of the sections ``(sections, 6, 6)``, by :meth:`relax` or
+            :meth:`set_step`; prestress: their section forces beside it ``(e, points, 6)``.
     """
 
     def __init__(self, elements: Elements, times: Floats, branches: Floats) -> None:
@@ -52,12 +52,12 @@ class DashpotMemory:
             self.known = True
 
     def relax(self) -> None:
-        """Let the branches carry nothing."""
+        """Remove the stiffness and the stress of the branches: statics sees the relaxed rods."""
         self.stiffness = np.zeros((len(self.branches), 6, 6))
         self.prestress = np.zeros_like(self.strain)
 
-    def elapse(self, duration: float) -> None:
-        """Let the branches respond as ``duration`` [s] after the last settled instant, 0 at once."""
+    def set_step(self, duration: float) -> None:
+        """Set stiffness and prestress for a step of ``duration`` [s] from the last accepted instant; 0: at once."""
         ratio = duration / self.times
         instant = -np.expm1(-ratio) / ratio if duration > 0.0 else np.ones(len(ratio))
         self._duration, self._decay = duration, np.exp(-ratio)[:, None, None, None]
@@ -66,11 +66,11 @@ class DashpotMemory:
         self.prestress = self._forces(past).sum(axis=0)
 
     def force(self, strain: Floats) -> Floats:
-        """Return the section forces of the branches at ``strain (e, points, 6)``, at the last settled instant."""
+        """Return the section forces of the branches at ``strain (e, points, 6)``, at the last accepted instant."""
         return np.asarray(self._forces(strain - self.dashpot).sum(axis=0))
 
-    def settle(self, strain: Floats) -> Floats:
-        """Take over ``strain (e, points, 6)``, reached in the time that has elapsed; return what was lost ``(n,)`` [J].
+    def advance(self, strain: Floats) -> Floats:
+        """Advance to ``strain (e, points, 6)`` at the end of the step; return the dissipated energies ``(n,)`` [J].
 
         With strains linear in time, ``beta = p + q e^(-t/tau)`` and ``p = tau eps_t``: the loss is integrated exactly.
         """
@@ -86,20 +86,20 @@ class DashpotMemory:
             loss = ratio * self._product(p, p) + mixed * self._product(p, q) + squared * self._product(q, q)
             self.dashpot = strain - end
         self.strain = strain.copy()
-        self.elapse(0.0)
+        self.set_step(0.0)
         return np.asarray(loss)
 
     def energy(self, strain: Floats) -> float:
-        """Return what the branches store at ``strain (e, points, 6)`` [J], at the last settled instant."""
+        """Return the energy [J] of the branches at ``strain (e, points, 6)``, at the last accepted instant."""
         spring = strain - self.dashpot
         return 0.5 * float(self._product(spring, spring).sum())
 
     def power(self, strain: Floats) -> Floats:
-        """Return the power that the branches lose per length at ``strain (e, points, 6)`` [W/m], settled."""
+        """Return the power that the branches dissipate per length [W/m] at ``strain (e, points, 6)``."""
         return self.power_of(strain - self.dashpot)
 
     def power_of(self, spring: Floats) -> Floats:
-        """Return the power lost per length ``(e, points)`` [W/m] with strains ``(n, e, points, 6)`` of the springs."""
+        """Return the power dissipated per length ``(e, points)`` [W/m] at spring strains ``(n, e, points, 6)``."""
         return np.asarray(np.einsum("jega,jega,j->eg", spring, self._forces(spring), 1.0 / self.times))
 
     def _product(self, a: Floats, b: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""How the two formulations get the strains of a moving body: what a collocation method asks of them.
+"""Strains and internal forces of a moving body in both formulations, for collocation methods.
 
 The geometric formulation computes strains from poses. The intrinsic one keeps them as states at the Gauss points, which
 the twists move; it takes them from the poses once, at the beginning of a run.
@@ -24,25 +24,25 @@ class ElementForces(Protocol):
 
     @property
     def motion(self) -> StrainMotion | None:
-        """Handed to the compiled step."""
+        """Strains as states of the compiled step; None if they follow from poses."""
 
     def evaluate(self, state: State, points: GaussStates, internal: Floats) -> None:
         """Write the Gauss points ``(1, e, points, 6)`` and the internal forces ``(n, 6)`` of ``state``."""
 
     def linearise(
-        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+        self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
     ) -> None:
         """Write the operators and add to the blocks ``K`` and ``C`` of the Jacobian at ``state``.
 
         Args:
-            turning: ``ad(x1)`` of every node ``(n, 6, 6)``; stress: section forces ``(e, points, 6)``.
+            ad: ``ad(x1)`` of every node ``(n, 6, 6)``; stress: section forces ``(e, points, 6)``.
         """
 
-    def arrive(self, strain: Floats) -> None:
-        """Take the strains ``(e, points, 6)`` at the end of a step."""
+    def set_strains(self, strain: Floats) -> None:
+        """Set the strains ``(e, points, 6)`` from which the next step starts."""
 
-    def reflect(self, middle: Floats) -> None:
-        """Take the strains at the end of a step from those in its middle, twice the way."""
+    def extrapolate_strains(self, middle: Floats) -> None:
+        """Set the strains at the end of a step from those in its middle, by linear extrapolation."""
 
 
 def branch_forces(relaxation: DashpotMemory | None, strain: Floats) -> Floats:
@@ -54,7 +54,7 @@ def branch_forces(relaxation: DashpotMemory | None, strain: Floats) -> Floats:
 
 
 class GeometricForces:
-    """Strains follow from poses."""
+    """Internal forces of the geometric formulation, whose strains follow from poses."""
 
     motion = None
 
@@ -78,25 +78,25 @@ class GeometricForces:
         points.section_force[:] = points.stress
 
     def linearise(
-        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+        self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
     ) -> None:
         """See :class:`ElementForces`."""
-        self.system.linearise(state, turning, stress, operators, K, C)
+        self.system.linearise(state, ad, stress, operators, K, C)
 
-    def arrive(self, strain: Floats) -> None:
-        """Nothing to keep: poses say it all."""
+    def set_strains(self, strain: Floats) -> None:
+        """Do nothing: strains follow from poses."""
 
-    def reflect(self, middle: Floats) -> None:
-        """Nothing to keep: poses say it all."""
+    def extrapolate_strains(self, middle: Floats) -> None:
+        """Do nothing: strains follow from poses."""
 
 
 class IntrinsicForces:
-    """Strains are states.
+    """Internal forces of the intrinsic formulation, whose strains are states.
 
     Args:
         system: whose statics give the first strains; elements: its elements.
         stages: of a step.
-        linearised: whether damping is that of AWP (22), else the full one of AWP (13).
+        linearised: damping is that of AWP (22), else the full one of AWP (13).
     """
 
     def __init__(self, system: System, elements: Elements, stages: int, *, linearised: bool) -> None:
@@ -111,8 +111,8 @@ class IntrinsicForces:
             GeometricForces(self.system, self.elements).evaluate(state, points, internal)
             strain = points.strain[0]
             if self.system.given_strain is not None:
-                strain.reshape(-1, 6)[self.system.gauss_places()] = self.system.given_strain
-            self.arrive(strain)
+                strain.reshape(-1, 6)[self.system.gauss_indices()] = self.system.given_strain
+            self.set_strains(strain)
         points.strain[0] = self.motion.start
         forces_at(
             self.elements,
@@ -127,7 +127,7 @@ class IntrinsicForces:
         points.stress[:] = points.section_force
 
     def linearise(
-        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+        self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
     ) -> None:
         """See :class:`ElementForces`."""
         now, rate = self._now, np.zeros((1, *stress.shape))
@@ -147,18 +147,18 @@ class IntrinsicForces:
             self.motion.start,
             now.twist[0],
             rate[0],
-            turning,
+            ad,
             stress,
             operators,
             K,
             C,
         )
 
-    def arrive(self, strain: Floats) -> None:
+    def set_strains(self, strain: Floats) -> None:
         """See :class:`ElementForces`."""
         self.motion.start[:] = strain
         self._known = True
 
-    def reflect(self, middle: Floats) -> None:
+    def extrapolate_strains(self, middle: Floats) -> None:
         """See :class:`ElementForces`."""
-        self.arrive(2.0 * middle - self.motion.start)
+        self.set_strains(2.0 * middle - self.motion.start)

@@ -19,7 +19,7 @@ from viscorod.solve.formulations.dashpot_memory import DashpotMemory
 from viscorod.solve.formulations.element_forces import ElementForces, GeometricForces
 from viscorod.solve.formulations.system import GaussPoints, GaussPositions, State
 from viscorod.solve.linear.matrix import Matrix
-from viscorod.solve.problem.element_arrays import all_branches, all_elements, gauss_places, gauss_positions
+from viscorod.solve.problem.element_arrays import all_branches, all_elements, gauss_indices, gauss_positions
 from viscorod.solve.problem.external_loads import NO_LOADS, LoadState
 from viscorod.solve.problem.problem import ElementSet, Problem
 from viscorod.typing import Floats, Integers
@@ -61,8 +61,8 @@ class _Part:
         self.held_at = tuple(np.zeros(0, dtype=np.int64) for _ in range(3))  # elements, points, components
         self.place, self.weight = np.zeros(0, dtype=np.int64), np.zeros(0)
 
-    def hold(self, held: HeldStrains, first: int) -> None:
-        """Note which strains of this set are held; the set's elements count from ``first`` on."""
+    def set_held_strains(self, held: HeldStrains, first: int) -> None:
+        """Set the held strains of this set, whose elements count from ``first`` on."""
         mine = (held.element >= first) & (held.element < first + len(self.elements.nodes))
         self.held_at = held.element[mine] - first, held.point[mine], held.component[mine]
         self.place, self.weight = held.place[mine], held.weight[mine]
@@ -88,7 +88,7 @@ class GeometricSystem:
         self.constraints = Constraints(problem, self.elements)
         first = 0
         for part in self.parts:
-            part.hold(problem.held, first)
+            part.set_held_strains(problem.held, first)
             first += len(part.elements.nodes)
         self._order, self._positions = gauss_positions(problem.sets)
         self.relaxation: DashpotMemory | None = None
@@ -116,7 +116,7 @@ class GeometricSystem:
             rate_matrix.clear()
         rates = self._no_map if rate_map is None else rate_map
         rate_blocks = self._no_blocks if rate_matrix is None else rate_matrix.blocks
-        self._respond()
+        self._update_sections()
         first = 0
         for part in self.parts:
             part.stress[part.held_at] = state.multiplier[part.place] / part.weight
@@ -127,7 +127,7 @@ class GeometricSystem:
                 part, part.stress, state, moving, rates, tangent, blocks, rate_blocks, strain_operator
             )
             if tangent and part.constrained:
-                self._collect(part, first, strain_operator, self._own_operators())
+                self._collect(part, first, strain_operator, self._shared_operators())
             first += len(part.elements.nodes)
         if problem.constrained:
             self._add_constraints(state, rates, blocks, rate_blocks, tangent=tangent, moving=moving)
@@ -163,8 +163,8 @@ class GeometricSystem:
                 e.slots[load.element],
             )
 
-    def _respond(self) -> None:
-        """Let sections have the stiffness and the prestress that Maxwell branches give them now."""
+    def _update_sections(self) -> None:
+        """Set the stiffness and the prestress of the sections with Maxwell branches."""
         if self.relaxation is None:
             return
         first = sections = 0
@@ -184,7 +184,7 @@ class GeometricSystem:
             first += len(part.strain)
         return strain
 
-    def _own_operators(self) -> Operators:
+    def _shared_operators(self) -> Operators:
         if self._operators is None:
             self._operators = Operators.of(self._all)
         return self._operators
@@ -199,14 +199,14 @@ class GeometricSystem:
         at = state if moving else State(state.r, state.q, np.zeros_like(state.twist), state.multiplier)
         constraints.add_forces(at, self.internal)
         if tangent:
-            apart = len(C) > 0  # dampers at rest have a derivative by twists all the same
+            separate = len(C) > 0  # dampers at rest have a derivative by twists all the same
             maps = rate_map if moving else self._no_map
-            constraints.add_tangent(at, maps, K, C, moving=moving or apart, held=self._held_rows())
+            constraints.add_tangent(at, maps, K, C, moving=moving or separate, held=self._held_rows())
 
     def _held_rows(self) -> tuple[Integers, Floats] | None:
         if not any(part.constrained for part in self.parts):
             return None
-        return self._all.order, self._own_operators().strain
+        return self._all.order, self._shared_operators().strain
 
     def assemble_mass(self, state: State) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""
@@ -290,7 +290,7 @@ class GeometricSystem:
         )
 
     def linearise(
-        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+        self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
     ) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         self.internal.fill(0.0)
@@ -304,7 +304,7 @@ class GeometricSystem:
                 stress[first : first + count, :points].copy(),
                 state,
                 True,
-                turning,
+                ad,
                 True,
                 K,
                 C,
@@ -359,19 +359,19 @@ class GeometricSystem:
             total += self.relaxation.energy(self._strains())
         return total + self.constraints.energy
 
-    def settle(self) -> Floats:
+    def advance_branches(self) -> Floats:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         if self.relaxation is None:
             return np.zeros(0)
         strain = self._strains()
         self.relaxation.begin(strain)
-        return self.relaxation.settle(strain)
+        return self.relaxation.advance(strain)
 
     def branch_power(self) -> Floats | None:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         if self.relaxation is None or not self.relaxation.known:
             return None
-        return self.relaxation.power(self._strains()).ravel()[self.gauss_places()]
+        return self.relaxation.power(self._strains()).ravel()[self.gauss_indices()]
 
     def viscous_loss(self, duration: float) -> float:
         """See :class:`~viscorod.solve.formulations.system.System`."""
@@ -397,9 +397,9 @@ class GeometricSystem:
             section_force=gather([part.section_force for part in self.parts]),
         )
 
-    def gauss_places(self) -> Integers:
+    def gauss_indices(self) -> Integers:
         """See :class:`~viscorod.solve.formulations.system.System`."""
-        return gauss_places(self.problem.sets)[self._order]
+        return gauss_indices(self.problem.sets)[self._order]
 
     def gauss_positions(self) -> GaussPositions:
         """See :class:`~viscorod.solve.formulations.system.System`."""
@@ -422,7 +422,7 @@ class GeometricSystem:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         return sum(len(e.nodes) for e in self.problem.sets[:part]) + element
 
-    def worst_place(self, node: int) -> str:
+    def describe_node(self, node: int) -> str:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         problem = self.problem
         if node >= problem.size:

@@ -1,4 +1,4 @@
-"""The intrinsic formulation of a whole problem (AWP): what differs from the geometric one is how bodies move.
+"""The intrinsic formulation of a whole problem (AWP): only motions differ from those of the geometric one.
 
 Statics, and the strains that a motion starts from, are those of the geometric formulation.
 """
@@ -15,7 +15,7 @@ class IntrinsicSystem(GeometricSystem):
     """Keeps strains as states while a body moves.
 
     Args:
-        problem: what is computed.
+        problem: the discretised model.
         linearised: damping is the linearised one of AWP (22), else the full one of AWP (13).
     """
 

@@ -1,8 +1,8 @@
-"""The contract between formulations and analyses, and the state they exchange.
+"""The interface between formulations and analyses, and the state they exchange.
 
 An analysis (statics, an integrator, modes) sees a :class:`System`: it can assemble generalised forces and their tangent
-for a pose and a twist of every node, carry the section forces along a Newton increment, and report energies. It knows
-nothing of strains or interpolation. A formulation implements this class once and is registered in ``FORMULATIONS``.
+for a pose and a twist of every node, carry the section forces along a Newton increment, and report energies. It does
+not know strains or interpolation. A formulation implements this class once and is registered in ``FORMULATIONS``.
 """
 
 from __future__ import annotations
@@ -77,12 +77,12 @@ class GaussPositions:
 
 
 class System(Protocol):
-    """What a formulation offers; all nodal forces are in body components ``(n, 6)``."""
+    """A formulation as analyses use it; all nodal forces are in body components ``(n, 6)``."""
 
     problem: Problem
     constraints: Constraints
     relaxation: DashpotMemory | None
-    """What Maxwell branches remember; None if there are none."""
+    """State of the Maxwell branches; None if there are none."""
     internal: Floats
     external: Floats
     matrix: Matrix
@@ -106,11 +106,11 @@ class System(Protocol):
         """
 
     def linearise(
-        self, state: State, turning: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
+        self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
     ) -> None:
         """Write the operators of all elements, and add their stiffness and damping matrices to ``K`` and ``C``.
 
-        These are blocks of the problem's pattern; increments turn with the nodes, ``turning (n, 6, 6)`` is
+        These are blocks of the problem's pattern; increments turn with the nodes, ``ad (n, 6, 6)`` is
         ``ad(twist)``. ``stress`` is that of the geometric stiffness, in the arrays of :meth:`elements`. Needed by
         collocation methods only.
         """
@@ -139,23 +139,23 @@ class System(Protocol):
     def viscous_loss(self, duration: float) -> float:
         """Return the energy [J] lost to viscosity since the last call, ``duration`` [s] ago; 0 starts counting anew."""
 
-    def settle(self) -> Floats:
-        """Let the branches remember the last assembly; return what each lost since the last call ``(n,)`` [J]."""
+    def advance_branches(self) -> Floats:
+        """Advance the branches to the last assembly; return the energy that each lost since then ``(n,)`` [J]."""
 
     def branch_power(self) -> Floats | None:
-        """Return what the branches lose per length ``(m,)`` [W/m] in the order of results; None if there are none."""
+        """Return the power that the branches dissipate per length ``(m,)`` [W/m] in the order of results, or None."""
 
     def gauss_points(self) -> GaussPoints:
         """Return the Gauss-point fields of the last assembly."""
 
-    def gauss_places(self) -> Integers:
-        """Return the places of all Gauss points, in the same order, in the flattened arrays of :meth:`elements`."""
+    def gauss_indices(self) -> Integers:
+        """Return the indices of all Gauss points, in the same order, in the flattened arrays of :meth:`elements`."""
 
     def elements(self) -> Elements:
         """Return all elements as one structure for compiled code."""
 
     def element_forces(self, elements: Elements, stages: int) -> ElementForces:
-        """Return what a collocation method asks for forces at the start and the stages of a step."""
+        """Return the internal forces at the start and the stages of a collocation step."""
 
     def element_number(self, part: int, element: int) -> int:
         """Return the number in :meth:`elements` of an element of the problem's element set ``part``."""
@@ -163,5 +163,5 @@ class System(Protocol):
     def gauss_positions(self) -> GaussPositions:
         """Return where the Gauss points are, in the same order."""
 
-    def worst_place(self, node: int) -> str:
+    def describe_node(self, node: int) -> str:
         """Describe a block row for messages: rod, element and arc length, body, joint, or rod with held strains."""

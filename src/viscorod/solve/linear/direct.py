@@ -49,7 +49,7 @@ class DirectSolver:
 
     @property
     def description(self) -> str:
-        """How matrices are factorised, in words."""
+        """The factorisation in words."""
         return self.plan.description
 
     def factorise(self, blocks: Floats) -> None:
@@ -100,7 +100,7 @@ class DirectSolver:
 
     @property
     def _condensed(self) -> int:
-        """How many unknowns are eliminated first."""
+        """Number of unknowns that are eliminated first."""
         return 6 * int(self.factors.groups[:, 0].sum())
 
 

@@ -19,7 +19,7 @@ class Fronts(NamedTuple):
 
 
 class Elimination(NamedTuple):
-    """What is eliminated and what remains.
+    """Eliminated groups and the remaining matrix.
 
     Attributes:
         fronts: the groups, by size.

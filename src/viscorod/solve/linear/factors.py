@@ -28,7 +28,7 @@ GROWN = -1
 
 
 class Factors(NamedTuple):
-    """What solutions need, for compiled code: the same types for all ways of factorisation.
+    """Factors for solutions in compiled code, of the same types for all ways of factorisation.
 
     Attributes:
         values: LU of the band with reciprocal pivots, or the sparse matrix; real or complex, as the next two.
@@ -104,7 +104,7 @@ def _largest(front: Floats, n: int, size: int) -> float:
 
 @part
 def _exceed(front: Floats, n: int, size: int, bound: float) -> bool:
-    """Whether what a group leaves has an entry above ``bound``, or one that is no number."""
+    """Return whether the Schur complement of a group has an entry above ``bound``, or one that is not a number."""
     count = 0
     for j in range(n, size):
         column = front[j * size :]

@@ -53,7 +53,7 @@ class Matrix:
 
     @cached_property
     def solver(self) -> DirectSolver:
-        """What factorises it, made when it is needed."""
+        """The direct solver, made when it is first needed."""
         return DirectSolver(Plan.of(self.pattern) if self._plan is None else self._plan())
 
     def clear(self) -> None:

@@ -1,4 +1,4 @@
-"""In which order the block rows of a matrix are eliminated: for a narrow band, or for little fill of a sparse LU."""
+"""Orders of elimination of the block rows of a matrix: for a narrow band, or for little fill of a sparse LU."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from viscorod.solve.linear.pattern import Pattern
 from viscorod.typing import Integers
 
 
-def reach(pattern: Pattern, order: Integers) -> int:
+def half_bandwidth(pattern: Pattern, order: Integers) -> int:
     """Return how many places apart coupled block rows are at most, if eliminated in an order ``(N,)``."""
     place = np.argsort(order)
     return int(np.abs(place[pattern.rows] - place[pattern.columns]).max(initial=0))
@@ -19,10 +19,10 @@ def band_order(pattern: Pattern) -> Integers:
     """Return an order ``(N,)`` with a narrow band: as numbered, or reverse Cuthill-McKee if that is narrower."""
     natural = np.arange(pattern.size)
     # whatever comes first couples with so many others, all of them after it
-    if reach(pattern, natural) < np.diff(pattern.starts).min(initial=pattern.size):
+    if half_bandwidth(pattern, natural) < np.diff(pattern.starts).min(initial=pattern.size):
         return natural
     found = cuthill_mckee(pattern)[::-1].copy()
-    return found if reach(pattern, found) < reach(pattern, natural) else natural
+    return found if half_bandwidth(pattern, found) < half_bandwidth(pattern, natural) else natural
 
 
 def cuthill_mckee(pattern: Pattern) -> Integers:

@@ -1,7 +1,7 @@
-"""Which 6x6 blocks a matrix has: one block row per node, and one per group of six multipliers.
+"""Pattern of the 6x6 blocks of a matrix: one block row per node, and one per group of six multipliers.
 
 All matrices of a model share one pattern, symmetric and sorted by columns. Their values are arrays ``(b, 6, 6)`` whose
-entry ``[s, j, i]`` stands in row i and column j of block ``s`` (column by column, as LAPACK has it).
+entry ``[s, j, i]`` is in row i and column j of block ``s`` (column by column, as LAPACK has it).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class Pattern(NamedTuple):
 
     Attributes:
         rows, columns: block row and block column of every block ``(b,)``, in order of columns, then rows.
-        starts: blocks ``starts[k]`` to ``starts[k + 1]`` stand in block column k ``(N + 1,)``.
+        starts: blocks ``starts[k]`` to ``starts[k + 1]`` are in block column k ``(N + 1,)``.
         across: number of the block (j, i) for the block (i, j) ``(b,)``.
         diagonal: numbers of the diagonal blocks ``(N,)``.
     """

@@ -1,4 +1,4 @@
-"""How the matrices of one pattern are factorised: chosen once, by estimated cost."""
+"""Plans to factorise the matrices of one pattern, chosen once by estimated cost."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from viscorod.solve.linear.elimination import Elimination
-from viscorod.solve.linear.ordering import band_order, reach, sparse_order
+from viscorod.solve.linear.ordering import band_order, half_bandwidth, sparse_order
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.typing import Integers
 
 NARROW = 12
-"""Bands that reach no farther (in block rows) are never wider than worth it: no sparse LU is tried."""
+"""Bands that half_bandwidth no farther (in block rows) are never wider than worth it: no sparse LU is tried."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Plan:
 
     Attributes:
         pattern: all blocks.
-        elimination: what is eliminated first, and what remains (``M`` block rows).
+        elimination: groups that are eliminated first, and the remaining matrix (``M`` block rows).
         order: the remaining block rows in the order of elimination ``(M,)``, numbers within what remains.
         banded: as a band; else as a sparse matrix.
         cost: estimated time [ns] of one real factorisation.
@@ -48,24 +48,24 @@ class Plan:
 
     @property
     def description(self) -> str:
-        """What is done, in words."""
+        """The plan in words."""
         unknowns = 6 * len(self.order)
         rest = f"band of half width {self.width}" if self.banded else f"sparse LU of {unknowns} unknowns"
         return f"element interiors condensed, {rest}" if self.elimination.fronts else rest
 
     @cached_property
     def plain(self) -> Plan:
-        """The cheapest way that eliminates nothing first; this one if it is."""
+        """The cheapest plan without prior elimination; this one if it has none."""
         return Plan.of(self.pattern) if self.elimination.fronts else self
 
     @cached_property
     def width(self) -> int:
-        """Half width of the band of what remains, in unknowns."""
-        return 6 * reach(self.elimination.remaining, self.order) + 5
+        """Half bandwidth of the remaining matrix, in unknowns."""
+        return 6 * half_bandwidth(self.elimination.remaining, self.order) + 5
 
     @cached_property
     def ordered(self) -> Pattern:
-        """The pattern of what remains, numbered in the order of elimination."""
+        """The pattern of the remaining matrix, numbered in the order of elimination."""
         remaining = self.elimination.remaining
         place = np.argsort(self.order)
         return Pattern.of(
@@ -79,9 +79,9 @@ class Plan:
 
     @cached_property
     def targets(self) -> Integers:
-        """Where the remaining blocks stand in the values of the band or the sparse matrix ``(c, 2)``.
+        """Positions of the remaining blocks in the values of the band or the sparse matrix ``(c, 2)``.
 
-        Entry (i, j) of block s stands at ``targets[s, 0] + j * targets[s, 1] + i``.
+        Entry (i, j) of block s is at ``targets[s, 0] + j * targets[s, 1] + i``.
         """
         rows, columns, starts = self.ordered[:3]
         if self.banded:
@@ -93,7 +93,7 @@ class Plan:
 
     @cached_property
     def kept(self) -> Integers:
-        """Blocks that remain: their number in the pattern, and in what remains ``(c, 2)``."""
+        """Remaining blocks: their number in the pattern, and in that of the remaining matrix ``(c, 2)``."""
         place = self._place()
         rows, columns = place[self.pattern.rows], place[self.pattern.columns]
         slots = np.flatnonzero((rows >= 0) & (columns >= 0))
@@ -141,7 +141,7 @@ def plans(pattern: Pattern, interiors: Iterable[Integers] = ()) -> Iterator[Plan
     for elimination in (alone, condensed) if condensed.fronts else (alone,):
         rest = elimination.remaining
         order = band_order(rest)
-        far, n = reach(rest, order), 6 * rest.size
+        far, n = half_bandwidth(rest, order), 6 * rest.size
         before = elimination.cost
         yield Plan(pattern, elimination, order, True, before + _band_cost(n, 6 * far + 5))
         if far > NARROW:

@@ -1,4 +1,4 @@
-"""What a factorisation says of a matrix that has no inverse."""
+"""The error of a factorisation that meets a singular matrix."""
 
 from __future__ import annotations
 

@@ -27,7 +27,7 @@ SHORTEST = 1e-4
 
 @dataclass(frozen=True)
 class Pencil:
-    """What depends on ``s`` in small motions with Maxwell branches."""
+    """The matrices of small motions with Maxwell branches as a function of ``s``."""
 
     stiffness: sparse.csr_array
     damping: sparse.csr_array
@@ -66,7 +66,7 @@ def branch_stiffness(system: System, memory: DashpotMemory, state: State) -> lis
     return found
 
 
-def follow(pencil: Pencil, s: complex, vector: np.ndarray) -> tuple[complex, np.ndarray]:
+def follow_mode(pencil: Pencil, s: complex, vector: np.ndarray) -> tuple[complex, np.ndarray]:
     """Return the eigenvalue [1/s] and the eigenvector that ``s`` and ``vector`` of the relaxed rods become.
 
     NaN if it is lost: where a vibration is overdamped by its branches, it ends among their real roots.
@@ -86,7 +86,7 @@ def follow(pencil: Pencil, s: complex, vector: np.ndarray) -> tuple[complex, np.
 
 
 def _refine(pencil: Pencil, s: complex, vector: np.ndarray, part: float) -> tuple[complex, np.ndarray] | None:
-    """Newton's method for the eigenvalue and the vector (inverse iteration); None if it does not converge nearby."""
+    """Find eigenvalue and vector by Newton's method (inverse iteration); None if it does not converge nearby."""
     import scipy.sparse.linalg as spla
 
     start = s

@@ -1,8 +1,7 @@
 """Small vibrations about an equilibrium: natural frequencies, damping ratios and shapes.
 
-The pencil ``s^2 M + s D + K`` is solved for ``1/(s - s0)``, so that the slow modes come out to full relative
-accuracy however
-stiff the fast ones are.
+The pencil ``s^2 M + s D + K`` is solved for ``1/(s - s0)``, so that the slow modes come out to full relative accuracy
+however stiff the fast ones are.
 """
 
 from __future__ import annotations
@@ -20,7 +19,7 @@ from viscorod.solve.constraints.null_space import null_space
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import StationReader
 from viscorod.solve.linear.matrix import Matrix
-from viscorod.solve.modes.maxwell_modes import Pencil, branch_stiffness, follow
+from viscorod.solve.modes.maxwell_modes import Pencil, branch_stiffness, follow_mode
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
@@ -37,7 +36,7 @@ class Linearisation:
     """Matrices of small motions about an equilibrium in the motions the supports allow: ``M x'' + D x' + K x = 0``.
 
     Displacements are measured in lengths of the model; ``basis`` maps them to nodal body increments ``(6 n, free)``.
-    ``gradients`` ``(rows, free)`` are those of conditions that motions fulfil besides; None where the basis sees to it.
+    ``gradients`` ``(rows, free)`` are those of further conditions on the motions; None where the basis fulfils them.
     """
 
     stiffness: sparse.csr_array
@@ -48,11 +47,11 @@ class Linearisation:
 
     @property
     def motions(self) -> int:
-        """How many motions the conditions allow, none of which depends on others."""
+        """Number of independent motions that the conditions allow."""
         return int(self.mass.shape[0] - (0 if self.gradients is None else self.gradients.shape[0]))
 
     def unconditional(self) -> Linearisation:
-        """The same in an orthonormal basis, full, of the motions that fulfil the conditions."""
+        """Return the same in a full orthonormal basis of the motions that fulfil the conditions."""
         if self.gradients is None:
             return self
         Z = null_space(self.gradients)
@@ -64,7 +63,7 @@ class Linearisation:
         return Linearisation(K, D, M, sparse.csc_array(self.basis @ Z), None)
 
     def solver(self, matrix: sparse.csr_array) -> Callable[[Floats], Floats]:
-        """What solves systems with a matrix like the stiffness, within the conditions.
+        """Return a solver of systems with a matrix like the stiffness, within the conditions.
 
         Raises:
             SolveError: it is singular.
@@ -83,7 +82,7 @@ class Modes:
     """Modes in order of frequency.
 
     Motions that the material overdamps creep back at rates that crowd near one over its retardation time. In models of
-    more than some hundred motions they cannot be told apart, and are left out.
+    more than some hundred motions they cannot be separated, and are left out.
 
     Attributes:
         eigenvalues: s in ``exp(s t)`` [1/s], one of each conjugate pair (Im >= 0); overdamped modes give two real ones.
@@ -150,9 +149,9 @@ def _largest(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the ``count`` largest eigenvalues of an operator in size, and their vectors.
 
-    Round-off of a long, slender rod may leave fewer digits than are asked for first, and less is asked for then. Before
-    many digits are given up, fewer eigenvalues are: those that crowd cannot be told apart (see :class:`Modes`). The
-    start is the same each time, lest digits depend on chance.
+    Round-off of a long, slender rod may leave fewer digits than are wanted first; the tolerance is then relaxed. Before
+    many digits are given up, fewer eigenvalues are: those that crowd cannot be separated (see :class:`Modes`). The
+    start is the same each time, so that digits do not depend on chance.
 
     Args:
         apply: the operator; size: of its vectors; count: of eigenvalues; least: how many of them will do.
@@ -167,7 +166,7 @@ def _largest(
     space = min(size, max(2 * count + 1, 20))
 
     def search(wanted: int, tolerance: float) -> tuple[tuple[np.ndarray, np.ndarray] | None, int]:
-        """Eigenvalues and vectors if all were found, and how many were."""
+        """Return eigenvalues and vectors if all were found, and how many were."""
         try:
             found = spla.eigs(operator, wanted, ncv=space, v0=start, tol=tolerance, maxiter=RESTARTS)
         except spla.ArpackNoConvergence as error:
@@ -194,7 +193,7 @@ def _largest(
 
 
 def _factored(matrix: sparse.csc_array) -> Any:
-    """The factors of a matrix that is regular unless stiffnesses differ by more than numbers have digits."""
+    """Factorise a matrix that is regular unless stiffnesses differ by more than double precision resolves."""
     import scipy.sparse.linalg as spla
 
     try:
@@ -205,7 +204,7 @@ def _factored(matrix: sparse.csc_array) -> Any:
 
 def _beyond_precision() -> SolveError:
     return SolveError(
-        "Small vibrations cannot be told: stiffnesses differ by more than double precision holds; check that "
+        "Small vibrations cannot be computed: stiffnesses differ by more than double precision holds; check that "
         "lengths, sections and moduli are in SI units"
     )
 
@@ -245,7 +244,7 @@ def complex_modes(solver: StaticSolver, state: State, linear: Linearisation, cou
 
 
 def _shift(linear: Linearisation) -> float:
-    """Where the pencil is solved [1/s]: 0, or beside it where free motions make the stiffness singular."""
+    """Return the shift of the pencil [1/s]: 0, or near it where free motions make the stiffness singular."""
     import scipy.sparse.linalg as spla
 
     K, M = linear.stiffness, linear.mass
@@ -278,7 +277,7 @@ def _with_branches(
     pencil = Pencil(linear.stiffness, linear.damping, linear.mass, branches, system.relaxation.times)
     highest = float(np.abs(s).max(initial=0.0))
     found = [
-        follow(pencil, complex(root), vector) if abs(root) > 1e-6 * highest else (complex(root), vector)
+        follow_mode(pencil, complex(root), vector) if abs(root) > 1e-6 * highest else (complex(root), vector)
         for root, vector in zip(s, vectors.T, strict=True)
     ]
     values = np.array([root for root, _ in found])
@@ -290,7 +289,7 @@ def _with_branches(
 def _shapes(
     solver: StaticSolver, state: State, linear: Linearisation, vectors: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Displacements and rotations of the stations for eigenvectors in the free motions."""
+    """Return displacements and rotations of the stations for eigenvectors in the free motions."""
     reader = StationReader(solver.system.problem)
     shapes, rotations = [], []
     for vector in (linear.basis @ vectors).T:
@@ -302,7 +301,7 @@ def _shapes(
         peak = shape.ravel()[np.argmax(np.abs(shape))]
         if np.abs(peak) < 1e-12 * np.abs(turn).max():  # pure twisting
             peak = turn.ravel()[np.argmax(np.abs(turn))]
-        if peak == 0.0:  # only what is no rod moves
+        if peak == 0.0:  # only bodies move
             peak = 1.0
         shapes.append(shape / peak)
         rotations.append(turn / peak)

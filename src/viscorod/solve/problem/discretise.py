@@ -14,7 +14,7 @@ from viscorod.model.connections.place import AnyPlace, BodyPlace
 from viscorod.model.connections.resolved_places import find, required_breaks
 from viscorod.model.connections.support_base import ResolvedSupport
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.solve.constraints.strain_multipliers import held_cliques, held_strains
+from viscorod.solve.constraints.strain_multipliers import held_strains, multiplier_cliques
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem.joint_set import joint_set
 from viscorod.solve.problem.load_placing import place_loads
@@ -48,7 +48,7 @@ def discretise(model: ModelDescription, *, validated: bool = False) -> Problem:
         mesh.quaternions,
         length,
     )
-    held_members, held_rows = held_cliques(mesh, nodes + joints.blocks)
+    held_members, held_rows = multiplier_cliques(mesh, nodes + joints.blocks)
     elements = [element_nodes(shared, m.order) for m, shared in zip(mesh.rods, mesh.shared, strict=True)]
     multipliers = joints.blocks + held_rows
     pattern = Pattern.of(nodes + multipliers, [*elements, *joints.cliques(nodes), *held_members])
@@ -112,7 +112,7 @@ def _mesh(model: ModelDescription) -> Mesh:
 
 
 def _interiors(mesh: Mesh, elements: list[Integers]) -> tuple[Integers, ...]:
-    """Inner nodes of elements ``(elements, order - 1)``; where joints and supports act, elements end.
+    """Return the inner nodes of elements ``(elements, order - 1)``; where joints and supports act, elements end.
 
     Where strains are held, their multipliers keep the inner nodes in place: by themselves these have no stiffness.
     """
@@ -170,7 +170,7 @@ def _supports(model: ModelDescription, placement: Placement) -> SupportSet:
 def _times(
     model: ModelDescription, motions: list[TimeFunction]
 ) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
-    """Times that steps must hit, those at which the integrator must start anew, and load periods."""
+    """Return times that steps must hit, those at which the integrator must start anew, and load periods."""
     corners: set[float] = set()
     jumps: set[float] = set()
     functions: list[TimeFunction | None] = [load.time for load in model.loads]
@@ -189,7 +189,7 @@ def _times(
 
 
 def _initial_twist(model: ModelDescription, places: Placement) -> Callable[[Floats, Floats], Floats]:
-    """Body twists of all nodes as a function of their poses, from the given velocities."""
+    """Return the body twists of all nodes as a function of their poses, from the given velocities."""
     mesh = places.mesh
 
     def twists(r: Floats, q: Floats) -> Floats:

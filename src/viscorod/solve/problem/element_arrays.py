@@ -41,7 +41,7 @@ def gauss_positions(sets: tuple[ElementSet, ...]) -> tuple[Integers, GaussPositi
     )
 
 
-def gauss_places(sets: tuple[ElementSet, ...]) -> Integers:
+def gauss_indices(sets: tuple[ElementSet, ...]) -> Integers:
     """Return where all Gauss points are in the flattened arrays of :func:`all_elements`, set by set."""
     top = max(e.order for e in sets)
     places, first = [], 0

@@ -35,7 +35,7 @@ class LoadState:
 
     @property
     def none(self) -> bool:
-        """Whether nothing acts."""
+        """True if nothing acts."""
         return len(self.nodes) == 0 and not self.stations
 
 

@@ -28,7 +28,7 @@ class Coordinate(NamedTuple):
 
     Attributes:
         joint: number of the joint; word: motion word; kind, geometry: see ``mechanics.joints.joint_coordinates``.
-        held: whether a multiplier holds it; motion: what it follows then, None for the reference value.
+        held: a multiplier holds it; motion: that it follows then, None for the reference value.
         stiffness, damping, rest: of a spring.
     """
 
@@ -50,9 +50,9 @@ class JointSet:
     Attributes:
         names: of the joints and springs.
         joint: which of them every coordinate belongs to ``(c,)``; words: the coordinates' motion words.
-        arrays: what kernels need.
+        arrays: for kernels.
         blocks: number of block rows of multipliers; row: block row of the multipliers of every joint, -1 for none.
-        unit: what a gap of every coordinate is measured in ``(c,)``: a length for displacements, 1 for rotations.
+        unit: unit of the gap of every coordinate ``(c,)``: a length for displacements, 1 for rotations.
         motions: coordinates that follow functions of time.
         laws: Python functions, or None for the numbers in ``arrays``, of every law (force and damping force).
     """
@@ -73,15 +73,15 @@ class JointSet:
         return len(self.words)
 
     @property
-    def pulls(self) -> np.ndarray:
-        """Which coordinates have springs, numbers or functions ``(c,)``; dampers do not hold anything."""
+    def has_spring(self) -> np.ndarray:
+        """Mask of the coordinates with springs, numbers or functions ``(c,)``; dampers do not hold anything."""
         found: np.ndarray = self.arrays.stiffness != 0.0
         for c in np.flatnonzero(self.arrays.law >= 0):
             stiffness = self.laws[self.arrays.law[c]][0]
             found[c] = callable(stiffness) or stiffness != 0.0
         return found
 
-    def measured(
+    def measure(
         self, r: Floats, q: Floats, twist: Floats, near: Floats | None = None
     ) -> tuple[Floats, Floats, Floats]:
         """Return values and rates ``(c,)`` and gradients ``(c, 12)`` of all coordinates; see ``joints.measure``."""
@@ -144,11 +144,11 @@ def joint_set(
         carrier = GROUND if part.b is None else node_of(part.b)
         moved = node_of(part.a)
         ends.append((carrier, moved))
-        seat = _JointEnd.of(carrier, _seated(part), moved, part.at_a, positions, quaternions)
+        geometry = _JointEnd.of(carrier, _reference_point(part), moved, part.at_a, positions, quaternions)
         if isinstance(part, ResolvedJoint):
-            found += _of_joint(number, part, seat)
+            found += _of_joint(number, part, geometry)
         else:
-            found += _of_spring(number, part, seat)
+            found += _of_spring(number, part, geometry)
     count = len(found)
     place, row = np.full(count, -1, dtype=np.int64), np.full(len(ends), -1, dtype=np.int64)
     taken = [0] * len(ends)
@@ -198,7 +198,7 @@ def joint_set(
     )
 
 
-def _seated(part: ResolvedJoint | ResolvedSpring) -> Floats:
+def _reference_point(part: ResolvedJoint | ResolvedSpring) -> Floats:
     """Return the point of b that free displacements of a are measured from: they are 0 in the reference shape."""
     if part.kind == "line":
         return part.at_b
@@ -210,7 +210,7 @@ def _seated(part: ResolvedJoint | ResolvedSpring) -> Floats:
 
 @dataclass(frozen=True)
 class _JointEnd:
-    """Where a joint sits in its two nodes: points and global axes turned into node axes."""
+    """Points and axes of a joint in the axes of its two nodes."""
 
     rho: tuple[Floats, Floats]
     turn: tuple[Floats, Floats]
@@ -240,7 +240,7 @@ class _JointEnd:
         return out
 
 
-def _of_joint(number: int, joint: ResolvedJoint, seat: _JointEnd) -> list[Coordinate]:
+def _of_joint(number: int, joint: ResolvedJoint, ends: _JointEnd) -> list[Coordinate]:
     frame = joint.frame
 
     def coordinate(word: str, kind: int, geometry: Floats) -> Coordinate:
@@ -258,50 +258,50 @@ def _of_joint(number: int, joint: ResolvedJoint, seat: _JointEnd) -> list[Coordi
         )
 
     found = [
-        coordinate(word, kinds.TRANSLATION, seat.row((frame[:, i], frame[:, i])))
+        coordinate(word, kinds.TRANSLATION, ends.row((frame[:, i], frame[:, i])))
         for i, word in enumerate(MOTIONS[:3])
     ]
-    turning = [i for i, word in enumerate(MOTIONS[3:]) if word in joint.free]
+    free = [i for i, word in enumerate(MOTIONS[3:]) if word in joint.free]
     acting = {*joint.stiffness, *joint.damping, *joint.motion}
-    for word, kind, geometry in _rotations(turning, frame, seat):
-        if len(turning) < 3 or word in acting:  # rotation vectors do not count turns: asked for only
+    for word, kind, geometry in _rotations(free, frame, ends):
+        if len(free) < 3 or word in acting:  # rotation vectors do not count turns: only on request
             found.append(coordinate(word, kind, geometry))
     return found
 
 
-def _rotations(turning: list[int], frame: Floats, seat: _JointEnd) -> list[tuple[str, int, Floats]]:
-    """Coordinates of the rotations of a joint, of which ``turning`` are free, by word."""
+def _rotations(free: list[int], frame: Floats, ends: _JointEnd) -> list[tuple[str, int, Floats]]:
+    """Return the coordinates of the rotations of a joint, of which ``free`` are free, by word."""
     words = MOTIONS[3:]
-    if len(turning) == 3:
-        return [(words[i], kinds.ROTATION, seat.row(axes=frame, component=i)) for i in range(3)]
-    if not turning:
+    if len(free) == 3:
+        return [(words[i], kinds.ROTATION, ends.row(axes=frame, component=i)) for i in range(3)]
+    if not free:
         # each product of two axes is changed by a rotation about the third
         pairs = (((i + 1) % 3, (i + 2) % 3, i) for i in range(3))
         return [
-            (words[about], kinds.ALIGNMENT, seat.row((frame[:, i], frame[:, j]))) for i, j, about in pairs
+            (words[about], kinds.ALIGNMENT, ends.row((frame[:, i], frame[:, j]))) for i, j, about in pairs
         ]
-    if len(turning) == 1:
-        k = turning[0]
+    if len(free) == 1:
+        k = free[0]
         i, j = (k + 1) % 3, (k + 2) % 3
         x, y, z = frame[:, i], frame[:, j], frame[:, k]
         return [
-            (words[j], kinds.ALIGNMENT, seat.row((x, z))),
-            (words[i], kinds.ALIGNMENT, seat.row((y, z))),
-            (words[k], kinds.ANGLE, seat.row((y, x), (x, x))),
+            (words[j], kinds.ALIGNMENT, ends.row((x, z))),
+            (words[i], kinds.ALIGNMENT, ends.row((y, z))),
+            (words[k], kinds.ANGLE, ends.row((y, x), (x, x))),
         ]
     # two: the later axis is carried by a (the model's b), the earlier one by b, and both stay perpendicular
-    second, first = turning
+    second, first = free
     third = 3 - first - second
     f, s = frame[:, first], frame[:, second]
     t = np.cross(f, s)
     return [
-        (words[third], kinds.ALIGNMENT, seat.row((f, s))),
-        (words[first], kinds.ANGLE, seat.row((t, s), (s, s))),
-        (words[second], kinds.ANGLE, seat.row((f, t), (f, f))),
+        (words[third], kinds.ALIGNMENT, ends.row((f, s))),
+        (words[first], kinds.ANGLE, ends.row((t, s), (s, s))),
+        (words[second], kinds.ANGLE, ends.row((f, t), (f, f))),
     ]
 
 
-def _of_spring(number: int, spring: ResolvedSpring, seat: _JointEnd) -> list[Coordinate]:
+def _of_spring(number: int, spring: ResolvedSpring, ends: _JointEnd) -> list[Coordinate]:
     words = [word for word in MOTIONS if word in {*spring.stiffness, *spring.damping}]
 
     def coordinate(word: str, kind: int, geometry: Floats, rest: float) -> Coordinate:
@@ -309,15 +309,15 @@ def _of_spring(number: int, spring: ResolvedSpring, seat: _JointEnd) -> list[Coo
         return Coordinate(number, word, kind, geometry, False, None, law, loss, rest)
 
     if spring.kind == "line":
-        return [coordinate(words[0], kinds.DISTANCE, seat.row(), spring.length)]
+        return [coordinate(words[0], kinds.DISTANCE, ends.row(), spring.length)]
     found = []
     for word in words:
         i = MOTIONS.index(word)
         axis = spring.frame[:, i % 3]
         kind, row = (
-            (kinds.TRANSLATION, seat.row((axis, axis)))
+            (kinds.TRANSLATION, ends.row((axis, axis)))
             if i < 3
-            else (kinds.ROTATION, seat.row(axes=spring.frame, component=i - 3))
+            else (kinds.ROTATION, ends.row(axes=spring.frame, component=i - 3))
         )
         found.append(coordinate(word, kind, row, spring.rest.get(word, 0.0)))
     return found

@@ -34,7 +34,7 @@ class RodMesh:
     quaternions: Floats
 
     def node_at(self, s: float) -> int | None:
-        """Index (within the rod) of the node at arc length ``s`` [m], or None between nodes."""
+        """Return the index (within the rod) of the node at arc length ``s`` [m], or None between nodes."""
         node = int(np.argmin(np.abs(self.s - s)))
         return node if abs(self.s[node] - s) <= 1e-9 * self.rod.length else None
 
@@ -61,7 +61,7 @@ class Mesh:
         return {mesh.name: i for i, mesh in enumerate(self.rods)}
 
     def rod_index(self, name: str) -> int:
-        """Index of a rod by name."""
+        """Return the index of a rod by name."""
         return self._index[name]
 
 
@@ -118,17 +118,17 @@ def _distinct(stations: list[float], length: float) -> Floats:
 
 def _require_turns(name: str, rod: Rod, s: Floats, count: int) -> None:
     """Refuse nodes between which the frame turns so far that it might as well have turned the other way."""
-    turning = np.diff(rod.turned(s))
-    worst = int(np.argmax(turning))
-    if turning[worst] >= np.pi:
-        needed = int(np.ceil(count * turning[worst]))
+    turn = np.diff(rod.turned(s))
+    worst = int(np.argmax(turn))
+    if turn[worst] >= np.pi:
+        needed = int(np.ceil(count * turn[worst]))
         given = rod.elements is not None
         raise InputError(
             Fault(
                 f"rods.{name}.elements",
                 str(rod.elements) if given else "",
                 f"too few: between the nodes at s = {s[worst]:.6g} and {s[worst + 1]:.6g} m the reference shape turns "
-                f"by {turning[worst]:.3g} rad, and beyond half a turn an element cannot tell which way",
+                f"by {turn[worst]:.3g} rad, and beyond half a turn an element cannot tell which way",
                 f"give at least {needed}{', or leave it out' if given else ''}",
             )
         )
@@ -197,7 +197,7 @@ def element_nodes(nodes: Integers, order: int) -> Integers:
 
 
 def stations_of(mesh: Mesh) -> Stations:
-    """All element nodes, rod by rod."""
+    """Return all element nodes, rod by rod."""
     return Stations(
         rod=np.concatenate([np.full(len(m.s), i, dtype=np.int64) for i, m in enumerate(mesh.rods)]),
         s=np.concatenate([m.s for m in mesh.rods]),
@@ -241,7 +241,7 @@ class SectionTable:
 
 
 def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], Floats, Floats]:
-    """Element arrays grouped by order, nodal masses ``(n, 6, 6)`` lumped at Gauss-Lobatto nodes, relaxation times."""
+    """Return element arrays by order, nodal masses ``(n, 6, 6)`` lumped at Gauss-Lobatto nodes, relaxation times."""
     mass = np.zeros((len(mesh.positions), 6, 6))
     for node, body in enumerate(mesh.bodies):
         mass[node] = body.mass_matrix()
@@ -321,7 +321,7 @@ def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], 
 
 
 def link_matrix(mesh: Mesh, link: int) -> Floats:
-    """Body increment of an attached end per increment of the shared node ``(6, 6)``."""
+    """Return the body increment of an attached end per increment of the shared node ``(6, 6)``."""
     X = np.empty((6, 6))
     link_map(mesh.link_positions[link], mesh.link_quaternions[link], X)
     return X

@@ -46,12 +46,12 @@ class ElementSet:
 
     @property
     def damped(self) -> bool:
-        """Whether any section has viscosity."""
+        """True if any section has viscosity."""
         return bool(np.any(self.damping != 0.0))
 
     @property
     def coupled(self) -> bool:
-        """Whether any section couples different strains; kernels skip the off-diagonals otherwise."""
+        """True if any section couples different strains; kernels skip the off-diagonals otherwise."""
         off = ~np.eye(6, dtype=bool)
         matrices = (self.stiffness, self.damping, self.branches.reshape(-1, 6, 6))
         return any(bool(np.any(matrix[:, off] != 0.0)) for matrix in matrices)
@@ -82,7 +82,7 @@ class SupportSet:
 
     @property
     def in_body(self) -> np.ndarray:
-        """Whether each support holds velocities along the axes of the moving section ``(m,)``."""
+        """Mask of the supports that hold velocities along the axes of the moving section ``(m,)``."""
         return np.asarray(~self.axes.any(axis=(1, 2)))
 
 
@@ -187,15 +187,15 @@ class Problem:
 
     @property
     def constrained(self) -> bool:
-        """Whether there are joints, springs or held strains."""
+        """True if there are joints, springs or held strains."""
         return self.joints.count > 0 or len(self.held.place) > 0
 
     @property
     def relaxing(self) -> bool:
-        """Whether any section has Maxwell branches."""
+        """True if any section has Maxwell branches."""
         return len(self.relaxation_times) > 0
 
     @cached_property
     def plan(self) -> Plan:
-        """How all matrices are factorised."""
+        """The plan by which all matrices are factorised."""
         return Plan.of(self.pattern, self.interiors)

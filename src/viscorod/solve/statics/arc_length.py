@@ -29,10 +29,10 @@ SHARPEST_TURN = 0.9
 LARGEST_GAP = 2.0
 """Largest distance between two points over the difference of their distances from a third one before them."""
 HALVINGS = 24
-"""How often the step is halved that contains a limit point or a bifurcation."""
+"""Halvings of a step that contains a limit point or a bifurcation."""
 SECANTS = 30
 LINEAR = 1e-3
-"""Change of the load factor, as a part of its unit, that tells the change of the imbalance."""
+"""Change of the load factor, as a part of its unit, by which the imbalance is differenced."""
 
 
 class Direction(NamedTuple):
@@ -66,7 +66,7 @@ Ending = Callable[[PathPoint], float]
 
 @dataclass
 class Path:
-    """How a path was followed.
+    """Course of a path.
 
     Attributes:
         outcome: COMPLETED, POINTS (as many as allowed), or why it could not be followed further.
@@ -86,7 +86,7 @@ class Path:
 
 
 class PathFollower:
-    """Follows the equilibria of a model from the unloaded one on, whether loads grow or shrink on the way.
+    """Follows the equilibria of a model from the unloaded one on, while loads grow or shrink.
 
     A point at the distance s from the last one, whose unit direction is t, fulfils the balance and t . (u, factor) = s.
     The bordered system is solved with two right sides and the factors of the tangent stiffness alone (Riks; Crisfield).
@@ -161,7 +161,7 @@ class PathFollower:
             reached = self.step(at, step)
             if reached is None:
                 path.rejected += 1
-                step *= 0.45  # no even part, lest the end stay where the matrix is singular
+                step *= 0.45  # not one half, or the end might stay where the matrix is singular
                 if step < SMALLEST * largest:
                     path.outcome = path.report.outcome if path.report is not None else Outcome.SINGULAR
                     return
@@ -201,11 +201,11 @@ class PathFollower:
         try:
             plain, per_factor = self._solve(trial, factor)
             while True:
-                static.go_on()
-                lacking = distance - self._inner(at.forward, Direction(total, factor - at.factor))
+                static.check_interrupt()
+                missing = distance - self._inner(at.forward, Direction(total, factor - at.factor))
                 along = self._inner(at.forward, Direction(plain[: problem.size], 0.0))
                 rate = self._inner(at.forward, Direction(per_factor[: problem.size], 1.0))
-                change = (lacking - along) / rate
+                change = (missing - along) / rate
                 increment = plain + change * per_factor
                 count += 1
                 verdict, size = convergence.judge(increment[: problem.size], count)
@@ -348,8 +348,8 @@ class PathFollower:
                 low, last, first = middle, point, point.change
             else:
                 high, known, after, end = middle, middle, point, point.change
-            apart = Direction(end.increment - first.increment, end.factor - first.factor)
-            if np.sqrt(self._inner(apart, apart)) > LARGEST_GAP * (known - low):
+            gap = Direction(end.increment - first.increment, end.factor - first.factor)
+            if np.sqrt(self._inner(gap, gap)) > LARGEST_GAP * (known - low):
                 return None
             if halving >= 10 and known - low > 0.01 * step:
                 return None

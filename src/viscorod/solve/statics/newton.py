@@ -13,7 +13,7 @@ from viscorod.typing import Floats
 
 
 class Outcome(Enum):
-    """How an iteration or a run ended; the value says what it means."""
+    """Outcome of an iteration or a run, with its meaning as value."""
 
     CONVERGED = "converged"
     COMPLETED = "completed"
@@ -22,12 +22,12 @@ class Outcome(Enum):
     SINGULAR = "the tangent matrix is singular"
     NOT_FINITE = "a force became infinite or undefined"
     BROKEN = "a rod is stretched or sheared to a hundred times its length"
-    TOO_SMALL = "the motion asks for steps too small to ever reach the end"
-    POINTS = "the path has as many points as were asked for"
+    TOO_SMALL = "the motion needs steps too small to ever reach the end"
+    POINTS = "the path has as many points as are allowed"
     INTERRUPTED = "the run was stopped"
 
     def advice(self, *, static: bool) -> str:
-        """What to try."""
+        """Return advice on what to try."""
         if self is Outcome.NOT_FINITE:
             return "check the magnitudes of loads, motions and stiffnesses, and what functions of time return"
         if self is Outcome.BROKEN:
@@ -51,7 +51,7 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class NewtonReport:
-    """What one Newton solution did.
+    """Report of one Newton solution.
 
     Attributes:
         outcome: CONVERGED or the reason of failure.
@@ -69,14 +69,14 @@ class NewtonReport:
 
     @property
     def converged(self) -> bool:
-        """Whether the solution is good."""
+        """True if the balance is solved."""
         return self.outcome is Outcome.CONVERGED
 
 
 class Convergence:
     """Decides after each increment whether to stop: small increments of displacements (over the length) and rotations.
 
-    A residual test would ask for more digits than a slender rod has: the axial force of exact positions, rounded to
+    A residual test would need more digits than a slender rod has: the axial force of exact positions, rounded to
     double precision, is EA times 1e-16, which may exceed any bending force. The increment is free of that, because the
     noise is balanced by displacements of the size of the rounding itself.
     """

@@ -26,7 +26,7 @@ from viscorod.solve.statics.tangent import Tangent
 
 @dataclass
 class StaticPath:
-    """The solution of a static analysis and how it was reached.
+    """The solution of a static analysis and the steps to it.
 
     Attributes:
         outcome: COMPLETED, or why the last load step failed.
@@ -72,8 +72,8 @@ class StaticSolver:
         self.iterations = iterations
         self.stop = stop
 
-    def go_on(self) -> None:
-        """Do nothing, unless the solution is to stop.
+    def check_interrupt(self) -> None:
+        """Raise where the solution is to stop; called in every iteration.
 
         Raises:
             KeyboardInterrupt: it is; as if asked from the keyboard, with the reason.
@@ -160,7 +160,7 @@ class StaticSolver:
             return NewtonReport(outcome, count, size, imbalance, node)
 
         while True:
-            self.go_on()
+            self.check_interrupt()
             system.assemble(state, loads, None, tangent=True, moving=False)
             residual = system.residual()
             if not np.isfinite(residual).all():
@@ -191,7 +191,7 @@ class StaticSolver:
         self.system.constraints.update(t, before, scale)
         self.system.assemble(state, self.loads.at(t, before, scale), None, tangent=False, moving=False)
         self.system.reset_stress()
-        self.system.constraints.settle()
+        self.system.constraints.track_angles()
         residual = self.system.residual()
         self.supports.impose(state, residual, self.system.matrix, tangent=False)
 
@@ -200,14 +200,8 @@ class StaticSolver:
         system, supports = self.system, self.supports
         self.restore(state, t, before=before, scale=scale)
         system.assemble(state, self.loads.at(t, before, scale), None, tangent=True, moving=False)
-        residual = system.residual()
-        supports.impose(state, residual, system.matrix, tangent=True)
-        size, free = 6 * system.problem.size, supports.free_rows()
-        # displacements over the length of the model are comparable with rotations, whatever the unit of length
-        unit = sparse.diags_array(np.where(free % 6 < 3, system.problem.length, 1.0))
-        basis = sparse.csc_array(supports.free_basis(state) @ unit)
-        stiffness = unit @ (system.matrix.sparse()[:size, :size] @ basis)[free]
+        stiffness, basis = supports.reduce_tangent(state, system.residual(), system.matrix)
         gradients = None
         if system.constraints.rows:
             gradients = unit_rows(sparse.csr_array(system.constraint_gradients(state) @ basis))
-        return Tangent(sparse.csr_array(stiffness), basis, gradients)
+        return Tangent(stiffness, basis, gradients)

@@ -73,7 +73,7 @@ def _beside_conditions(stiffness: sparse.csc_array, gradients: sparse.csr_array)
 
 
 def _pivots(matrix: sparse.csc_array, order: str) -> np.ndarray | None:
-    """Pivots of a symmetric matrix without row exchanges; None if one vanishes.
+    """Return the pivots of a symmetric matrix without row exchanges; None if one vanishes.
 
     By Sylvester's law of inertia their signs are those of the eigenvalues, and unlike the eigenvalues themselves they
     do not drown in the round-off of the stiffest directions.

@@ -1,4 +1,4 @@
-"""Newton's method on steady rotations, and the ways to one: along a measure, and up a bent branch."""
+"""Newton's method on steady rotations, and continuation: along a measure, and along a branch of bent shapes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscorod.solve.steady.equations import Measure, SteadyEquations, least_squares
+from viscorod.solve.steady.steady_equations import Measure, SteadyEquations, least_squares
 
 TOLERANCE = 1e-10
 """Last change of the unknowns, in sizes of theirs."""
@@ -16,7 +16,7 @@ SMALLEST_STEP = 1.0 / 1024.0
 STALLED = 1e-5
 """Change below which round-off of a stiff rod may keep changes from shrinking further."""
 LARGEST_GAP = 1e-4
-"""Imbalance, as a part of the forces that balance, beyond which a state that no longer changes is no solution;
+"""Imbalance, as a part of the forces that balance, beyond which a state that no longer changes is not a solution;
 round-off of positions is multiplied by the stiffness against stretching."""
 GROWTH = 2.0
 """Growth of the elastic energy from one state of a bent branch to the next."""
@@ -28,39 +28,39 @@ DOWN = 16
 
 @dataclass
 class IterationCounts:
-    """What a search took.
+    """Iterations of a search, and how to interrupt it.
 
     Attributes:
-        go_on: called in every iteration; raises what ends the search.
+        check_interrupt: called in every iteration; raises what ends the search.
         iterations: so far; gap: imbalance of the last solution.
     """
 
-    go_on: Callable[[], None]
+    check_interrupt: Callable[[], None]
     iterations: int = 0
     gap: float = np.inf
 
 
 def newton(equations: SteadyEquations, kind: Measure, target: float, effort: IterationCounts) -> bool:
     """Solve for the steady rotation whose measure has a value; False, with the unknowns restored, if that fails."""
-    kept = equations.keep()
+    kept = equations.save()
     if kind == "spin":
         equations.set_spin(target)
     before, smallest = np.inf, np.inf
     with np.errstate(all="ignore"):
         for _ in range(ITERATIONS):
-            effort.go_on()
+            effort.check_interrupt()
             balance = equations.balance()
             value, slope = equations.measure(kind)
             if not (np.isfinite(balance.matrix).all() and np.isfinite(slope).all()):
                 break
-            sizes = equations.sizes()
+            sizes = equations.scales()
             matrix = np.vstack([balance.matrix, slope])
             change = least_squares(matrix, -np.append(balance.residual, value - target), sizes)
             effort.iterations += 1
             size = float(np.abs(change / sizes).max())
             if not size < 1e3:
                 break
-            equations.move(change)
+            equations.update(change)
             stalled = size < STALLED and size > 0.3 * before
             if size < TOLERANCE or stalled:
                 _, effort.gap = equations.residual()
@@ -76,7 +76,7 @@ def newton(equations: SteadyEquations, kind: Measure, target: float, effort: Ite
     return False
 
 
-def follow(
+def continue_to(
     equations: SteadyEquations,
     kind: Measure,
     target: float,
@@ -102,7 +102,7 @@ def follow(
     return True
 
 
-def along_branch(
+def search_branch(
     equations: SteadyEquations, kind: Measure, target: float, elastic: float, effort: IterationCounts
 ) -> tuple[bool, tuple[float, float]]:
     """Find the steady rotation with a measure on the branch of bent shapes near where the unknowns are.
@@ -115,16 +115,16 @@ def along_branch(
     """
     if not newton(equations, "elastic", elastic, effort):
         return False, (np.nan, np.nan)
-    first, values = equations.keep(), [equations.measure(kind)[0]]
+    first, values = equations.save(), [equations.measure(kind)[0]]
     downwards = ((1.0 / GROWTH, DOWN),) if values[0] > target else ()
     for growth, count in (*downwards, (GROWTH, BRANCH)):
         equations.restore(first)
-        if _walk(equations, kind, target, elastic, growth, count, values, effort):
+        if _step_along_branch(equations, kind, target, elastic, growth, count, values, effort):
             return True, (min(values), max(values))
     return False, (min(values), max(values))
 
 
-def _walk(
+def _step_along_branch(
     equations: SteadyEquations,
     kind: Measure,
     target: float,
@@ -137,7 +137,7 @@ def _walk(
     """Multiply the elastic energy by ``growth`` until the measure passes the target; adds its ``values``."""
     last = equations.measure(kind)[0]
     for _ in range(count):
-        kept = equations.keep()
+        kept = equations.save()
         if not newton(equations, "elastic", elastic * growth, effort):
             growth = np.sqrt(growth)
             if abs(growth - 1.0) < 0.01:
@@ -147,10 +147,10 @@ def _walk(
         value = equations.measure(kind)[0]
         values.append(value)
         if (value - target) * (last - target) <= 0.0:
-            ends = [equations.keep(), kept]
+            ends = [equations.save(), kept]
             for end in ends if abs(value - target) < abs(last - target) else ends[::-1]:
                 equations.restore(end)
-                if follow(equations, kind, target, effort):
+                if continue_to(equations, kind, target, effort):
                     return True
             break
         last = value

@@ -10,46 +10,30 @@ motions about the rotation, gyroscopic and centrifugal parts included.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+import scipy.linalg
 
-from viscorod.mechanics.elements.internal_force import GaussStates, energies
-from viscorod.mechanics.elements.linearised import Operators
-from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.constraints.support_state import SupportState
-from viscorod.solve.formulations.element_forces import GeometricForces
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.external_loads import LoadState
-from viscorod.solve.steady.equations import Balance, Measure, imbalance
-from viscorod.solve.steady.rigid_rotation import Turning, coriolis, rigid_twists
+from viscorod.solve.steady.rigid_rotation import RotationAxis, coriolis, rigid_twists
+from viscorod.solve.steady.stability import FirstOrder, SecondOrder, first_order
+from viscorod.solve.steady.steady_checks import SupportKind, no_loads, support_kind
+from viscorod.solve.steady.steady_equations import Balance, Measure, imbalance
 from viscorod.solve.transient.integrators import jacobian
 from viscorod.typing import Floats
 
 
-@dataclass
-class Small:
-    """Small motions about a steady rotation, before supports: ``M d'' + C d' + K d = 0`` in body increments ``d``.
-
-    Dense ``(6 n, 6 n)``; ``turning`` is ``ad(x)`` of every node ``(n, 6, 6)``.
-    """
-
-    mass: Floats
-    damping: Floats
-    stiffness: Floats
-    turning: Floats
-
-
 class GeometricSteady:
-    """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; the last unknown is the angular speed.
+    """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; the last unknown is the angular speed.
 
     Args:
-        system, supports: what turns; supports turn with it.
+        system, supports: the model; supports turn with it.
         loads: that stay as they are while it turns.
-        turning: the line about which it turns.
+        line: the line about which it turns.
         state: first guess of the poses, overwritten; rate: of the angular speed [rad/s].
     """
 
@@ -58,166 +42,142 @@ class GeometricSteady:
         system: System,
         supports: SupportState,
         loads: LoadState,
-        turning: Turning,
+        line: RotationAxis,
         state: State,
         rate: float,
     ) -> None:
-        self.system, self.supports, self.loads, self.turning = system, supports, loads, turning
+        self.system, self.supports, self.loads, self.line = system, supports, loads, line
         self.problem = system.problem
-        self.elements = system.elements()
-        self._forces = GeometricForces(self.system, self.elements)
-        self._points = GaussStates.of(self.elements, 1)
-        self._carried: Floats | None = None
-        n = self.problem.size
-        self._internal = np.zeros((n, 6))
-        self._matrix = Matrix(self.problem.pattern)
-        self._K, self._C = np.zeros((2, *self._matrix.blocks.shape))
-        self._operators = Operators.of(self.elements)
         self._state, self.rate = state, rate
+        self._evaluate(self.state())
+        system.reset_stress()
 
     def state(self) -> State:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         at = self._state
-        at.twist[:] = rigid_twists(at.r, at.q, [0.0] * 3, self.rate * self.turning.axis, self.turning.centre)
+        at.twist[:] = rigid_twists(at.r, at.q, [0.0] * 3, self.rate * self.line.direction, self.line.centre)
         return at
 
     def set_spin(self, value: float) -> None:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         self.rate = value
 
-    def sizes(self) -> Floats:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+    def scales(self) -> Floats:
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         length = self.problem.length
         return np.append(np.tile([length, length, length, 1.0, 1.0, 1.0], self.problem.size), self.rate)
 
     def balance(self) -> Balance:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         state, supports, n = self.state(), self.supports, self.problem.size
         residual, gap = self.residual()
         inertial = coriolis(self.problem.mass, state.twist)
-        stress = self._points.section_force[0] if self._carried is None else self._carried
-        self._linearise(state, stress)
-        self._matrix.blocks[:] = self._K
-        supports.impose(state, residual, self._matrix, tangent=True)
+        matrix = self.system.matrix
+        self.system.assemble(state, self.loads, None, tangent=True, moving=False)
+        self._add_inertia(state, matrix.blocks, np.zeros_like(matrix.blocks))
+        supports.impose(state, residual, matrix, tangent=True)
         column = np.zeros(6 * n)
         # inertial forces are quadratic in the angular speed
         column[supports.free_rows()] = supports.free_basis(state).T @ (2.0 / self.rate * inertial).ravel()
-        matrix = np.hstack([self._matrix.sparse().toarray(), column[:, None]])
-        return Balance(residual.ravel(), matrix, gap)
+        derivative = np.hstack([matrix.sparse().toarray(), column[:, None]])
+        return Balance(residual.ravel(), derivative, gap)
 
     def residual(self) -> tuple[Floats, float]:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; supports keep their reactions."""
-        state, problem = self.state(), self.problem
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; supports keep their reactions."""
+        state, problem, system = self.state(), self.problem, self.system
         self._evaluate(state)
-        external = self._external(state, np.zeros((0, 6, 6)), tangent=False)
         inertial = coriolis(problem.mass, state.twist)
-        residual = self._internal - external + inertial
+        residual = system.residual() + inertial
         left = residual.copy()
-        self.supports.impose(state, left, self._matrix, tangent=False)
+        self.supports.impose(state, left, system.matrix, tangent=False)
         left = self.supports.unbalanced(left)
-        forces = self._internal, external, inertial
+        forces = system.internal, system.external, inertial
         whole = float(problem.mass[:, 0, 0].mean()) * problem.length * self.rate**2
         return residual, imbalance(left, forces, whole, problem.length)
 
     def measure(self, kind: Measure) -> tuple[float, Floats]:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         state, mass = self.state(), self.problem.mass
         self._evaluate(state)
         inertial = coriolis(mass, state.twist).ravel()
         T, rate = kinetic_energy(mass, state.twist), self.rate
-        W = self.elastic_energy()
+        W, internal = self.elastic_energy(), self.system.internal.ravel()
         if kind == "spin":
             return rate, np.append(np.zeros(6 * len(mass)), 1.0)
         if kind == "energy":
-            return T + W, np.append(self._internal.ravel() - inertial, 2.0 * T / rate)
+            return T + W, np.append(internal - inertial, 2.0 * T / rate)
         if kind == "momentum":
             return 2.0 * T / rate, np.append(-2.0 / rate * inertial, 2.0 * T / rate**2)
-        return W, np.append(self._internal.ravel(), 0.0)
+        return W, np.append(internal, 0.0)
 
     def elastic_energy(self) -> float:
-        """Elastic energy [J] of the last evaluation."""
-        elastic, dissipated = np.empty((2, 1))
-        energies(self.elements, self._points.strain, self._points.strain_rate, elastic, dissipated)
-        return float(elastic[0])
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
+        return self.system.elastic_energy()
 
-    def move(self, change: Floats) -> None:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`.
+    def update(self, change: Floats) -> None:
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`.
 
         Section forces are carried along by the frozen operator (mixed Newton, as in statics).
         """
-        e, increment = self.elements, change[:-1].reshape(-1, 6)
-        if self._carried is None:
-            self._carried = np.zeros_like(e.reference)
-        local = increment[e.nodes].reshape(len(e.nodes), -1)
-        for a, count in enumerate(6 * e.order):
-            carried = self._operators.force[a, :count, : count + 6] @ local[a, : count + 6]
-            self._carried[a, : e.order[a]] = self._points.section_force[0, a, : e.order[a]] + carried.reshape(
-                -1, 6
-            )
+        increment = change[:-1].reshape(-1, 6)
+        self.system.carry_stress(increment)
         retract(self._state.r, self._state.q, increment, self._state.r, self._state.q)
         self.rate += float(change[-1])
 
-    def keep(self) -> object:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+    def save(self) -> object:
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         return self._state.copy(), self.rate
 
     def restore(self, kept: object) -> None:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         assert isinstance(kept, tuple)
         self._state, self.rate = kept[0].copy(), kept[1]
-        self._carried = None
+        self._evaluate(self.state())
+        self.system.reset_stress()
 
     def fields(self) -> tuple[Floats, Floats]:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         self._evaluate(self.state())
-        return self._points.strain[0].copy(), self._points.section_force[0].copy()
+        points, fields = self.system.gauss_points(), np.zeros((2, *self.system.elements().reference.shape))
+        for field, values in zip(fields, (points.strain, points.section_force), strict=True):
+            field.reshape(-1, 6)[self.system.gauss_indices()] = values
+        return fields[0], fields[1]
 
-    def small_motions(self) -> Small:
-        """Return the matrices of small motions at the present state."""
-        state = self.state()
-        self.balance()
-        turning = self._linearise(state, self._points.section_force[0])
-        pattern = self.problem.pattern
-        stiffness, damping = (pattern.sparse(blocks).toarray() for blocks in (self._K, self._C))
-        mass = np.zeros_like(stiffness)
-        for k, block in enumerate(self.problem.mass):
-            mass[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = block
-        return Small(mass, damping, stiffness, turning)
+    def small_motions(self) -> FirstOrder:
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
+        state, system, n = self.state(), self.system, self.problem.size
+        self.residual()
+        system.reset_stress()
+        ad, rate_matrix = np.zeros((n, 6, 6)), Matrix(self.problem.pattern)
+        jacobian.adjoint(state.twist, ad)
+        system.assemble(state, self.loads, ad, tangent=True, moving=True, rate_matrix=rate_matrix)
+        self._add_inertia(state, system.matrix.blocks, rate_matrix.blocks)
+        mass = scipy.linalg.block_diag(*self.problem.mass)
+        small = SecondOrder(mass, rate_matrix.sparse().toarray(), system.matrix.sparse().toarray(), ad)
+        return first_order(small, self.supports, state, self.line, self._copies(state), self.problem.length)
 
     def _evaluate(self, state: State) -> None:
-        """Evaluate strains and elastic forces; without twists, whose strain rates are round-off."""
-        resting = State(state.r, state.q, np.zeros_like(state.twist))
-        self._forces.evaluate(resting, self._points, self._internal)
+        """Assemble forces and loads; without twists, whose strain rates are round-off."""
+        self.system.assemble(state, self.loads, None, tangent=False, moving=False)
 
-    def _linearise(self, state: State, stress: Floats) -> Floats:
-        """Fill the blocks ``K`` and ``C``; returns ``ad(x)`` of every node."""
-        n = self.problem.size
-        turning, product = np.zeros((n, 6, 6)), np.zeros((n, 6, 6))
-        jacobian.adjoint(state.twist, turning)
-        self._K.fill(0.0)
-        self._C.fill(0.0)
-        self._forces.linearise(state, turning, stress, self._operators, self._K, self._C)
-        self._external(state, self._K, tangent=True)
-        jacobian.add_inertia(
-            self.problem.mass, state.twist, turning, self._K, self._C, self.problem.pattern.diagonal, product
-        )
-        return turning
+    def _add_inertia(self, state: State, K: Floats, C: Floats) -> None:
+        """Add the derivatives of the inertial forces by increments and twists to the blocks ``K`` and ``C``."""
+        mass, (ad, product) = self.problem.mass, np.zeros((2, self.problem.size, 6, 6))
+        jacobian.adjoint(state.twist, ad)
+        jacobian.add_inertia(mass, state.twist, ad, K, C, self.problem.pattern.diagonal, product)
 
-    def _external(self, state: State, blocks: Floats, *, tangent: bool) -> Floats:
-        """Return the loads ``(n, 6)``; with ``tangent`` their derivative is subtracted from ``blocks``."""
-        loads, external = self.loads, np.zeros((self.problem.size, 6))
-        if len(loads.nodes):
-            loading.add_nodal_loads(
-                loads.nodes,
-                state.q,
-                loads.dead,
-                loads.following,
-                loads.gravity,
-                loads.levers,
-                self.problem.mass,
-                tangent,
-                external,
-                blocks,
-                self.problem.pattern.diagonal,
-            )
-        return external
+    def _copies(self, state: State) -> Floats:
+        """Return velocity fields ``(c, 6)`` that take the rotation to copies of itself: free turns and travels."""
+        supports, kind, unloaded = self.supports, support_kind(self.problem), no_loads(self.loads)
+        turns = np.hstack([np.zeros((3, 3)), np.eye(3)])
+        if unloaded and kind is SupportKind.FREE:
+            return np.vstack([turns, np.eye(6)[:3]])
+        if unloaded and kind is SupportKind.JOINT:
+            arm = state.r[supports.set.nodes[0]] - self.line.centre
+            if np.linalg.norm(np.cross(arm, self.line.direction)) < 1e-9 * supports.problem.length:
+                return turns
+        about = np.concatenate([np.zeros(3), self.line.direction])
+        field = rigid_twists(state.r, state.q, [0.0] * 3, self.line.direction, self.line.centre).ravel()
+        basis = supports.free_basis(state).toarray()
+        left = field - basis @ (np.linalg.pinv(basis) @ field)
+        return np.zeros((0, 6)) if np.abs(left).max() > 1e-9 * np.abs(field).max() else about[None]

@@ -11,43 +11,29 @@ state.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.steady.equations import Balance, Measure, imbalance
-from viscorod.solve.steady.rigid_rotation import Turning, coriolis, gyroscopic
+from viscorod.solve.steady.rigid_rotation import RotationAxis, coriolis, gyroscopic
+from viscorod.solve.steady.stability import FirstOrder
+from viscorod.solve.steady.steady_equations import Balance, Measure, imbalance
 from viscorod.solve.steady.steady_poses import poses_about
 from viscorod.solve.steady.strain_rates import StrainRates, force_map, strain_map
 from viscorod.typing import Floats
 
 
-@dataclass
-class FirstOrder:
-    """Small motions about a steady rotation: ``mass z' = matrix z``.
-
-    ``magnitude`` has the sizes of what adds up to the entries of the matrix: round-off is a part of them. From the
-    intrinsic formulation ``z`` are changes of strains, then of free twists.
-    """
-
-    mass: Floats
-    matrix: Floats
-    magnitude: Floats
-
-
 class IntrinsicSteady:
-    """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; unknowns are all twists and strains.
+    """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; unknowns are all twists and strains.
 
     Args:
-        problem, elements: what turns; linearised: whether damping is.
+        problem, elements: the model; linearised: damping is.
         free: which components of the nodal twists are unknown ``(n, 6)``; the others stay as they are.
         following: wrenches that are carried along ``(n, 6)``, body components.
         joint: node whose angular velocity counts as the spin; still: whether the mass centre must not travel.
-        turning: the line about which poses are to turn.
+        line: the line about which poses are to turn.
         state: twists of the first guess, and the pose from which poses are found; strain: its strains.
     """
 
@@ -61,14 +47,14 @@ class IntrinsicSteady:
         following: Floats,
         joint: int,
         still: bool,
-        turning: Turning,
+        line: RotationAxis,
         state: State,
         strain: Floats,
     ) -> None:
         self.problem, self.elements, self.linearised = problem, elements, linearised
         self.rates = StrainRates(elements, problem.size)
         self.free = np.flatnonzero(free.ravel())
-        self.following, self.joint, self.still, self.turning = following, joint, still, turning
+        self.following, self.joint, self.still, self.line = following, joint, still, line
         self._guess = state.copy()
         self.twist, self.strain = state.twist.copy(), strain[self.rates.used]
         self._columns = np.concatenate([np.arange(self.strain.size), self.strain.size + self.free])
@@ -76,7 +62,7 @@ class IntrinsicSteady:
     # the unknowns in order: strains, then free twists
 
     def balance(self) -> Balance:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         rates, force, inertial = self._rates_and_forces()
         residual = np.concatenate([rates.ravel(), (force + inertial - self.following).ravel()])[self._columns]
         matrix = self._matrix()[np.ix_(self._columns, self._columns)]
@@ -92,7 +78,7 @@ class IntrinsicSteady:
         return Balance(residual, matrix, self._gap(rates, force, inertial))
 
     def measure(self, kind: Measure) -> tuple[float, Floats]:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         mass, w = self.problem.mass, self.twist[self.joint, 3:]
         spin = float(np.linalg.norm(w))
         by_strain, by_twist = np.zeros_like(self.strain), np.zeros_like(self.twist)
@@ -112,11 +98,11 @@ class IntrinsicSteady:
         return value, np.concatenate([by_strain.ravel(), by_twist.ravel()])[self._columns]
 
     def set_spin(self, value: float) -> None:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         self.twist = self.twist * (value / float(np.linalg.norm(self.twist[self.joint, 3:])))
 
-    def sizes(self) -> Floats:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+    def scales(self) -> Floats:
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         length = self.problem.length
         spin = max(float(np.linalg.norm(self.twist[self.joint, 3:])), 1e-300)
         strains = np.tile([1.0, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length], len(self.strain))
@@ -124,25 +110,25 @@ class IntrinsicSteady:
         sizes: Floats = np.concatenate([strains, twists])[self._columns]
         return sizes
 
-    def move(self, change: Floats) -> None:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+    def update(self, change: Floats) -> None:
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         count = self.strain.size
         self.strain = self.strain + change[:count].reshape(-1, 6)
         twist = self.twist.ravel().copy()
         twist[self.free] += change[count:]
         self.twist = twist.reshape(-1, 6)
 
-    def keep(self) -> object:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+    def save(self) -> object:
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         return self.twist.copy(), self.strain.copy()
 
     def restore(self, kept: object) -> None:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         assert isinstance(kept, tuple)
         self.twist, self.strain = kept[0].copy(), kept[1].copy()
 
     def state(self) -> State:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`; poses follow from the strains."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; poses follow from the strains."""
         r, q = poses_about(
             self.problem,
             self.elements,
@@ -150,12 +136,12 @@ class IntrinsicSteady:
             self._guess,
             self.joint,
             self.twist[self.joint],
-            self.turning,
+            self.line,
         )
         return State(r, q, self.twist.copy())
 
     def fields(self) -> tuple[Floats, Floats]:
-        """See :class:`~viscorod.solve.steady.equations.SteadyEquations`."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         strain, force = np.zeros((2, *self.elements.reference.shape))
         strain[self.rates.used] = self.strain
         at_points = np.einsum("gij,gj->gi", self.rates.C, self.strain)
@@ -165,7 +151,7 @@ class IntrinsicSteady:
         return strain, force
 
     def small_motions(self) -> FirstOrder:
-        """Return the matrices of small motions at the present state."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         count, n = self.strain.size, self.problem.size
         mass = np.eye(count + 6 * n)
         for k, block in enumerate(self.problem.mass):
@@ -182,11 +168,11 @@ class IntrinsicSteady:
         return force + inertial - self.following, self._gap(rates, force, inertial)
 
     def elastic_energy(self) -> float:
-        """Elastic energy [J]."""
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         return self.measure("elastic")[0]
 
     def _rates_and_forces(self) -> tuple[Floats, Floats, Floats]:
-        """Strain rates ``(m, 6)``, internal forces (without the viscous ones of full damping) and inertial ones."""
+        """Return strain rates ``(m, 6)``, internal forces (without viscous ones of full damping) and inertial ones."""
         x, weights = self.twist.ravel(), self.rates.weights[:, None]
         B = self.rates.at(self.strain)
         force = np.einsum("gij,gi->j", B, weights * np.einsum("gij,gj->gi", self.rates.C, self.strain))
@@ -196,7 +182,7 @@ class IntrinsicSteady:
         return B @ x, force.reshape(-1, 6), coriolis(self.problem.mass, self.twist)
 
     def _matrix(self, *, viscous: bool = False) -> Floats:
-        """Derivative of strain rates and forces by strains and twists.
+        """Return the derivative of strain rates and forces by strains and twists.
 
         Args:
             viscous: include the viscous forces of full damping, which vanish in a steady state but resist small

@@ -14,10 +14,10 @@ from viscorod.typing import Floats
 
 
 @dataclass(frozen=True)
-class Turning:
-    """A line in space about which a body turns: unit vector ``axis (3,)`` through ``centre (3,)`` [m], global axes."""
+class RotationAxis:
+    """A line in space: unit vector ``direction (3,)`` through the point ``centre (3,)`` [m], global axes."""
 
-    axis: Floats
+    direction: Floats
     centre: Floats
 
 
@@ -31,8 +31,8 @@ def rigid_twists(
     """
     R = matrices(q)
     velocity = np.asarray(linear) + np.cross(angular, r - centre)
-    turning = np.broadcast_to(np.asarray(angular, dtype=float), r.shape)
-    return np.hstack([np.einsum("nji,nj->ni", R, velocity), np.einsum("nji,nj->ni", R, turning)])
+    spin = np.broadcast_to(np.asarray(angular, dtype=float), r.shape)
+    return np.hstack([np.einsum("nji,nj->ni", R, velocity), np.einsum("nji,nj->ni", R, spin)])
 
 
 def spatial_momenta(
@@ -75,7 +75,7 @@ def mean_spin(mass: Floats, state: State, centre: Floats) -> Floats:
 
 
 def coriolis(mass: Floats, twist: Floats) -> Floats:
-    """Return ``L1(x1) M x1 (n, 6)``: what inertia asks of the forces in a steady motion."""
+    """Return the inertial forces ``L1(x1) M x1 (n, 6)`` of a steady motion."""
     out = np.zeros_like(twist)
     inertia.add_coriolis(mass, twist, out)
     return out

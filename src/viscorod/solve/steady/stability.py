@@ -1,7 +1,7 @@
 """Small motions about a steady rotation: eigenvalues of both formulations, and whether any of them grows.
 
 A perturbed rotation may just be the same one seen from elsewhere: turned in space, or moved. In body twists and strains
-such copies are no perturbations at all; from the poses of the geometric formulation they are taken out exactly, which
+such copies are not perturbations at all; from the poses of the geometric formulation they are taken out exactly, which
 leaves the same eigenvalues.
 """
 
@@ -14,9 +14,7 @@ import scipy.linalg
 
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
-from viscorod.solve.steady.geometric_steady import Small
-from viscorod.solve.steady.intrinsic_steady import FirstOrder
-from viscorod.solve.steady.rigid_rotation import Turning, rigid_twists
+from viscorod.solve.steady.rigid_rotation import RotationAxis, rigid_twists
 from viscorod.typing import Floats
 
 SLOW = 1e-4
@@ -25,6 +23,32 @@ FAINT = 1e-9
 """Motions that grow or fade by less than this part of ``|s|`` or, if larger, of the angular speed are neutral."""
 ROUND_OFF = 10.0 * float(np.finfo(float).eps)
 """Error of the matrices, as a part of what adds up to their entries, and of ``1/s``."""
+
+
+@dataclass
+class SecondOrder:
+    """Small motions about a steady rotation, before supports: ``M d'' + C d' + K d = 0`` in body increments ``d``.
+
+    Dense ``(6 n, 6 n)``; ``ad`` is ``ad(x)`` of every node ``(n, 6, 6)``.
+    """
+
+    mass: Floats
+    damping: Floats
+    stiffness: Floats
+    ad: Floats
+
+
+@dataclass
+class FirstOrder:
+    """Small motions about a steady rotation: ``mass z' = matrix z``.
+
+    ``magnitude`` has the sizes of what adds up to the entries of the matrix: round-off is a part of them. From the
+    intrinsic formulation ``z`` are changes of strains, then of free twists.
+    """
+
+    mass: Floats
+    matrix: Floats
+    magnitude: Floats
 
 
 @dataclass(frozen=True)
@@ -42,7 +66,12 @@ class Stability:
 
 
 def first_order(
-    small: Small, supports: SupportState, state: State, turning: Turning, copies: Floats, length: float
+    small: SecondOrder,
+    supports: SupportState,
+    state: State,
+    line: RotationAxis,
+    copies: Floats,
+    length: float,
 ) -> FirstOrder:
     """Return small motions in poses as a system of first order, without the ``copies`` of the rotation.
 
@@ -66,11 +95,11 @@ def first_order(
     W = np.eye(count)
     if len(copies):
         n = len(state.r)
-        ad = np.zeros((6 * n, 6 * n))
-        for k, block in enumerate(small.turning):
-            ad[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = block
-        A = inverse @ ad @ basis
-        fields = [rigid_twists(state.r, state.q, c[:3], c[3:], turning.centre).ravel() for c in copies]
+        whole = np.zeros((6 * n, 6 * n))
+        for k, block in enumerate(small.ad):
+            whole[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = block
+        A = inverse @ whole @ basis
+        fields = [rigid_twists(state.r, state.q, c[:3], c[3:], line.centre).ravel() for c in copies]
         Z = inverse @ np.array(fields).T
         W = scipy.linalg.null_space(Z.T)
     C1 = C - M @ A

@@ -8,11 +8,11 @@ from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.rotations.quaternion import conjugate, matrices, product
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.steady.rigid_rotation import Turning
+from viscorod.solve.steady.rigid_rotation import RotationAxis
 from viscorod.typing import Floats
 
 
-def lay_out(
+def integrate_poses(
     problem: Problem, elements: Elements, strain: Floats, root: int, position: Floats, rotation: Floats
 ) -> tuple[Floats, Floats]:
     """Return the poses ``(n, 3)``, ``(n, 4)`` that have given strains, from that of the node ``root`` on.
@@ -50,23 +50,23 @@ def poses_about(
     guess: State,
     root: int,
     twist: Floats,
-    turning: Turning,
+    line: RotationAxis,
 ) -> tuple[Floats, Floats]:
     """Return the poses with given strains that turn about a line.
 
     The angular velocity of the node ``root`` is turned into the line by the smallest rotation from its ``guess``, and
     its velocity ``twist (6,)`` tells how far from the line it is; along the line it stays with the guess.
     """
-    q = product(_between(matrices(guess.q[root][None])[0] @ twist[3:], turning.axis), guess.q[root])
-    radius = np.cross(matrices(q[None])[0] @ twist[:3], turning.axis) / np.linalg.norm(twist[3:])
-    height = float((guess.r[root] - turning.centre) @ turning.axis)
-    return lay_out(problem, elements, strain, root, turning.centre + radius + height * turning.axis, q)
+    q = product(_between(matrices(guess.q[root][None])[0] @ twist[3:], line.direction), guess.q[root])
+    radius = np.cross(matrices(q[None])[0] @ twist[:3], line.direction) / np.linalg.norm(twist[3:])
+    height = float((guess.r[root] - line.centre) @ line.direction)
+    return integrate_poses(problem, elements, strain, root, line.centre + radius + height * line.direction, q)
 
 
 def _element(
     elements: Elements, e: int, strain: Floats, k: int, r: Floats, q: Floats
 ) -> tuple[Floats, Floats]:
-    """Poses of an element's nodes from that of its node ``k``."""
+    """Return the poses of an element's nodes from that of its node ``k``."""
     p = int(elements.order[e])
     N, dN = elements.shapes[p, :p, : p + 1], elements.slopes[p, :p, : p + 1] / elements.half_lengths[e]
     total = elements.reference[e, :p] + strain[:p]

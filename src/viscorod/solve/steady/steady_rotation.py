@@ -1,4 +1,4 @@
-"""What is to be said of a steady rotation that was found."""
+"""A steady rotation that was found: its fields, energies and stability."""
 
 from __future__ import annotations
 
@@ -8,15 +8,11 @@ import numpy as np
 
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.mechanics.rotations.quaternion import matrices
-from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
-from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.statics.static_solver import StaticSolver
-from viscorod.solve.steady.conditions import Holding, no_loads
-from viscorod.solve.steady.geometric_steady import GeometricSteady
-from viscorod.solve.steady.intrinsic_steady import IntrinsicSteady
-from viscorod.solve.steady.rigid_rotation import Turning, rigid_twists, spatial_momenta
-from viscorod.solve.steady.stability import Stability, first_order, stability
+from viscorod.solve.steady.rigid_rotation import spatial_momenta
+from viscorod.solve.steady.stability import Stability, stability
+from viscorod.solve.steady.steady_equations import SteadyEquations
 from viscorod.typing import Floats
 
 ROUND_OFF = 1e-13
@@ -51,15 +47,13 @@ class SteadyRotation:
     stability: Stability
 
 
-def described(
+def describe_rotation(
     solver: StaticSolver,
-    equations: GeometricSteady | IntrinsicSteady,
-    loads: LoadState,
-    held: Holding,
+    equations: SteadyEquations,
     iterations: int,
 ) -> SteadyRotation:
-    """Return fields, energies and stability of the rotation at which ``equations`` have arrived."""
-    problem, supports, turning = solver.system.problem, solver.supports, equations.turning
+    """Return fields, energies and stability of the rotation to which ``equations`` have converged."""
+    problem, supports, line = solver.system.problem, solver.supports, equations.line
     state, (strain, force) = equations.state(), equations.fields()
     balance, gap = equations.residual()
     joint = int(supports.set.nodes[0]) if len(supports.set.nodes) else 0
@@ -70,41 +64,20 @@ def described(
     reaction = np.einsum("nij,npj->npi", turn, reaction).reshape(-1, 6)
     whole = float(problem.mass[:, 0, 0].sum()) * problem.length * rate**2
     reaction[np.abs(reaction) < ROUND_OFF * whole * np.array([1.0] * 3 + [problem.length] * 3)] = 0.0
-    _, momentum = spatial_momenta(problem.mass, state.r, state.q, state.twist, turning.centre)
-    if isinstance(equations, GeometricSteady):
-        copies = _copies(supports, state, turning, held, no_loads(loads))
-        small = first_order(equations.small_motions(), supports, state, turning, copies, problem.length)
-    else:
-        small = equations.small_motions()
-    places = solver.system.gauss_places()
+    _, momentum = spatial_momenta(problem.mass, state.r, state.q, state.twist, line.centre)
+    places = solver.system.gauss_indices()
     return SteadyRotation(
         state=state.copy(),
         strain=strain.reshape(-1, 6)[places],
         section_force=force.reshape(-1, 6)[places],
         reaction=reaction,
-        spin=rate * turning.axis,
+        spin=rate * line.direction,
         body_spin=body_spin,
-        centre=turning.centre,
+        centre=line.centre,
         momentum=momentum,
         kinetic=kinetic_energy(problem.mass, state.twist),
         elastic=equations.elastic_energy(),
         gap=gap,
         iterations=iterations,
-        stability=stability(small, rate),
+        stability=stability(equations.small_motions(), rate),
     )
-
-
-def _copies(supports: SupportState, state: State, turning: Turning, held: Holding, unloaded: bool) -> Floats:
-    """Velocity fields ``(c, 6)`` that take the rotation to copies of itself: what nothing holds or directs."""
-    turns = np.hstack([np.zeros((3, 3)), np.eye(3)])
-    if unloaded and held is Holding.FREE:
-        return np.vstack([turns, np.eye(6)[:3]])
-    if unloaded and held is Holding.JOINT:
-        arm = state.r[supports.set.nodes[0]] - turning.centre
-        if np.linalg.norm(np.cross(arm, turning.axis)) < 1e-9 * supports.problem.length:
-            return turns
-    about = np.concatenate([np.zeros(3), turning.axis])
-    field = rigid_twists(state.r, state.q, [0.0] * 3, turning.axis, turning.centre).ravel()
-    basis = supports.free_basis(state).toarray()
-    left = field - basis @ (np.linalg.pinv(basis) @ field)
-    return np.zeros((0, 6)) if np.abs(left).max() > 1e-9 * np.abs(field).max() else about[None]

@@ -1,4 +1,4 @@
-"""Strain rates and forces of the intrinsic element as matrices: what its kernels do, for linear algebra."""
+"""Strain rates and forces of the intrinsic element as matrices, equal to those of its kernels."""
 
 from __future__ import annotations
 

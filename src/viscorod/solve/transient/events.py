@@ -1,4 +1,4 @@
-"""Watching a run: when something happens that the user asked for, found between the ends of steps too."""
+"""Events of a run, located between the ends of steps too."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.typing import Floats
 
 PARTS = (0.25, 0.5, 0.75)
-"""Where a quantity is looked at within a step, so that it does not cross a value and return unseen."""
+"""Places within a step where a quantity is evaluated, so that it does not cross a value and return unseen."""
 
 ACCURACY = 1e-12
 """Of the time of a crossing, as a part of the step."""
 
 
 class Event(NamedTuple):
-    """Something that happened: when [s], what, and whether the run ends there."""
+    """An event: time [s], label, and whether the run ends there."""
 
     time: float
     label: str
@@ -32,10 +32,10 @@ class Monitor(Protocol):
     """Waits for one kind of event."""
 
     def begin(self, t: float, snapshot: Snapshot) -> None:
-        """Look at the start."""
+        """Take over the state at the start."""
 
-    def after(self, integrator: Integrator, start: float) -> list[Event]:
-        """Return what happened in the step that was accepted last and began at ``start`` [s]."""
+    def check_step(self, integrator: Integrator, start: float) -> list[Event]:
+        """Return the events of the step that was accepted last and began at ``start`` [s]."""
 
 
 class CrossingMonitor:
@@ -57,7 +57,7 @@ class CrossingMonitor:
         del t
         self._last = self.quantity(snapshot)
 
-    def after(self, integrator: Integrator, start: float) -> list[Event]:
+    def check_step(self, integrator: Integrator, start: float) -> list[Event]:
         """See :class:`Monitor`."""
         inner = [self.quantity(snapshot) for snapshot, _, _ in integrator.between(np.array(PARTS))]
         values = [self._last, *inner, self.quantity(integrator.snapshot())]
@@ -85,10 +85,10 @@ class CrossingMonitor:
 
 
 class LastingMonitor:
-    """Waits until something has been so for a while; happens once.
+    """Waits until a condition has held for a while; happens once.
 
     Args:
-        label, stop: of the event; so: whether it is so in a snapshot; during: how long it has to be [s].
+        label, stop: of the event; so: the condition; during: how long it has to hold [s].
     """
 
     def __init__(self, label: str, stop: bool, so: Callable[[Snapshot], bool], during: float) -> None:
@@ -100,7 +100,7 @@ class LastingMonitor:
         """See :class:`Monitor`."""
         self._since = t if self.so(snapshot) else None
 
-    def after(self, integrator: Integrator, start: float) -> list[Event]:
+    def check_step(self, integrator: Integrator, start: float) -> list[Event]:
         """See :class:`Monitor`."""
         del start
         snapshots = [snapshot for snapshot, _, _ in integrator.between(np.array(PARTS))]
@@ -117,27 +117,27 @@ class LastingMonitor:
 
 
 class FadedMotion:
-    """Whether the kinetic energy is below a ``part`` of the largest so far."""
+    """Condition that the kinetic energy is below a ``part`` of the largest so far."""
 
     def __init__(self, part: float) -> None:
         self.part = part
         self._largest = 0.0
 
     def __call__(self, snapshot: Snapshot) -> bool:
-        """Look at a snapshot."""
+        """Evaluate the condition in a snapshot."""
         self._largest = max(self._largest, snapshot.kinetic)
         return self._largest > 0.0 and snapshot.kinetic < self.part * self._largest
 
 
 class StillStrains:
-    """Whether strains change by less than a ``rate`` [1/s] of the largest so far, in the norm of the elastic energy."""
+    """Condition that strains change by less than ``rate`` [1/s] of the largest so far, in the energy norm."""
 
     def __init__(self, gauss: GaussPositions, rate: float) -> None:
         self.gauss, self.rate = gauss, rate
         self._largest = 0.0
 
     def __call__(self, snapshot: Snapshot) -> bool:
-        """Look at a snapshot."""
+        """Evaluate the condition in a snapshot."""
         self._largest = max(self._largest, self._norm(snapshot.strain))
         return self._norm(snapshot.strain_rate) <= self.rate * self._largest
 
@@ -147,10 +147,10 @@ class StillStrains:
 
 
 class EventWatch:
-    """All that a run is watched for, and what happened.
+    """The monitors of a run, and the events so far.
 
     Args:
-        monitors: they are asked after every step.
+        monitors: they check every step.
     """
 
     def __init__(self, monitors: list[Monitor]) -> None:
@@ -160,13 +160,13 @@ class EventWatch:
         self.ended_by = ""
 
     def begin(self, t: float, snapshot: Snapshot) -> None:
-        """Look at the start of the run."""
+        """Pass the state at the start of the run to all monitors."""
         for monitor in self.monitors:
             monitor.begin(t, snapshot)
 
-    def after(self, integrator: Integrator, start: float) -> float | None:
-        """Look at the accepted step from ``start`` [s]; return when the run is to end, if it is."""
-        found = [event for monitor in self.monitors for event in monitor.after(integrator, start)]
+    def check_step(self, integrator: Integrator, start: float) -> float | None:
+        """Record the events of the accepted step from ``start`` [s]; return when the run is to end, if it is."""
+        found = [event for monitor in self.monitors for event in monitor.check_step(integrator, start)]
         end = None
         for event in sorted(found, key=lambda event: event.time):
             self.times.append(event.time)

@@ -1,4 +1,4 @@
-"""How far poses integrated in time are from those that the strains give along the rods (intrinsic formulation)."""
+"""Distance of poses integrated in time from those that follow from strains along rods (intrinsic formulation)."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ def pose_gap(system: System, history: History) -> tuple[float, float]:
     Integration along a rod begins at its start.
     """
     problem, gauss = system.problem, system.gauss_positions()
-    snapshots = history.sampled(MOST)
+    snapshots = history.sample(MOST)
     r = np.array([snapshot.state.r for snapshot in snapshots])
     q = np.array([snapshot.state.q for snapshot in snapshots])
     position, rotation, _, _ = StationReader(problem).read(r, q, np.zeros((*r.shape[:2], 6)))
-    reference = system.elements().reference.reshape(-1, 6)[system.gauss_places()]
+    reference = system.elements().reference.reshape(-1, 6)[system.gauss_indices()]
     strain = reference + np.array([snapshot.strain for snapshot in snapshots])
     distance = angle = 0.0
     for rod, order in enumerate(problem.rod_orders):
@@ -40,7 +40,7 @@ def pose_gap(system: System, history: History) -> tuple[float, float]:
 
 
 def half_lengths(system: System, rod: int) -> Floats:
-    """Half lengths of a rod's elements in order of arc length [m]."""
+    """Return the half lengths of a rod's elements in order of arc length [m]."""
     sets = system.problem.sets
     start = np.concatenate([e.start[e.rod == rod] for e in sets])
     half = np.concatenate([e.half_lengths[e.rod == rod] for e in sets])

@@ -1,4 +1,4 @@
-"""How large the next step is: fixed steps that are halved where they fail, or steps that follow the error."""
+"""Step size control: fixed steps that are halved where they fail, or steps that follow the error."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ PATIENCE, PROGRESS = 500, 1e-7
 
 
 class StepControl(Protocol):
-    """Says where steps end and whether an attempt is good enough."""
+    """Decides where steps end and whether an attempt is good enough."""
 
     @property
     def notes_failures(self) -> bool:
-        """Whether a step that fails is worth a note; where steps adapt anyway it is not."""
+        """True if a failed step is worth a note; where steps adapt anyway it is not."""
 
     def begin(self, t: float, corner: float, *, first: float | None) -> None:
-        """Head for ``corner`` [s], which must be hit; ``first`` is a step [s] to begin with after a jump."""
+        """Set the next ``corner`` [s], which must be hit; ``first`` is a step [s] to begin with after a jump."""
 
-    def aim(self, t: float) -> float:
+    def next_end(self, t: float) -> float:
         """Return the end [s] of the next step."""
 
     def accepts(self, report: StepReport, h: float) -> bool:
@@ -36,11 +36,11 @@ class StepControl(Protocol):
 
     @property
     def exhausted(self) -> bool:
-        """Whether steps cannot become smaller."""
+        """True if steps cannot become smaller."""
 
     @property
     def limit(self) -> str:
-        """What limited the last accepted step."""
+        """The limit of the last accepted step, in words."""
 
 
 class FixedSteps:
@@ -63,7 +63,7 @@ class FixedSteps:
         self._full = (corner - t) / self._count
         self._done = self._whole = self._level = self._easy = 0
 
-    def aim(self, t: float) -> float:
+    def next_end(self, t: float) -> float:
         """See :class:`StepControl`."""
         del t
         parts = 2**HALVINGS
@@ -133,12 +133,12 @@ class ErrorControl:
             self._h, self._last = min(first, self.largest), None
             self._limit = "the jump at its start" if t > 0.0 else "the beginning of the run"
 
-    def aim(self, t: float) -> float:
+    def next_end(self, t: float) -> float:
         """See :class:`StepControl`."""
         left = self._corner - t
         if self._h >= left * (1.0 - 1e-9):
             return self._corner
-        # no tiny last step: the one before it gives way
+        # no tiny last step: the one before it is shortened
         return t + (self._h if self._h <= 0.5 * left else 0.5 * left)
 
     def accepts(self, report: StepReport, h: float) -> bool:

@@ -16,7 +16,7 @@ START_MOTION = 1e-3
 
 
 def distinct(frequencies: Floats, tolerance: float = 0.01) -> Floats:
-    """Nonzero frequencies without repetitions (equal bending planes give pairs)."""
+    """Return nonzero frequencies without repetitions (equal bending planes give pairs)."""
     kept: list[float] = []
     for f in np.sort(frequencies):
         if f > 0.0 and (not kept or f > kept[-1] * (1.0 + tolerance)):
@@ -24,12 +24,11 @@ def distinct(frequencies: Floats, tolerance: float = 0.01) -> Floats:
     return np.array(kept)
 
 
-def chosen_time_step(problem: Problem, frequencies: Floats, duration: float) -> float:
+def choose_time_step(problem: Problem, frequencies: Floats, duration: float) -> float:
     """Return a step [s] that resolves the motion.
 
-    It is the smallest of 1/200 of the longest natural period, 1/20 of the third distinct one, 1/50 of the period
-    of a harmonic
-    load or motion and 1/100 of the run.
+    It is the smallest of 1/200 of the longest natural period, 1/20 of the third distinct one, 1/50 of the period of a
+    harmonic load or motion and 1/100 of the run.
 
     Args:
         problem: for the periods of loads.
@@ -44,7 +43,7 @@ def chosen_time_step(problem: Problem, frequencies: Floats, duration: float) -> 
     return float(min(candidates))
 
 
-def start_step(
+def first_time_step(
     mass: Floats, force: Floats, twist: Floats, held: Floats, length: float, duration: float
 ) -> float:
     """Return a cautious first step [s]: nodes move by at most 1e-3 of the length or 1e-3 rad.

@@ -26,7 +26,7 @@ LARGEST_STRAIN = 100.0
 
 @dataclass
 class StepCounts:
-    """What a run took: steps, iterations, and where the smallest accepted step was and why."""
+    """Numbers of steps and iterations of a run, and where and why the smallest accepted step was taken."""
 
     steps: int = 0
     rejected: int = 0
@@ -108,33 +108,33 @@ class Transient:
             state: initial poses and twists (overwritten).
             output_interval: time between records [s]; None records every step and what lies between.
             progress: called with (time, step) after every step.
-            history: what records; None keeps everything in memory.
-            checkpoint: what :meth:`saved` returned in a run that was stopped: this one goes on from there.
+            history: that records; None keeps everything in memory.
+            checkpoint: from :meth:`saved` of a run that was stopped; this one goes on from there.
             after_step: called after every step; returns why the run is to stop, or nothing.
-            watch: asked after every step what has happened, and whether the run ends with it.
+            watch: checks every step for events, which may end the run.
         """
         self.watch = watch or EventWatch([])
         self.output_interval, self.duration = output_interval, duration
         self._progress, self._after_step = progress, after_step
         self.result = result = TransientResult(history or History(), effort=self.effort, notes=self.notes)
         try:
-            self._march(state, checkpoint)
+            self._integrate(state, checkpoint)
         except KeyboardInterrupt as asked:
             result.outcome, result.reason = Outcome.INTERRUPTED, interruption(asked)
         except InputError as error:
             if not result.history.count:
                 raise
             result.outcome, result.reason = Outcome.INTERRUPTED, str(error)
-        self.count()
+        self.update_counts()
         return result
 
-    def count(self) -> None:
-        """Note what the integrator has done so far."""
+    def update_counts(self) -> None:
+        """Take over the counts of the integrator."""
         effort, integrator = self.effort, self.integrator
         effort.evaluations, effort.factorisations = integrator.evaluations, integrator.factorisations
         effort.jacobians = integrator.jacobians
 
-    def _march(self, state: State, checkpoint: SavedTree) -> None:
+    def _integrate(self, state: State, checkpoint: SavedTree) -> None:
         integrator, control = self.integrator, self.control
         self.begin(state, record=checkpoint is None)
         if checkpoint is not None:
@@ -147,7 +147,7 @@ class Transient:
             if not resumed:
                 control.begin(t, corner, first=integrator.first_step(self.duration) if restart else None)
             resumed = False
-            if not self.reach(corner):
+            if not self.integrate_to(corner):
                 return
             t, restart = corner, corner in jumps
             if restart:
@@ -165,12 +165,12 @@ class Transient:
             self.result.history.record(0.0, integrator.snapshot(), account, 0.0, 0)
             self.watch.begin(0.0, integrator.snapshot())
 
-    def reach(self, corner: float) -> bool:
-        """Go on to the time ``corner`` [s], for which the step control has been told; False if the run ends before."""
+    def integrate_to(self, corner: float) -> bool:
+        """Integrate to the time ``corner`` [s], for which the step control is set; False if the run ends before."""
         integrator, control, effort, result = self.integrator, self.control, self.effort, self.result
         while integrator.t < corner:
             t = integrator.t
-            end = control.aim(t)
+            end = control.next_end(t)
             report = integrator.attempt(end, before=end == corner)
             effort.iterations += report.iterations
             result.report = report
@@ -193,10 +193,10 @@ class Transient:
             effort.steps += 1
             if end - t < effort.smallest_step:
                 effort.smallest_step, effort.smallest_at = end - t, t
-                effort.smallest_why = self._why(report)
+                effort.smallest_why = self._limit_in_words(report)
             if self._progress is not None:
                 self._progress(end, end - t)
-            stop = self.watch.after(integrator, t) if self.watch.monitors else None
+            stop = self.watch.check_step(integrator, t) if self.watch.monitors else None
             self._record(before, t, end, stop, report.iterations)
             if control.exhausted:
                 result.outcome, result.failed_at = Outcome.TOO_SMALL, end
@@ -214,7 +214,7 @@ class Transient:
     ) -> None:
         """Record what is due of the step from ``t`` to ``end`` [s], or to where the run stops in it."""
         integrator, account, history = self.integrator, self.account, self.result.history
-        times = self._records(t, end, self.output_interval, end == self.duration)
+        times = self._record_times(t, end, self.output_interval, end == self.duration)
         if stop is not None:
             times = [*(at for at in times if at < stop), stop]
         parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
@@ -227,7 +227,7 @@ class Transient:
             history.record(times[-1], integrator.snapshot(), account, end - t, iterations)
 
     def saved(self) -> SavedTree:
-        """Return from what another run of the same model can go on."""
+        """Return the state from which another run of the same model can go on."""
         parts = (self.integrator, self.control, self.account, self.effort, self.watch)
         return {"parts": [saved(part) for part in parts], "notes": list(self.notes)}
 
@@ -239,7 +239,7 @@ class Transient:
         self.notes[:] = checkpoint["notes"]
         self.integrator.resume()
 
-    def _records(self, t: float, end: float, output_interval: float | None, final: bool) -> list[float]:
+    def _record_times(self, t: float, end: float, output_interval: float | None, final: bool) -> list[float]:
         """Return the times in the step from ``t`` to ``end`` at which states are recorded."""
         if output_interval is None:
             count = self.integrator.records
@@ -249,18 +249,18 @@ class Transient:
         times = [k * output_interval for k in range(first, last + 1)]
         return [*times, end] if final and (not times or times[-1] < end * (1.0 - 1e-9)) else times
 
-    def _why(self, report: StepReport) -> str:
-        """What limited an accepted step, in words."""
+    def _limit_in_words(self, report: StepReport) -> str:
+        """Say what limited an accepted step."""
         limit = self.control.limit
         if limit in ("the error", "convergence of Newton's method"):
             return f"{limit}{' of' if limit == 'the error' else ' for'} {report.motion} at {self.place(report.node)}"
         return limit
 
     def corners(self, start: float, end: float) -> tuple[list[float], set[float]]:
-        """Instants from ``start`` to ``end`` [s] that steps must hit, and those after which the integrator starts anew.
+        """Return the times from ``start`` to ``end`` [s] that steps must hit, and those after which to restart.
 
         ``end`` is the last of the former, ``start`` may be one of the latter. Instants that only rounding keeps apart
-        are one; the later stands for both, but ``start`` for what is next to it.
+        are one, the later, but ``start`` where one is next to it.
         """
         near = 1e-12 * end
         corners = [start]

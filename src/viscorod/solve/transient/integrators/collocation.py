@@ -1,11 +1,10 @@
-"""Collocation methods on the Lie group: what Radau IIA and the midpoint rule share.
+"""Collocation methods on the Lie group: the common part of Radau IIA and the midpoint rule.
 
 The step's unknowns are nodal coordinates relative to the poses at its start, in which the equations of motion are
-ordinary
-differential equations; so the methods keep their order for large rotations. Stresses are carried as independent
-iterates (mixed Newton), which lets a frozen Jacobian serve steps with large rotations: only strains, never stiffness
-times strains, are linearised about old poses. The Jacobian and the factors stay in use over several steps (see
-``stages`` and ``jacobian``).
+ordinary differential equations; so the methods keep their order for large rotations. Stresses are carried as
+independent iterates (mixed Newton), which lets a frozen Jacobian serve steps with large rotations: only strains, never
+stiffness times strains, are linearised about old poses. The Jacobian and the factors stay in use over several steps
+(see ``stage_kernels`` and ``jacobian``).
 """
 
 from __future__ import annotations
@@ -21,33 +20,33 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient.integrators import iteration, jacobian
+from viscorod.solve.transient.integrators import iteration_verdict, jacobian
+from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.contract import StepReport
 from viscorod.solve.transient.integrators.predictor import Predictor
-from viscorod.solve.transient.integrators.records import Records
-from viscorod.solve.transient.integrators.solved_step import try_step
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
 from viscorod.solve.transient.integrators.stage_dashpots import StageDashpots
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Ends, Matrices, Stages, Work
 from viscorod.solve.transient.integrators.stage_systems import StageSystems
 from viscorod.solve.transient.integrators.step_actions import StepActions
+from viscorod.solve.transient.integrators.step_recorder import StepRecorder
 from viscorod.solve.transient.integrators.tableau import Tableau
-from viscorod.solve.transient.time_step import start_step
+from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
 
 _OUTCOME = {
-    iteration.CONVERGED: Outcome.CONVERGED,
-    iteration.SLOW: Outcome.SLOW,
-    iteration.DIVERGED: Outcome.DIVERGED,
-    iteration.NOT_FINITE: Outcome.NOT_FINITE,
+    iteration_verdict.CONVERGED: Outcome.CONVERGED,
+    iteration_verdict.SLOW: Outcome.SLOW,
+    iteration_verdict.DIVERGED: Outcome.DIVERGED,
+    iteration_verdict.NOT_FINITE: Outcome.NOT_FINITE,
 }
 
 
 class Collocation:
-    """What all collocation methods share (see :class:`~viscorod.solve.transient.integrators.contract.Integrator`).
+    """Common part of all collocation methods (see :class:`~viscorod.solve.transient.integrators.contract.Integrator`).
 
     Args:
-        system, supports: what is integrated.
+        system, supports: the model.
         tableau: the method.
         newton_tolerance: error left by the iteration (displacement over model length, rotation in rad).
     """
@@ -75,18 +74,20 @@ class Collocation:
         self.actions = StepActions(system, supports, body, stages)
         self.stages = Stages.of(stages, body)
         self.predictor = Predictor(body, self.stages, tableau)
-        self.linked = StageConstraints(system.constraints, tableau) if problem.constrained else None
+        self.stage_constraints = (
+            StageConstraints(system.constraints, tableau) if problem.constrained else None
+        )
         memory = system.relaxation
-        self.relaxed = None if memory is None else StageDashpots(memory, body, tableau)
-        self.systems = StageSystems(body, system.matrix.scales, tableau, problem.plan, self.relaxed)
-        self.recorded = Records(
+        self.dashpots = None if memory is None else StageDashpots(memory, body, tableau)
+        self.systems = StageSystems(body, system.matrix.scales, tableau, problem.plan, self.dashpots)
+        self.recorder = StepRecorder(
             body,
             self.actions.given,
             self.stages,
             tableau,
             supports,
-            system.gauss_places(),
-            self.linked,
+            system.gauss_indices(),
+            self.stage_constraints,
             self.systems.solve_real,
         )
         self.ends: Ends | None = None
@@ -97,7 +98,7 @@ class Collocation:
         self._stress = np.zeros(body.elements.reference.shape)  # at t
         self._force = np.zeros((problem.size, 6))  # what accelerates the nodes at t
         self._end_rate = np.zeros((problem.size, 6))  # of the twists at t
-        self._turning = np.zeros((problem.size, 6, 6))
+        self._ad = np.zeros((problem.size, 6, 6))
         self._powers = np.zeros((2, stages))
         self._reaction = np.zeros((len(body.nodes), 6))  # of the supports at t, along their axes
         self._error = np.zeros((problem.size, 6))
@@ -114,18 +115,18 @@ class Collocation:
         supports.update(t, False)
         supports.prescribe(state)
         supports.project_twists(state)
-        if self.linked is not None:
+        if self.stage_constraints is not None:
             self.system.constraints.update(t)
             start_consistently(self.system, supports, state)
-            self.linked.forget()
-        self._settle(t, state, before=False)
-        self.predictor.forget()
+            self.stage_constraints.reset()
+        self._evaluate_state(t, state, before=False)
+        self.predictor.reset()
         self._rate = 1.0
         self._have_jacobian = False
 
     def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return start_step(
+        return first_time_step(
             self.body.mass, self._force, self.state.twist, self.body.held, self.body.length, duration
         )
 
@@ -140,15 +141,15 @@ class Collocation:
         if abs(h - self._factor_step) > 1e-9 * h and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         self.predictor.predict(self.state, self._stress, h)
-        if self.linked is not None:
-            self.linked.predict(h)
-        if self.relaxed is not None:
-            self.relaxed.prepare(h)
+        if self.stage_constraints is not None:
+            self.stage_constraints.predict(h)
+        if self.dashpots is not None:
+            self.dashpots.prepare(h)
         code, count, size, rate, unknown, error, worst = try_step(*self.step_arguments(h))
         self.systems.check()
-        self.evaluations += (count + (code == iteration.CONVERGED)) * len(self.tableau.nodes)
+        self.evaluations += (count + (code == iteration_verdict.CONVERGED)) * len(self.tableau.nodes)
         self._end = end
-        if code == iteration.CONVERGED:
+        if code == iteration_verdict.CONVERGED:
             self._rate = rate
             error, worst = self._judge(error, worst)
             node, component = divmod(worst, 6)
@@ -158,7 +159,7 @@ class Collocation:
         if not self._fresh_jacobian:
             self._have_jacobian = False
             return self.attempt(end, before=before).after(count)
-        if self.linked is not None:
+        if self.stage_constraints is not None:
             self.system.constraints.laws.callback.check()
         imbalance = float(np.abs(self.stages.residual[:, : len(self.body.mass)]).max())
         return StepReport(_OUTCOME[code], count, size, imbalance, node, 0.0, rate, component)
@@ -181,8 +182,8 @@ class Collocation:
             self.ends,
             self.scratch,
             self.forces.motion,
-            None if self.linked is None else self.linked.links,
-            None if self.relaxed is None else self.relaxed.step,
+            None if self.stage_constraints is None else self.stage_constraints.arrays,
+            None if self.dashpots is None else self.dashpots.step,
             self.newton_tolerance,
             self.iterations,
             self._rate,
@@ -197,11 +198,11 @@ class Collocation:
         h = self._end - self.t
         self.elastic = float(self._elastic[self._last])
         self.work, self.loss = h * float(weights @ self._powers[0]), h * float(weights @ self._powers[1])
-        self.recorded.leave(self.state)
+        self.recorder.keep_start(self.state)
         self.predictor.keep(self.state, self._stress, h)
-        if self.relaxed is not None:
-            self.relaxed.arrive(self.stages.strain)
-        self._arrive()
+        if self.dashpots is not None:
+            self.dashpots.end_step(self.stages.strain)
+        self._end_step()
         self.t, self._step = self._end, h
         self._fresh_jacobian = False
         if self._rate > self.stale:
@@ -210,32 +211,32 @@ class Collocation:
     @property
     def drift(self) -> tuple[float, float]:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return (0.0, 0.0) if self.linked is None else self.linked.drift
+        return (0.0, 0.0) if self.stage_constraints is None else self.stage_constraints.drift
 
     @property
     def strain(self) -> float:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return self.recorded.strain
+        return self.recorder.strain
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        snapshot = self.recorded.snapshot
-        if self.relaxed is not None:
-            power = self.relaxed.memory.power(self.relaxed.memory.strain)
-            snapshot = snapshot._replace(branch_power=power.ravel()[self.system.gauss_places()])
-        if self.linked is None or self._factor_step == 0.0:
+        snapshot = self.recorder.snapshot
+        if self.dashpots is not None:
+            power = self.dashpots.memory.power(self.dashpots.memory.strain)
+            snapshot = snapshot._replace(branch_power=power.ravel()[self.system.gauss_indices()])
+        if self.stage_constraints is None or self._factor_step == 0.0:
             return snapshot
-        self.system.constraints.update(self.t, True)  # states between may have been asked for
-        return self.linked.shown(snapshot, self.systems.solve_real)
+        self.system.constraints.update(self.t, True)  # states between may have been computed
+        return self.stage_constraints.with_allowed_velocities(snapshot, self.systems.solve_real)
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        records = self.recorded.between(
+        records = self.recorder.between(
             parts, self.t, self._step, self.state, self._end_rate, self._powers, self.loss
         )
-        if self.relaxed is None:
+        if self.dashpots is None:
             return records
-        powers = self.relaxed.power_between(parts).reshape(len(parts), -1)[:, self.system.gauss_places()]
+        powers = self.dashpots.power_between(parts).reshape(len(parts), -1)[:, self.system.gauss_indices()]
         return [
             (snapshot._replace(branch_power=power), work, loss)
             for (snapshot, work, loss), power in zip(records, powers, strict=True)
@@ -244,15 +245,15 @@ class Collocation:
     @property
     def branch_loss(self) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return np.zeros(0) if self.relaxed is None else self.relaxed.lost
+        return np.zeros(0) if self.dashpots is None else self.dashpots.loss
 
     def branch_losses(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return np.zeros((len(parts), 0)) if self.relaxed is None else self.relaxed.lost_until(parts)
+        return np.zeros((len(parts), 0)) if self.dashpots is None else self.dashpots.loss_until(parts)
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: factors follow from the Jacobian."""
-        self.actions.forget()
+        self.actions.reset()
         if self._factor_step > 0.0:
             self.systems.factorise(self.matrices, self._factor_step)
 
@@ -269,42 +270,44 @@ class Collocation:
             last = i == self._last
             t = end if last else self.t + c * (end - self.t)
             self.actions.prepare(i, t, before=before and last)
-            if self.linked is not None:
-                self.linked.prepare(i, t, before=before and last)
+            if self.stage_constraints is not None:
+                self.stage_constraints.prepare(i, t, before=before and last)
 
-    def _arrive(self) -> None:
+    def _end_step(self) -> None:
         """Make the last stage the new state."""
         stages, last = self.stages, self._last
         self.state = State(
             stages.r[last].copy(), stages.q[last].copy(), stages.twist[last].copy(), self.state.multiplier
         )
         self._force[:], self._stress[:] = stages.force[last], stages.stress[last]
-        self.forces.arrive(stages.strain[last])
+        self.forces.set_strains(stages.strain[last])
         self._reaction[:] = stages.reaction[last]
         if len(self.supports.partial):
             self.actions.move_supports(self._end, before=True)
             self.supports.project_twists(self.state)
-        if self.linked is not None:
+        if self.stage_constraints is not None:
             self.system.constraints.update(self._end, True)
-            self.elastic += self.linked.arrive(self.state, self._end - self.t, stage=True)
+            self.elastic += self.stage_constraints.end_step(self.state, self._end - self.t, stage=True)
         self._end_rate = stages.acceleration[last].copy()
-        self.kinetic = self.recorded.arrive(self.state, self.elastic)
+        self.kinetic = self.recorder.record_end(self.state, self.elastic)
 
     # --- parts
 
-    def _settle(self, t: float, state: State, *, before: bool, acceleration: Floats | None = None) -> None:
+    def _evaluate_state(
+        self, t: float, state: State, *, before: bool, acceleration: Floats | None = None
+    ) -> None:
         """Make ``state`` the one at ``t``: forces, energies and reactions there.
 
-        Without accelerations those of free nodes are unknown, and reactions lack the inertia of partly held ones.
+        Without accelerations those of free nodes are unknown, and reactions exclude the inertia of partly held ones.
         """
         supports, body, points = self.supports, self.body, self._points
         self.t, self.state = t, state
         internal, external = self.scratch.vector, self.scratch.change
         self.forces.evaluate(state, points, internal)
         constraints = self.system.constraints
-        if self.linked is not None:
+        if self.stage_constraints is not None:
             constraints.add_forces(state, internal)
-            self.linked.begin(state)
+            self.stage_constraints.begin(state)
         external.fill(0.0)
         self.actions.add_loads(t, state, external, before=before)
         self.evaluations += 1
@@ -320,29 +323,31 @@ class Collocation:
         elastic, dissipated = np.empty((2, 1))  # not the powers of the last step, which states between need
         energies(body.elements, points.strain, points.strain_rate, elastic, dissipated)
         self.elastic = float(elastic[0]) + constraints.energy
-        if self.relaxed is not None:
-            memory, strain = self.relaxed.memory, points.strain[0]
+        if self.dashpots is not None:
+            memory, strain = self.dashpots.memory, points.strain[0]
             memory.strain[:] = strain
             self.elastic += memory.energy(strain)
         self._reaction[:] = supports.reaction
         self._stress[:] = points.stress[0]
-        self.recorded.settle(state, points, supports.global_reactions(state), self.kinetic, self.elastic)
+        self.recorder.record_state(
+            state, points, supports.global_reactions(state), self.kinetic, self.elastic
+        )
 
     def _renew_jacobian(self) -> None:
         """Linearise at the start of the step."""
         state, matrices, body = self.state, self.matrices, self.body
-        jacobian.adjoint(state.twist, self._turning)
+        jacobian.adjoint(state.twist, self._ad)
         matrices.K.fill(0.0)
         matrices.C.fill(0.0)
-        self.forces.linearise(state, self._turning, self._stress, matrices.operators, matrices.K, matrices.C)
-        if self.linked is not None:
-            self.linked.linearise(state, self._turning, body.elements, matrices)
+        self.forces.linearise(state, self._ad, self._stress, matrices.operators, matrices.K, matrices.C)
+        if self.stage_constraints is not None:
+            self.stage_constraints.linearise(state, self._ad, body.elements, matrices)
         self.actions.add_load_stiffness(self.t, state, self.scratch.vector, matrices.K)
         matrices.mass[:] = body.mass
         jacobian.add_inertia(
             body.mass,
             state.twist,
-            self._turning,
+            self._ad,
             matrices.K,
             matrices.C,
             body.pattern.diagonal,

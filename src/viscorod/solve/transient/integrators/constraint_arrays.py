@@ -1,4 +1,4 @@
-"""What couples nodes beside elements, for the stages of a collocation step: joints, springs and held strains.
+"""Couplings of nodes beside elements, for the stages of a collocation step: joints, springs and held strains.
 
 Multipliers are unknowns of every stage, like the coordinates of the nodes, and positions are what is held: gaps are
 closed at every stage (and, by the midpoint rule, at the end of the step). Springs are carried along the iteration like
@@ -29,8 +29,8 @@ class ConstraintArrays(NamedTuple):
             ``mechanics.elements.held_strains``.
         address, buffer: of Python functions; near: values that angles are to be near ``(c,)``.
         gradients, A, P: frozen operators of the coordinates ``(c, 12)``; scale: of multipliers ``(places,)``.
-        unit: what gaps are measured in ``(places,)``.
-        target, target_rate: of held coordinates ``(s, c)``; end_target: at the end of the step, if that is no stage.
+        unit: of the gaps ``(places,)``.
+        target, target_rate: of held coordinates ``(s, c)``; end_target: at the end of the step, if that is not a stage.
         multiplier: ``(s, places)``; carried: forces of springs along the iteration ``(s, c)``.
         value: of the last stage ``(c,)``; rate, force: ``(s, c)``; energy, power: ``(s,)``; gap: ``(s, places)``.
         gradient: scratch ``(12,)``.

@@ -1,18 +1,15 @@
 """Generalised-alpha on the Lie group, in poses and spatial momenta.
 
-The equations of motion are first order in the poses ``H`` (with ``H_t = H x1``) and the spatial momenta ``pi``
-(with ``pi_t``
-= resultant wrench about the origin). Both are advanced by the generalised-alpha method for first-order systems (Jansen,
-Whiting and Hulbert 2000), the poses on SE(3) by the exponential (as Bruels and Cardona 2010 do for the second-order
-method):
+The equations of motion are first order in the poses ``H`` (with ``H_t = H x1``) and the spatial momenta ``pi`` (with
+``pi_t`` = resultant wrench about the origin). Both are advanced by the generalised-alpha method for first-order systems
+(Jansen, Whiting and Hulbert 2000), the poses on SE(3) by the exponential (as Bruels and Cardona 2010 do for the
+second-order method):
 
     D/h  = (1-g) xi_n + g xi_n+1      (1-am) xi_n+1 + am xi_n = (1-af) x1_n+1 + af x1_n       H_n+1 = H_n exp(D)
 
 and the same for ``pi`` with the wrenches in place of the twists. It is of second order, dissipates only high
-frequencies,
-``rho`` being the spectral radius at infinity, and keeps linear and angular momentum of a free body to round-off,
-because
-internal forces have no spatial resultant and the scheme is linear in the momenta.
+frequencies, ``rho`` being the spectral radius at infinity, and keeps linear and angular momentum of a free body to
+round-off, because internal forces have no spatial resultant and the scheme is linear in the momenta.
 """
 
 from __future__ import annotations
@@ -22,16 +19,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from viscorod.mechanics.nodes import inertia
-from viscorod.mechanics.rotations.pose_interpolation import interpolate
 from viscorod.mechanics.rotations.rotation import add_mapped, inverse_motion_tangent, retract
-from viscorod.solve.constraints.projection import close, shown, start_consistently
+from viscorod.solve.constraints.projection import close_gaps, start_consistently, with_allowed_velocities
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.statics.newton import Convergence, Outcome, SingularMatrixError, worst_node
 from viscorod.solve.transient.integrators.contract import StepReport
-from viscorod.solve.transient.time_step import start_step
+from viscorod.solve.transient.integrators.step_recorder import interpolate_states
+from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
 
 STEP_FACTOR = 1.0
@@ -51,7 +48,7 @@ class Coefficients:
 
     @classmethod
     def of(cls, rho: float) -> Coefficients:
-        """Second order with optimal dissipation (Jansen et al. 2000, in the convention of Bruels and Cardona)."""
+        """Return those of order 2 with optimal dissipation (Jansen et al. 2000, convention of Bruels and Cardona)."""
         return cls(
             mass=(3.0 * rho - 1.0) / (2.0 * (1.0 + rho)), force=rho / (1.0 + rho), gamma=1.0 / (1.0 + rho)
         )
@@ -80,7 +77,7 @@ class GeneralizedAlpha:
     """Implicit one-step integrator of second order (see the module's text).
 
     Args:
-        system, supports: what is integrated.
+        system, supports: the model.
         spectral_radius: 1 damps nothing numerically, 0 annihilates the highest frequencies in one step.
         tolerance: wanted accuracy of the motion (displacement over model length, rotation in rad); None makes no
             error estimate.
@@ -138,11 +135,11 @@ class GeneralizedAlpha:
         supports.project_twists(state)
         start_consistently(system, supports, state)
         if system.relaxation is not None and system.relaxation.known:
-            system.relaxation.elapse(0.0)
+            system.relaxation.set_step(0.0)
         system.assemble(state, self.loads.at(t), None, tangent=False, moving=True)
-        system.settle()
+        system.advance_branches()
         system.reset_stress()
-        system.constraints.settle()
+        system.constraints.track_angles()
         residual = system.residual()
         supports.add_inertia(state, residual)
         supports.impose(state, residual, system.matrix, tangent=False)
@@ -161,7 +158,7 @@ class GeneralizedAlpha:
         problem, held = self.system.problem, np.zeros(self.system.problem.size)
         held[self._held] = 1.0
         force = self.system.external - self.system.internal
-        return start_step(problem.mass, force, self.state.twist, held, problem.length, duration)
+        return first_time_step(problem.mass, force, self.state.twist, held, problem.length, duration)
 
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -180,7 +177,7 @@ class GeneralizedAlpha:
         )
         predicted = h * old.twist + 0.5 * h * h * self._rate
         self._trial = relation, self._solve(end, before, relation, predicted.copy())
-        return self._judged(self._trial[1], 0)
+        return self._with_error(self._trial[1], 0)
 
     def _first_step(self, end: float, *, before: bool) -> StepReport:
         """Start with the two-stage, second-order, L-stable method SDIRK2 (Alexander 1977).
@@ -202,9 +199,9 @@ class GeneralizedAlpha:
         ratio = (1.0 - g) / g
         second = Relation(slope, -ratio * new.twist, -slope * self._momentum - ratio * wrench)
         self._trial = second, self._solve(end, before, second, h * new.twist)
-        return self._judged(self._trial[1], stage.report.iterations)
+        return self._with_error(self._trial[1], stage.report.iterations)
 
-    def _judged(self, solution: Solution, iterations: int) -> StepReport:
+    def _with_error(self, solution: Solution, iterations: int) -> StepReport:
         """Complete the report of an attempt by the estimated error."""
         report = solution.report.after(iterations)
         if self.step_tolerance is None or not report.converged:
@@ -227,10 +224,10 @@ class GeneralizedAlpha:
         relation, solution = self._trial
         h, first = self._end - self.t, self._fresh
         self._start = self.state, self._snapshot
-        self._accept(solution, relation, self._end)
+        self._take_solution(solution, relation, self._end)
         if self._fresh:
             self._wrench_mean, self._twist_mean = self._wrench.copy(), self.state.twist.copy()
-            self._settle()
+            self._project_velocities()
             if self.step_tolerance is None:
                 self._rate[:] = 0.0  # the first difference still holds the jump
             self._fresh = False
@@ -240,12 +237,12 @@ class GeneralizedAlpha:
                 (self._momentum - solution.momentum_before) / h - c1 * mean
             ) / self.coefficients.gamma
             self._twist_mean = (solution.increment / h - c1 * self._twist_mean) / self.coefficients.gamma
-            self._settle()
+            self._project_velocities()
         power = self._work_rate()
         if first:  # forces of motors at the start are not known
             self._power += self.system.constraints.motor_power()
         self.work = 0.5 * h * (self._power + power)
-        self.branch_loss = self.system.settle()
+        self.branch_loss = self.system.advance_branches()
         self.loss = self.system.viscous_loss(h) + float(self.branch_loss.sum())
         self.elastic = self.system.elastic_energy()
         self._power = power
@@ -261,7 +258,7 @@ class GeneralizedAlpha:
         return float(np.abs(self._snapshot.strain[:, :3]).max())
 
     def _work_rate(self) -> float:
-        """Present power of loads and moving supports [W]."""
+        """Return the present power of loads and moving supports [W]."""
         loads = float(np.sum(self.system.external * self.state.twist))
         return loads + self.supports.power() + self.system.constraints.motor_power()
 
@@ -269,47 +266,29 @@ class GeneralizedAlpha:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         if self._fresh or self.system.constraints.rows == 0:
             return self._snapshot
-        found, left = shown(self.system.constraints, self._snapshot, self.system.matrix.solve)
+        found, left = with_allowed_velocities(
+            self.system.constraints, self._snapshot, self.system.matrix.solve
+        )
         self.drift = self.drift[0], max(self.drift[1], left)
         return found
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """Interpolate within the last step, cubic in the poses, linear in the rest (see ``contract.Integrator``)."""
-        (old, before), new, after = self._start, self.state, self._snapshot
-        count = len(parts)
-        r, q, twist = (np.empty((count, *shape.shape)) for shape in (new.r, new.q, new.twist))
-        interpolate(
-            parts,
-            self._step,
-            old.r,
-            old.q,
-            old.twist,
-            self._rate,
-            new.r,
-            new.q,
-            new.twist,
-            self._rate,
-            np.zeros(len(new.r)),
-            False,
-            r,
-            q,
-            twist,
+        (old, before), after, rate = self._start, self._snapshot, self._rate
+        split = np.zeros(len(rate))
+        states, _ = interpolate_states(
+            parts, self._step, (old, rate), (self.state, rate), split, with_rates=False
         )
-        states = [State(r[k], q[k], twist[k], new.multiplier) for k in range(count)]
         constraints, begin = self.system.constraints, self.t - self._step
         if constraints.rows:
             for state, part in zip(states, parts, strict=True):
                 constraints.update(begin + part * self._step)
-                gap = close(constraints, state, self.system.matrix.solve)
+                gap = close_gaps(constraints, state, self.system.matrix.solve)
                 self.drift = max(self.drift[0], gap), self.drift[1]
             constraints.update(self.t, True)
         return [
-            (
-                before.blend(after, part, states[k], self.system),
-                part * self.work,
-                part * self.loss,
-            )
-            for k, part in enumerate(parts)
+            (before.blend(after, part, state, self.system), part * self.work, part * self.loss)
+            for state, part in zip(states, parts, strict=True)
         ]
 
     def resume(self) -> None:
@@ -325,7 +304,7 @@ class GeneralizedAlpha:
         supports.update(t, before)
         system.constraints.update(t, before)
         if system.relaxation is not None:
-            system.relaxation.elapse(t - self.t)
+            system.relaxation.set_step(t - self.t)
         loads = self.loads.at(t, before)
         increment[self._held] = 0.0
         new = old.copy()
@@ -348,9 +327,9 @@ class GeneralizedAlpha:
         self.jacobians += count
         report = StepReport(verdict, count, size, imbalance, node)
         if report.converged:
-            self._reach(new, increment, relation)
+            self._update_state(new, increment, relation)
         else:
-            self._undo()
+            self._restore_state()
         return Solution(report, new, increment, self._momentum)
 
     def iterate(
@@ -365,7 +344,7 @@ class GeneralizedAlpha:
             SingularMatrixError: the matrix is singular.
         """
         system = self.system
-        self._reach(new, increment, relation)
+        self._update_state(new, increment, relation)
         inverse_motion_tangent(increment, relation.slope, self._map)
         self._map[self._held] = 0.0
         system.constraints.pace = relation.slope
@@ -380,8 +359,8 @@ class GeneralizedAlpha:
         system.carry_stress(change)
         return residual, change
 
-    def _reach(self, new: State, increment: Floats, relation: Relation) -> None:
-        """Poses and twists that belong to an increment."""
+    def _update_state(self, new: State, increment: Floats, relation: Relation) -> None:
+        """Write the poses and twists that belong to an increment."""
         retract(self.state.r, self.state.q, increment, new.r, new.q)
         np.multiply(increment, relation.slope, out=new.twist)
         new.twist += relation.constant
@@ -405,12 +384,12 @@ class GeneralizedAlpha:
         )
         return residual
 
-    def _accept(self, solution: Solution, relation: Relation, end: float) -> None:
+    def _take_solution(self, solution: Solution, relation: Relation, end: float) -> None:
         """Take a solution as the new state; leaves forces and reactions there in system and supports."""
         system, supports, new = self.system, self.supports, solution.state
         system.assemble(new, self.loads.last, None, tangent=False, moving=True)
         system.reset_stress()
-        system.constraints.settle()
+        system.constraints.track_angles()
         supports.impose(new, self._residual(new, relation, tangent=False), system.matrix, tangent=False)
         momentum = np.empty_like(self._momentum)
         self.kinetic = inertia.momenta(system.problem.mass, new.r, new.q, new.twist, momentum)
@@ -420,7 +399,7 @@ class GeneralizedAlpha:
         self.state = new
         self.t = end
 
-    def _settle(self) -> None:
+    def _project_velocities(self) -> None:
         """Make the velocities of partly supported nodes exactly those that are allowed."""
         if len(self.supports.partial):
             state = self.state
@@ -428,10 +407,10 @@ class GeneralizedAlpha:
             mass = self.system.problem.mass
             self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
 
-    def _undo(self) -> None:
+    def _restore_state(self) -> None:
         """Put system and supports back to the last accepted state."""
         if self.system.relaxation is not None:
-            self.system.relaxation.elapse(0.0)
+            self.system.relaxation.set_step(0.0)
         self.supports.update(self.t, False)
         self.system.constraints.update(self.t)
         self.system.assemble(self.state, self.loads.at(self.t), None, tangent=False, moving=True)

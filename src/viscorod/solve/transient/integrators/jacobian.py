@@ -26,31 +26,31 @@ def adjoint(twist: Floats, out: Floats) -> None:
 def add_inertia(
     mass: Floats,
     twist: Floats,
-    turning: Floats,
+    ad: Floats,
     K: Floats,
     C: Floats,
     diagonal: Integers,
-    mass_turning: Floats,
+    mass_ad: Floats,
 ) -> None:
     """Add the inertial parts of the Jacobian: ``C += N + M ad(x)`` and ``K += N ad(x)`` with ``N = d(L1 M x)/dx``.
 
     Args:
-        mass: ``(n, 6, 6)``; turning: ``ad(x)`` of every node.
+        mass: ``(n, 6, 6)``; ad: ``ad(x)`` of every node.
         K, C: blocks ``(b, 6, 6)``; diagonal: those of the nodes ``(n,)``.
-        mass_turning: output ``M ad(x)``.
+        mass_ad: output ``M ad(x)``.
     """
     N = np.empty((6, 6))
     momentum = np.empty(6)
     for k in range(mass.shape[0]):
-        M, A = mass[k], turning[k]
+        M, A = mass[k], ad[k]
         for i in range(6):
             momentum[i] = 0.0
             for j in range(6):
                 momentum[i] += M[i, j] * twist[k, j]
-                mass_turning[k, i, j] = 0.0
+                mass_ad[k, i, j] = 0.0
                 N[i, j] = 0.0
                 for a in range(6):
-                    mass_turning[k, i, j] += M[i, a] * A[a, j]
+                    mass_ad[k, i, j] += M[i, a] * A[a, j]
                     # L1(x) = -ad(x)^T
                     N[i, j] -= A[a, i] * M[a, j]
         # derivative of L1(x) at constant momentum: -[p~] and -[h~]
@@ -76,7 +76,7 @@ def add_inertia(
         slot = diagonal[k]
         for j in range(6):
             for i in range(6):
-                C[slot, j, i] += N[i, j] + mass_turning[k, i, j]
+                C[slot, j, i] += N[i, j] + mass_ad[k, i, j]
                 total = 0.0
                 for a in range(6):
                     total += N[i, a] * A[a, j]

@@ -11,9 +11,9 @@ from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.contract import StepReport
-from viscorod.solve.transient.integrators.linear_body import LinearBody
+from viscorod.solve.transient.integrators.linear_model import LinearModel
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, RADAU, Tableau
-from viscorod.solve.transient.time_step import start_step
+from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
 
 SWEEPS = 3
@@ -27,7 +27,7 @@ class LinearMotion:
     """Radau IIA or the midpoint rule, see :class:`~viscorod.solve.transient.integrators.contract.Integrator`.
 
     Args:
-        system, supports: what is integrated; the supports stay where they are, and the first
+        system, supports: the model; the supports stay where they are, and the first
             state that it starts from is the one it is linear about.
         tableau: the method.
         tolerance: wanted accuracy of the motion where the method has an error estimate: displacement over model
@@ -52,7 +52,7 @@ class LinearMotion:
         self.state = State.reference(problem)
         self.kinetic = self.elastic = self.work = self.loss = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
-        self._body: LinearBody | None = None
+        self._body: LinearModel | None = None
         self._last = stages - 1
         self._step = self._factor_step = 0.0
         self._now = np.zeros((2, 6 * problem.size))  # displacements and velocities at t
@@ -70,7 +70,7 @@ class LinearMotion:
         return float(np.abs(self._snapshot.strain[:, :3]).max())
 
     @property
-    def body(self) -> LinearBody:
+    def body(self) -> LinearModel:
         """The linear model, known from the first start on."""
         assert self._body is not None
         return self._body
@@ -83,24 +83,24 @@ class LinearMotion:
         self.t = t
         if self._body is None:
             self.supports.project_twists(state)
-            self._body = LinearBody(self.system, self.supports, t, state)
+            self._body = LinearModel(self.system, self.supports, t, state)
             self.jacobians += 1
             self._now[1] = state.twist.ravel()
             held = self.supports.set.nodes[self.supports.complete]
             self._now[1].reshape(-1, 6)[held] = 0.0
         self._load = self.body.loads(t, False)
         self.evaluations += 1
-        self._arrive(self._now, np.zeros_like(self._load))
+        self._set_state(self._now, np.zeros_like(self._load))
 
     def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         body = self.body.body
         force = (self._load - self.body.internal(*self._now)).reshape(-1, 6)
-        return start_step(body.mass, force, self.state.twist, body.held, body.length, duration)
+        return first_time_step(body.mass, force, self.state.twist, body.held, body.length, duration)
 
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        h, tableau, body = end - self.t, self.tableau, self.body
+        h, tableau, body, basis = end - self.t, self.tableau, self.body, self.body.reduced.basis
         if h != self._factor_step and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         last = self._last
@@ -111,17 +111,17 @@ class LinearMotion:
         D = tableau.derivative / h
         changes = np.zeros_like(self._stages[0])
         size = 0.0
-        for _ in range(SWEEPS):  # the first solves, the others mend what rounding of stiff terms spoilt
+        for _ in range(SWEEPS):  # the first solves, the others remove the rounding errors of stiff terms
             rates = D @ changes
             residual = D @ (rates - x) @ body.mass - self._stage_loads
             residual += [body.internal(xi + c, r) for c, r in zip(changes, rates, strict=True)]
-            modes = -(tableau.to_modes @ residual @ body.basis)
+            modes = -(tableau.to_modes @ residual @ basis)
             change = np.empty_like(modes)
             change[0] = self._real.solve(modes[0])
             if last:
                 pair = self._pair.solve(modes[1] + 1j * modes[2])
                 change[1], change[2] = pair.real, pair.imag
-            correction = (tableau.to_stages @ change) @ body.basis.T
+            correction = (tableau.to_stages @ change) @ basis.T
             changes += correction
             size = float(np.abs(correction / body.unit).max())
             if not size < np.inf:
@@ -137,12 +137,13 @@ class LinearMotion:
         return report._replace(error=float(error.max()) / allowed, node=node, component=component)
 
     def _error(self, h: float, changes: Floats) -> Floats:
-        """Estimated errors ``(6 n,)``: displacements over model length, rotations (see ``solved_step``)."""
+        """Return estimated errors ``(6 n,)``: displacements over model length, rotations (see ``step_error``)."""
         tableau, body, x = self.tableau, self.body, self._now[1]
         p = x + tableau.error @ changes / h
         v = tableau.error @ (self._stages[1] - x) / h + tableau.real / h * p
         side = self._load - body.internal(*self._now) + body.mass @ v + body.damping(p)
-        return np.asarray(np.abs(body.basis @ self._real.solve(body.basis.T @ side)) / body.unit)
+        basis = body.reduced.basis
+        return np.asarray(np.abs(basis @ self._real.solve(basis.T @ side)) / body.unit)
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -157,7 +158,7 @@ class LinearMotion:
         self._before, self._rates = self._now, rates
         self.t, self._step = self._end, h
         self._load = self._stage_loads[last] if last else body.loads(self.t, True)
-        self._arrive(end, rates[1])
+        self._set_state(end, rates[1])
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -192,14 +193,15 @@ class LinearMotion:
 
     # --- parts
 
-    def _arrive(self, now: Floats, acceleration: Floats) -> None:
+    def _set_state(self, now: Floats, acceleration: Floats) -> None:
         self._now = now
         self._snapshot = self.body.snapshot(now[0], now[1], acceleration, self._load)
         self.state = self._snapshot.state
         self.kinetic, self.elastic = self._snapshot.kinetic, self._snapshot.elastic
 
     def _factorise(self, h: float) -> bool:
-        K, C, M = self.body.reduced
+        reduced = self.body.reduced
+        K, C, M = reduced.stiffness, reduced.damping, reduced.mass
         self._factor_step = h
         self.factorisations += 1
         mu = self.tableau.real / h
@@ -216,7 +218,7 @@ class LinearMotion:
 def _quintic(
     part: float, h: float, old: Floats, new: Floats, rates: tuple[Floats, Floats]
 ) -> tuple[Floats, Floats, Floats]:
-    """Displacement, velocity and acceleration at a ``part`` of a step ``h`` between two ends with all three given."""
+    """Return displacement, velocity and acceleration at a ``part`` of a step ``h`` from all three at both ends."""
     x0, x1 = old[0], new[0]
     v0, v1, a0, a1 = h * old[1], h * new[1], h * h * rates[0], h * h * rates[1]
     gap, slope, bend = x1 - x0 - v0 - 0.5 * a0, v1 - v0 - a0, a1 - a0
@@ -231,10 +233,10 @@ def _quintic(
 
 
 def linear_radau(system: System, supports: SupportState, *, tolerance: float) -> LinearMotion:
-    """Radau IIA of order 5 with error control."""
+    """Return Radau IIA of order 5 with error control."""
     return LinearMotion(system, supports, RADAU, tolerance)
 
 
 def linear_midpoint(system: System, supports: SupportState) -> LinearMotion:
-    """The implicit midpoint rule."""
+    """Return the implicit midpoint rule."""
     return LinearMotion(system, supports, MIDPOINT)

@@ -20,7 +20,7 @@ class Midpoint(Collocation):
     ``internal_force.conserve_energy``); body velocities make the kinetic energy quadratic, which the rule keeps exact.
 
     Args:
-        system, supports: what is integrated.
+        system, supports: the model.
         newton_tolerance: error left by the iteration (displacement over model length, rotation in rad).
     """
 
@@ -29,7 +29,7 @@ class Midpoint(Collocation):
     oldest = 8
     """Steps with one Jacobian, where there are constraints.
 
-    What velocities lack at the end of a step is of second order itself, and is projected away along the constraints'
+    The error of velocities at the end of a step is of second order itself, and is projected away along the constraints'
     gradients in the Jacobian: with a Jacobian of a fixed age the method would have order 1.
     """
 
@@ -43,7 +43,7 @@ class Midpoint(Collocation):
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         super().accept()
         self._age += 1
-        if self.linked is not None and self._age >= self.oldest:
+        if self.stage_constraints is not None and self._age >= self.oldest:
             self._have_jacobian = False
 
     def _renew_jacobian(self) -> None:
@@ -54,16 +54,16 @@ class Midpoint(Collocation):
         h = end - self.t
         given, supports = self.actions.given, self.supports
         self.actions.prepare(0, self.t + 0.5 * h, before=False)
-        if self.linked is not None:
-            self.linked.prepare_end(self.t, end, before=before)
+        if self.stage_constraints is not None:
+            self.stage_constraints.prepare_end(self.t, end, before=before)
         if not supports.moving:
             return
         supports.update(self.t, False)
         start, start_rate = supports.target.copy(), supports.rate.copy()
         supports.update(end, before)
         given.target[0], given.rate[0] = supports.target, (supports.target - start) / h
-        turning = supports.set.in_body
-        given.rate[0, turning] = 0.5 * (start_rate + supports.rate)[turning]
+        moving_axes = supports.set.in_body
+        given.rate[0, moving_axes] = 0.5 * (start_rate + supports.rate)[moving_axes]
         c = supports.complete
         if len(c) == 0:
             return
@@ -88,11 +88,11 @@ class Midpoint(Collocation):
             given.twist_rate[0, support] = (twist[k] - old.twist[node]) / h
         self._end_twist = twist
 
-    def _arrive(self) -> None:
-        """Go twice the way to the middle, and evaluate the forces there."""
+    def _end_step(self) -> None:
+        """Extrapolate from the middle to the end of the step, and evaluate the forces there."""
         ends, stages = self.ends, self.stages
         twist = 2.0 * stages.twist[0] - self.state.twist
-        self.forces.reflect(stages.strain[0])
+        self.forces.extrapolate_strains(stages.strain[0])
         state = State(ends.r[0].copy(), ends.q[0].copy(), twist, self.state.multiplier)
         c = self.supports.complete
         if self.supports.moving and len(c):
@@ -100,11 +100,13 @@ class Midpoint(Collocation):
         supports = self.supports
         if supports.moving:
             supports.update(self._end, True)
-        if self.linked is not None:
+        if self.stage_constraints is not None:
             self.system.constraints.update(self._end, True)
-            self.linked.arrive(state, self._end - self.t, stage=False)
-        self._settle(self._end, state, before=True, acceleration=stages.acceleration[0])
+            self.stage_constraints.end_step(state, self._end - self.t, stage=False)
+        self._evaluate_state(self._end, state, before=True, acceleration=stages.acceleration[0])
 
-    def _settle(self, t: float, state: State, *, before: bool, acceleration: Floats | None = None) -> None:
-        super()._settle(t, state, before=before, acceleration=acceleration)
+    def _evaluate_state(
+        self, t: float, state: State, *, before: bool, acceleration: Floats | None = None
+    ) -> None:
+        super()._evaluate_state(t, state, before=before, acceleration=acceleration)
         self.ends.start_strain[:] = self._points.strain

@@ -1,4 +1,4 @@
-"""Where the iteration of a collocation step starts: the polynomials of the last step go on."""
+"""First guess of a collocation step: the polynomials of the last step, continued."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ class Predictor:
         self._old: State | None = None  # at the start of the last step
         self._step = 0.0
 
-    def forget(self) -> None:
-        """Begin anew: the last step says nothing about the next one."""
+    def reset(self) -> None:
+        """Forget the last step: it does not predict the next one."""
         self._old = None
 
     def keep(self, state: State, stress: Floats, h: float) -> None:
@@ -59,7 +59,7 @@ class Predictor:
             stages.X[:, body.held != 0.0] = 0.0
             stages.stress[:] = stress
             return
-        go_on(
+        extrapolate_step(
             tableau.nodes,
             h / self._step,
             tableau.values,
@@ -81,7 +81,7 @@ class Predictor:
 
 
 @kernel
-def go_on(
+def extrapolate_step(
     nodes: Floats,
     ratio: float,
     values: Floats,

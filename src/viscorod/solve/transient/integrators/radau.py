@@ -7,7 +7,7 @@ import numpy as np
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import System
 from viscorod.solve.transient.integrators.collocation import Collocation
-from viscorod.solve.transient.integrators.solved_step import largest_turn
+from viscorod.solve.transient.integrators.collocation_step import largest_turn
 from viscorod.solve.transient.integrators.tableau import RADAU
 
 LEAST_CHANGE = 1e-13
@@ -24,7 +24,7 @@ class Radau(Collocation):
     """Radau IIA with three stages: order 5, L-stable, stiffly accurate, with an error estimate.
 
     Args:
-        system, supports: what is integrated.
+        system, supports: the model.
         tolerance: wanted accuracy of the motion: displacement over model length, rotation in rad.
     """
 
@@ -48,10 +48,10 @@ class Radau(Collocation):
         self._turn = 0.0
 
     def _judge(self, error: float, unknown: int) -> tuple[float, int]:
-        self._turn, turning = largest_turn(self.stages.X[self._last])
+        self._turn, node = largest_turn(self.stages.X[self._last])
         error /= self.step_tolerance
         too_far = (self._turn / self.largest_turn) ** (self.estimate_order + 1)
-        return (too_far, 6 * turning + 3) if too_far > error else (error, unknown)
+        return (too_far, 6 * node + 3) if too_far > error else (error, unknown)
 
     @property
     def records(self) -> int:

@@ -8,7 +8,7 @@ import numpy as np
 
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.solve.constraints.constraints import Constraints, JointState
-from viscorod.solve.constraints.projection import close, shown
+from viscorod.solve.constraints.projection import close_gaps, with_allowed_velocities
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
 from viscorod.solve.transient.integrators.constraint_arrays import ConstraintArrays
@@ -18,20 +18,20 @@ from viscorod.typing import Floats
 
 
 class StageConstraints:
-    """Targets, predictions and records of the links of a run.
+    """Targets, predictions and records of joints, springs and held strains in a run.
 
     Args:
         constraints: of the system that is integrated; tableau: the method.
 
     Attributes:
-        links: for the compiled step.
+        arrays: for the compiled step.
         drift: largest gap of positions over the length (or in rad, or strain), and of recorded velocities over the
             fastest one, so far.
     """
 
     def __init__(self, constraints: Constraints, tableau: Tableau) -> None:
         self.constraints, self.tableau = constraints, tableau
-        self.links = ConstraintArrays.of(constraints, len(tableau.nodes))
+        self.arrays = ConstraintArrays.of(constraints, len(tableau.nodes))
         self.drift = 0.0, 0.0
         c = constraints.joints.count
         self._multiplier = np.zeros(len(constraints.gap))  # at t
@@ -41,80 +41,80 @@ class StageConstraints:
 
     def prepare(self, i: int, t: float, *, before: bool) -> None:
         """Evaluate motors at stage ``i``, at time ``t`` [s]."""
-        constraints, links = self.constraints, self.links
+        constraints, arrays = self.constraints, self.arrays
         constraints.update(t, before)
-        links.target[i], links.target_rate[i] = constraints.target, constraints.target_rate
+        arrays.target[i], arrays.target_rate[i] = constraints.target, constraints.target_rate
 
     def prepare_end(self, t: float, end: float, *, before: bool) -> None:
         """Evaluate motors at the end of a step of the midpoint rule, and their mean rates."""
-        constraints, links = self.constraints, self.links
+        constraints, arrays = self.constraints, self.arrays
         constraints.update(t)
         first = constraints.target.copy()
         constraints.update(end, before)
-        links.end_target[:] = constraints.target
-        links.target_rate[0] = (constraints.target - first) / (end - t)
+        arrays.end_target[:] = constraints.target
+        arrays.target_rate[0] = (constraints.target - first) / (end - t)
 
-    def forget(self) -> None:
-        """Begin anew: the last step says nothing about the next one."""
+    def reset(self) -> None:
+        """Forget the last step: it does not predict the next one."""
         self._past = None
 
     def predict(self, h: float) -> None:
         """Write multipliers and spring forces of a step of ``h`` [s]: the last step's polynomials go on."""
-        links = self.links
+        arrays = self.arrays
         now = np.concatenate([self._multiplier, self._force])
         if self._past is None:
-            stages = np.broadcast_to(now, (len(links.multiplier), len(now)))
+            stages = np.broadcast_to(now, (len(arrays.multiplier), len(now)))
         else:
             known, length = self._past
             weights = self.tableau.polynomials(1.0 + self.tableau.nodes * (h / length))
             stages = known[0] + weights @ (known[1:] - known[0])
-        places = links.multiplier.shape[1]
-        links.multiplier[:], links.carried[:] = stages[:, :places], stages[:, places:]
+        places = arrays.multiplier.shape[1]
+        arrays.multiplier[:], arrays.carried[:] = stages[:, :places], stages[:, places:]
 
     def begin(self, state: State) -> None:
-        """Take over a state whose joints were measured just now."""
+        """Take over a state for which joint coordinates have just been evaluated."""
         constraints = self.constraints
-        constraints.settle()
+        constraints.track_angles()
         self._multiplier, self._force = state.multiplier.copy(), constraints.force.copy()
         self._start = constraints.state()
 
-    def linearise(self, state: State, turning: Floats, elements: Elements, matrices: Matrices) -> None:
+    def linearise(self, state: State, ad: Floats, elements: Elements, matrices: Matrices) -> None:
         """Add the constraints to the matrices of the Jacobian, whose operators are known (see ``Collocation``)."""
         constraints = self.constraints
         constraints.add_forces(state, np.zeros_like(state.twist))
         constraints.add_tangent(
             state,
-            turning,
+            ad,
             matrices.K,
             matrices.C,
             moving=True,
             held=(elements.order, matrices.operators.strain) if len(constraints.held.place) else None,
         )
 
-    def arrive(self, state: State, h: float, *, stage: bool) -> float:
+    def end_step(self, state: State, h: float, *, stage: bool) -> float:
         """Take the end of a step of ``h`` [s]; return the energy [J] of springs that are Python functions.
 
         Args:
             state: at the end, whose multipliers are completed.
             stage: the end is the last stage, whose multipliers are known; else they are those of the middle.
         """
-        constraints, links = self.constraints, self.links
+        constraints, arrays = self.constraints, self.arrays
         now = np.concatenate([self._multiplier, self._force])
         if len(self.tableau.nodes) > 1:
-            stages = np.concatenate([links.multiplier, links.force], axis=1)
+            stages = np.concatenate([arrays.multiplier, arrays.force], axis=1)
             self._past = np.concatenate([now[None], stages]), h
-        state.multiplier = links.multiplier[-1].copy()
-        position = float((np.abs(links.gap[-1]) / constraints.unit).max(initial=0.0))
+        state.multiplier = arrays.multiplier[-1].copy()
+        position = float((np.abs(arrays.gap[-1]) / constraints.unit).max(initial=0.0))
         self.drift = max(self.drift[0], position), self.drift[1]
         if stage:
-            constraints.value, constraints.rate = links.value.copy(), links.rate[-1].copy()
-            constraints.force = links.force[-1].copy()
+            constraints.value, constraints.rate = arrays.value.copy(), arrays.rate[-1].copy()
+            constraints.force = arrays.force[-1].copy()
             self.begin(state)
         return constraints.function_energy()
 
-    def shown(self, snapshot: Snapshot, solve: Callable[[Floats], Floats]) -> Snapshot:
+    def with_allowed_velocities(self, snapshot: Snapshot, solve: Callable[[Floats], Floats]) -> Snapshot:
         """Return the ``snapshot`` at the end of a step with allowed velocities; ``solve`` is that of the step."""
-        found, velocity = shown(self.constraints, snapshot, solve)
+        found, velocity = with_allowed_velocities(self.constraints, snapshot, solve)
         self.drift = self.drift[0], max(self.drift[1], velocity)
         return found
 
@@ -136,13 +136,15 @@ class StageConstraints:
             before: at the start of the last step; parts, times: of the step, and the times [s] of the states.
             solve: with the real matrix of the step.
         """
-        constraints, links = self.constraints, self.links
+        constraints, arrays = self.constraints, self.arrays
         weights = self.tableau.polynomials(parts)
-        forces = before.force - weights @ (links.force + before.force)  # what joints exert has the other sign
+        forces = before.force - weights @ (
+            arrays.force + before.force
+        )  # what joints exert has the other sign
         found = []
         for state, force, t in zip(states, forces, times, strict=True):
             constraints.update(t)
-            self.drift = max(self.drift[0], close(constraints, state, solve)), self.drift[1]
-            value, rate, _ = constraints.measured(state)
+            self.drift = max(self.drift[0], close_gaps(constraints, state, solve)), self.drift[1]
+            value, rate, _ = constraints.measure(state)
             found.append(JointState(value, rate, force))
         return found

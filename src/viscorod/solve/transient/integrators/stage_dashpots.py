@@ -13,10 +13,10 @@ from viscorod.typing import Floats
 
 
 class StageDashpots:
-    """The memory of the branches in the steps of a run.
+    """The state of the branches in the steps of a run.
 
     Args:
-        memory: of the system; body: what is integrated; tableau: the method.
+        memory: of the system; body: the model; tableau: the method.
 
     Attributes:
         step: for the compiled step.
@@ -29,7 +29,7 @@ class StageDashpots:
         self._start_power: Floats
 
     def prepare(self, h: float) -> None:
-        """Write what the compiled step needs for a step of ``h`` [s] from the last settled instant."""
+        """Write what the compiled step needs for a step of ``h`` [s] from the last accepted instant."""
         step, memory, elements = self.step, self.memory, self.body.elements
         if h != self._length:
             A, unit = self.tableau.matrix, np.eye(len(self.tableau.nodes))
@@ -51,23 +51,23 @@ class StageDashpots:
         project_blocks(body.nodes, body.fixed, matrices.Z, pattern.starts, pattern.across, blocks, old)
         return np.asarray(matrices.K + blocks)
 
-    def arrive(self, strain: Floats) -> None:
+    def end_step(self, strain: Floats) -> None:
         """Take the end of the step, where the last stage has led; ``strain (s, e, points, 6)``."""
         step, memory = self.step, self.memory
         self._start_power = memory.power(memory.strain)
         found = strain[-1] - step.spring[-1]
         if len(self.tableau.nodes) > 1:
             memory.dashpot[:], memory.strain[:] = found, strain[-1]
-        else:  # twice the way to the middle; strains at the end are known later
+        else:  # extrapolated from the middle; strains at the end are known later
             memory.dashpot[:] = 2.0 * found - step.start
 
     @property
-    def lost(self) -> Floats:
-        """What the branches lost in the last step ``(n,)`` [J]."""
+    def loss(self) -> Floats:
+        """Energy that the branches dissipated in the last step ``(n,)`` [J]."""
         return np.asarray(self._length * self.tableau.weights @ self.step.power)
 
-    def lost_until(self, parts: Floats) -> Floats:
-        """Return what the branches lost up to ``parts (k,)`` of the last step ``(k, n)`` [J]."""
+    def loss_until(self, parts: Floats) -> Floats:
+        """Return the energy that the branches dissipated up to ``parts (k,)`` of the last step ``(k, n)`` [J]."""
         return np.asarray(self._length * self.tableau.partial_weights(parts) @ self.step.power)
 
     def power_between(self, parts: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""What the kernels of the collocation integrators work on: the body, what is given in time, stages, matrices, scratch.
+"""Data of the collocation kernels: discretisation, inputs at the stages, stages, matrices, scratch.
 
 All arrays are allocated once for a run; the classes are tuples that compiled code takes as they are.
 """
@@ -19,7 +19,7 @@ from viscorod.typing import Floats, Integers
 
 
 class Discretisation(NamedTuple):
-    """What does not change in a run: elements, inertia, supports.
+    """Elements, inertia and supports, which do not change in a run.
 
     ``mass (n, 6, 6)``; ``held``, ``split (n,)`` mark nodes whose pose is prescribed / held in part; ``nodes, fixed,
     axes, r0, q0, complete`` describe the supports as in ``mechanics.nodes.support_rows.impose``, ``partly``: any of
@@ -81,7 +81,7 @@ class StageInputs(NamedTuple):
         acting: 1 where nodal loads act; dead, following ``(s, n, 6)``; gravity ``(s, 3)``; levers: of dead forces at
             arms ``(s, n, 3, 3)``, no nodes if there are none.
         element: elements with concentrated loads ``(s, loads)``, -1 if none; their basis values ``shape`` and wrenches.
-        end_r, end_q: poses of completely held supports at the end of the step, if that is no stage.
+        end_r, end_q: poses of completely held supports at the end of the step, if that is not a stage.
     """
 
     target: Floats
@@ -173,8 +173,8 @@ class Stages(NamedTuple):
 class Ends(NamedTuple):
     """Ends of a step for the method that conserves energy between them.
 
-    Poses and twists at the end of the step ``(1, n, ...)``, its Gauss points, the strains at the start, forces that
-    nobody needs, and what the work of Maxwell branches lacks ``(e, points)``.
+    Poses and twists at the end of the step ``(1, n, ...)``, its Gauss points, the strains at the start, a
+    scratch force, and the energy defect of the Maxwell branches ``(e, points)``.
     """
 
     r: Floats
@@ -185,7 +185,7 @@ class Ends(NamedTuple):
     section_force: Floats
     start_strain: Floats
     force: Floats
-    lacking: Floats
+    defect: Floats
 
     @classmethod
     def of(cls, body: Discretisation) -> Ends:
@@ -200,7 +200,7 @@ class Ends(NamedTuple):
             section_force=np.zeros(points),
             start_strain=np.zeros(points),
             force=np.zeros((1, n, 6)),
-            lacking=np.zeros(body.elements.reference.shape[:2]),
+            defect=np.zeros(body.elements.reference.shape[:2]),
         )
 
 

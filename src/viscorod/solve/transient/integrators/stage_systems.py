@@ -19,8 +19,8 @@ class StageSystems:
     """Matrices ``mu^2 M + mu C + K`` with the eigenvalues ``mu`` of a method, and their factors.
 
     Args:
-        body: what is integrated; scales: of its unknowns ``(6 N,)``; tableau: the method; plan: of factorisations.
-        relaxed: Maxwell branches, whose stiffness depends on ``mu``; None if there are none.
+        body: the model; scales: of its unknowns ``(6 N,)``; tableau: the method; plan: of factorisations.
+        dashpots: Maxwell branches, whose stiffness depends on ``mu``; None if there are none.
 
     Attributes:
         factors: for compiled code, others after every factorisation.
@@ -32,11 +32,11 @@ class StageSystems:
         scales: Floats,
         tableau: Tableau,
         plan: Plan,
-        relaxed: StageDashpots | None,
+        dashpots: StageDashpots | None,
     ) -> None:
-        self.body, self.tableau, self.relaxed = body, tableau, relaxed
+        self.body, self.tableau, self.dashpots = body, tableau, dashpots
         self._several = len(tableau.nodes) > 1
-        # no complex system: the smallest stands for it
+        # without a complex system its solver is the smallest possible
         pair = plan if self._several else Plan.of(Pattern.of(1, ()))
         self.real, self.pair = DirectSolver(plan), DirectSolver(pair, complex)
         self._real_blocks = np.zeros((len(body.pattern.rows), 6, 6))
@@ -72,7 +72,7 @@ class StageSystems:
     def _combine(self, matrices: Matrices, mu: complex, rows: Floats, blocks: Floats) -> None:
         body, pattern = self.body, self.body.pattern
         jacobian.combine(
-            matrices.K if self.relaxed is None else self.relaxed.add_stiffness(matrices, mu),
+            matrices.K if self.dashpots is None else self.dashpots.add_stiffness(matrices, mu),
             matrices.C,
             matrices.mass,
             mu,

@@ -1,4 +1,4 @@
-"""What acts on a model from outside during a step: loads and prescribed motions, evaluated where kernels read them."""
+"""Loads and prescribed motions during a step, evaluated into the arrays that kernels read."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class StepActions:
     """Loads and prescribed motions of a run.
 
     Args:
-        system, supports: what is integrated; body: the same for kernels.
+        system, supports: the model; body: the same for kernels.
         stages: of the method.
 
     Attributes:
@@ -57,7 +57,7 @@ class StepActions:
                 given.shape[i, k, : len(load.shape)] = load.shape
                 given.point_dead[i, k], given.point_following[i, k] = load.dead, load.following
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Write all loads anew: ``given`` was changed from outside."""
         self._written = [None] * len(self._written)
 

@@ -83,11 +83,11 @@ class Tableau(NamedTuple):
         )
 
     def polynomials(self, places: Floats) -> Floats:
-        """Values ``(k, s)`` at ``places (k,)`` of the polynomials that are one at one node, else zero, and at 0."""
+        """Return the values ``(k, s)`` at ``places (k,)`` of the polynomials that are one at one node, else zero."""
         return self._powers(places) @ self.values.T
 
     def partial_weights(self, parts: Floats) -> Floats:
-        """Weights ``(k, s)`` of the integrals of stage values from 0 to ``parts (k,)`` of the step."""
+        """Return the weights ``(k, s)`` of the integrals of stage values from 0 to ``parts (k,)`` of the step."""
         return self._powers(parts) @ self.integrals.T
 
     def _powers(self, places: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""What the supports and loads of a model allow: who turns, about which point, and what is refused."""
+"""Checks that a model can rotate steadily: how it is held, what its loads do, and how large it is."""
 
 from __future__ import annotations
 
@@ -25,34 +25,34 @@ PARALLEL = 1e-9
 """Part of a load that may stand across the axis: round-off."""
 
 
-class Holding(Enum):
-    """How a model is held."""
+class SupportKind(Enum):
+    """Support of a model, by which it may turn freely."""
 
     FREE = "no supports"
     JOINT = "ball joint"
     HELD = "supports that turn with the rotation"
 
 
-def holding(problem: Problem) -> Holding:
+def support_kind(problem: Problem) -> SupportKind:
     """Return how a model is held; pins at one node make a ball joint."""
     supports = problem.supports
     if len(supports.nodes) == 0:
-        return Holding.FREE
+        return SupportKind.FREE
     pinned = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
     if len(supports.nodes) == 1 and np.array_equal(supports.fixed[0], pinned):
-        return Holding.JOINT
-    return Holding.HELD
+        return SupportKind.JOINT
+    return SupportKind.HELD
 
 
-def require(model: ModelDescription, problem: Problem, settings: SteadySettings) -> None:
+def require_steady(model: ModelDescription, problem: Problem, settings: SteadySettings) -> None:
     """Check that there can be such a rotation.
 
     Raises:
         InputError: with everything that is in its way, by name.
     """
     faults = [*unfit_for_steady(model), *_size(problem, settings)]
-    held = holding(problem)
-    if held is Holding.HELD and not settings.driven:
+    held = support_kind(problem)
+    if held is SupportKind.HELD and not settings.driven:
         name = _label(model, problem.supports.names[0])
         faults.append(
             Fault(
@@ -68,7 +68,7 @@ def require(model: ModelDescription, problem: Problem, settings: SteadySettings)
             Fault(
                 "supports",
                 _label(model, problem.supports.names[index]),
-                "it holds velocities along moving axes, which says nothing of a steady rotation",
+                "it holds velocities along moving axes, which do not define a steady rotation",
                 "hold positions: a pin, a clamp or another support",
             )
         )
@@ -100,13 +100,13 @@ def _size(problem: Problem, settings: SteadySettings) -> Iterator[Fault]:
             f"steady rotations are computed by dense linear algebra, for up to {LARGEST} unknowns",
             "give fewer elements, of higher order",
         )
-    most = {Holding.FREE: 6, Holding.JOINT: 3}.get(holding(problem))
+    most = {SupportKind.FREE: 6, SupportKind.JOINT: 3}.get(support_kind(problem))
     if most is not None and len(free_motions(problem)) > most:
         yield Fault("rods", "", "the rods are not connected", "attach them, or compute them one by one")
 
 
 def _load(index: int, load: AnyLoad, problem: Problem, settings: SteadySettings) -> Iterator[Fault]:
-    """Loads must stay as they are while everything turns."""
+    """Refuse a load that does not stay as it is while everything turns."""
     kind, where = load.word, f"loads[{index}]"
     if load.until is not None and load.until <= 0.0:
         return  # gone
@@ -138,7 +138,7 @@ def _load(index: int, load: AnyLoad, problem: Problem, settings: SteadySettings)
         yield Fault(
             where,
             kind,
-            "it keeps its direction in space, of which the intrinsic formulation knows nothing",
+            "it keeps its direction in space, which the intrinsic formulation does not know",
             "leave out formulation, or let it follow (following = true)",
         )
         return
@@ -155,7 +155,7 @@ def _load(index: int, load: AnyLoad, problem: Problem, settings: SteadySettings)
 
 
 def _across(vectors: Floats, spin: Floats) -> bool:
-    """Whether any of ``vectors (m, 3)`` has a part across ``spin``."""
+    """Return whether any of ``vectors (m, 3)`` has a part across ``spin``."""
     axis = spin / np.linalg.norm(spin)
     across = vectors - np.outer(vectors @ axis, axis)
     return bool(np.abs(across).max(initial=0.0) > PARALLEL * np.abs(vectors).max(initial=0.0))
@@ -201,10 +201,10 @@ def _intrinsic_supports(
 
 
 def _label(model: ModelDescription, place: str) -> str:
-    """Kind and place of a support."""
+    """Return kind and place of a support."""
     return next((support.label for support in model.supports if str(support.at) == place), place)
 
 
 def no_loads(loads: LoadState) -> bool:
-    """Whether nothing acts (loads may be there with the factor 0)."""
+    """Return whether nothing acts (loads may be there with the factor 0)."""
     return loads.none or not (loads.dead.any() or loads.following.any() or loads.gravity.any())

@@ -1,4 +1,4 @@
-"""Parts of a compiled collocation step that go over all stages: supports, loads, right sides and changes.
+"""Functions of the compiled collocation step that loop over all stages: supports, loads, right sides, changes.
 
 Unknowns are the coordinates ``X_i`` of all nodes at the stages, seen from the poses at the start of the step (see
 ``mechanics.rotations.nodal_motion``). Twists follow exactly, ``x_i = T(X_i) sum_j d_ij X_j / h``, accelerations as
@@ -10,7 +10,7 @@ With body increments ``dx = (increment)' + ad(x) increment``, and ``M, C, K`` fr
 system of all stages decouples in the eigenvectors of ``D``: one real and one complex matrix
 ``(mu/h)^2 M + (mu/h) C + K`` of the size of the model (Hairer and Wanner 1996, IV.8, for the second-order form).
 
-Arrays have the stages ``s`` first. Parts take the arrays they need and nothing else: what they take is dear to compile.
+Arrays have the stages ``s`` first. Functions take the arrays they need only: every argument costs compile time.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from viscorod.typing import Floats, Integers
 
 
 @part
-def hold(
+def place_held_nodes(
     nodes: Integers,
     complete: Floats,
     given_r: Floats,
@@ -139,7 +139,7 @@ def evaluate_loads(
     slots: Integers,
     no_blocks: Floats,
 ) -> None:
-    """Write the external loads of all stages ``(s, n, 6)``, in body components; arguments as in ``Given``.
+    """Write the external loads of all stages ``(s, n, 6)``, in body components; arguments as in ``StageInputs``.
 
     ``diagonal`` and ``slots`` are not used: that there are ``no_blocks`` says so.
     """

@@ -1,4 +1,4 @@
-"""A collocation step in one compiled call, and what it tells: powers and energy, error."""
+"""A collocation step in one compiled call, with its powers, energies and estimated error."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from viscorod.mechanics.nodes.inertia import balance
 from viscorod.mechanics.nodes.support_rows import lacking_motion
 from viscorod.mechanics.rotations.nodal_motion import move_stages, place_stages
 from viscorod.solve.linear.substitution import solve
-from viscorod.solve.transient.integrators import stages as over
+from viscorod.solve.transient.integrators import stage_kernels
 from viscorod.solve.transient.integrators.constraint_arrays import (
     GAP,
     ConstraintArrays,
@@ -33,8 +33,8 @@ from viscorod.solve.transient.integrators.constraint_arrays import (
     largest_gap,
     move_multipliers,
 )
-from viscorod.solve.transient.integrators.energy_step import hold_ends, reach_end
-from viscorod.solve.transient.integrators.iteration import CONVERGED, GOING, SLOW, judge
+from viscorod.solve.transient.integrators.iteration_verdict import CONVERGED, GOING, SLOW, judge
+from viscorod.solve.transient.integrators.midpoint_end import hold_ends, place_end
 from viscorod.solve.transient.integrators.stage_data import (
     Discretisation,
     Ends,
@@ -122,7 +122,7 @@ def try_step(
     If that succeeds, estimate the error and take account of the energy.
 
     Args:
-        ends: for the midpoint rule; None for the others, whose code then lacks what it needs.
+        ends: for the midpoint rule; None for the others, whose compiled code leaves this part out.
         motion: strains as states of their own (intrinsic formulation); None: they follow from the poses.
         links: joints, springs and held strains; relaxing: Maxwell branches; None: there are none.
         r0, q0, twist0: start of the step; force0: what accelerates the nodes there ``(n, 6)``; h: step [s].
@@ -135,7 +135,7 @@ def try_step(
         code, iterations, size of the last change, convergence rate, unknown of the largest change, size and unknown
         of the largest error.
     """
-    # all tuples are taken apart here: whatever is read from a tuple further down, copies the whole of it
+    # all tuples are unpacked here: reading a member further down copies the whole tuple
     (
         elements,
         mass,
@@ -191,10 +191,12 @@ def try_step(
         final = code == CONVERGED
         place_stages(r0, q0, twist0, X, D, h, split, held, r, q, twist, acceleration)
         lacking_motion(nodes, fixed, axes, A_tableau, h, rate_target, twist, target)
-        over.hold(nodes, complete, given_r, given_q, given_twist, given_rate, r, q, twist, acceleration)
+        stage_kernels.place_held_nodes(
+            nodes, complete, given_r, given_q, given_twist, given_rate, r, q, twist, acceleration
+        )
         if ends is not None:
-            r1, q1, twist1, strain1, strain_rate1, S1, strain0, force1, lacking = ends
-            reach_end(
+            r1, q1, twist1, strain1, strain_rate1, S1, strain0, force1, defect = ends
+            place_end(
                 r0, q0, X, split, held, nodes, complete, end_r, end_q, change[0], rate[0], r1, q1, twist1
             )
         if links is not None:
@@ -219,9 +221,9 @@ def try_step(
                         strain0,
                         strain1,
                         h,
-                        lacking,
+                        defect,
                     )
-                conserve_energy(elements, strain, strain_rate, strain0, strain1, h, lacking, S)
+                conserve_energy(elements, strain, strain_rate, strain0, strain1, h, defect, S)
         else:
             linearised, start, at_points, linear_rate, T_e, F_e, X_e, matrix, side = motion
             stage_forces(
@@ -295,7 +297,7 @@ def try_step(
                     gradient,
                     gap,
                 )
-        over.evaluate_loads(
+        stage_kernels.evaluate_loads(
             loaded,
             mass,
             acting,
@@ -321,25 +323,27 @@ def try_step(
         )
         balance(mass, twist, acceleration, internal, external, force, residual)
         if links is not None:
-            # by the midpoint rule half of what is lacking at the end is lacking in the middle
+            # by the midpoint rule half of what is defect at the end is defect in the middle
             add_gaps(gap, link_scale, 1.0 if ends is None else 0.5, count_nodes, residual)
             if final and count < limit and largest_gap(gap, unit) > GAP:
                 code, final = GOING, False
         if final:
-            over.held_power(nodes, complete, residual, twist, held_power)
+            stage_kernels.held_power(nodes, complete, residual, twist, held_power)
         if final or partly:
-            over.impose(nodes, fixed, axes, support_r, support_q, target, r, q, residual, reaction, G, Z, psi)
+            stage_kernels.impose(
+                nodes, fixed, axes, support_r, support_q, target, r, q, residual, reaction, G, Z, psi
+            )
         if not final:
             # projected as the Jacobian is: what stiff sections add here dwarfs all other forces
-            over.clear(internal)
+            stage_kernels.clear(internal)
             add_frozen_forces(elements, B, S, sigma, internal)
             if links is not None:
                 add_frozen_springs(joint_nodes, place, gradients, link_force, carried, internal)
             if partly:
                 for i in range(internal.shape[0]):
                     project_free(nodes, fixed, free_directions, vector, internal[i])
-            over.add(internal, residual)
-        over.clear_held(held, residual)
+            stage_kernels.add(internal, residual)
+        stage_kernels.clear_held(held, residual)
         if ends is not None:
             hold_ends(
                 nodes,
@@ -359,18 +363,18 @@ def try_step(
             )
         if final or count == limit:
             break
-        over.to_modes(residual, T_inverse, real_rows, pair_rows, right, pair_right)
+        stage_kernels.to_modes(residual, T_inverse, real_rows, pair_rows, right, pair_right)
         solve(real_factors, right)
         if several:
             solve(pair_factors, pair_right)
         # the residual is not needed any more: its place is taken by the changes
-        size, unknown = over.to_changes(right, pair_right, T, scales, held, length, residual)
+        size, unknown = stage_kernels.to_changes(right, pair_right, T, scales, held, length, residual)
         count += 1
         code, convergence = judge(count, limit, size, last, convergence, tolerance)
         if code not in (CONVERGED, GOING):
             break
         move_stages(X, residual, split, held)
-        over.differentiate(D, h, residual, rates)
+        stage_kernels.differentiate(D, h, residual, rates)
         carry_stress(elements, A, P, residual, rates, S, sigma)
         if relaxing is not None:
             carry_branches(order, element_nodes, section, coupling, B, residual, strain_change, sigma)
@@ -406,7 +410,7 @@ def try_step(
                 error,
             )
             if relaxing is not None:
-                over.clear(internal)
+                stage_kernels.clear(internal)
                 add_branch_error(
                     elements,
                     times,

@@ -1,4 +1,4 @@
-"""What is read from the stages of a step: fields at its end and between the stages, energies there."""
+"""Fields and energies at the end of a step and between its stages, read from the stages."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the two formulations offer to find steady rotations: unknowns, residual and derivative, scalar measures."""
+"""The equations of steady rotations in either formulation: unknowns, residual and derivative, scalar measures."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 import scipy.linalg
 
 from viscorod.solve.formulations.system import State
+from viscorod.solve.steady.rigid_rotation import RotationAxis
+from viscorod.solve.steady.stability import FirstOrder
 from viscorod.typing import Floats
 
 Measure: TypeAlias = Literal["spin", "energy", "momentum", "elastic"]
@@ -33,37 +35,46 @@ class Balance:
 
 
 class SteadyEquations(Protocol):
-    """Unknowns of a steady rotation and the equations that they obey."""
+    """Unknowns of a steady rotation and the equations that they fulfil."""
+
+    line: RotationAxis
+    """The line about which everything turns."""
 
     def balance(self) -> Balance:
-        """Residual and derivative at the present unknowns."""
+        """Return residual and derivative at the present unknowns."""
 
     def measure(self, kind: Measure) -> tuple[float, Floats]:
-        """Value of a scalar measure and its derivative ``(k,)`` by the unknowns."""
+        """Return the value of a scalar measure and its derivative ``(k,)`` by the unknowns."""
 
     def set_spin(self, value: float) -> None:
-        """Let everything turn with an angular speed [rad/s], as it is."""
+        """Set the angular speed [rad/s] without changing the shape."""
 
-    def sizes(self) -> Floats:
-        """What a large change of every unknown is ``(k,)``."""
+    def scales(self) -> Floats:
+        """Return the scale of every unknown ``(k,)``: what a large change is."""
 
-    def move(self, change: Floats) -> None:
+    def update(self, change: Floats) -> None:
         """Change the unknowns."""
 
     def residual(self) -> tuple[Floats, float]:
-        """Balance of the nodes ``(n, 6)``, which supports complete, and what is left as a part of the forces."""
+        """Return the balance of the nodes ``(n, 6)`` before supports, and the gap that they leave over the forces."""
 
-    def keep(self) -> object:
+    def save(self) -> object:
         """Return a copy of the unknowns for :meth:`restore`."""
 
     def restore(self, kept: object) -> None:
         """Return to kept unknowns."""
 
     def state(self) -> State:
-        """Poses and twists of all nodes."""
+        """Return poses and twists of all nodes."""
 
     def fields(self) -> tuple[Floats, Floats]:
-        """Strains and elastic section forces at the Gauss points ``(e, points, 6)``."""
+        """Return strains and elastic section forces at the Gauss points ``(e, points, 6)``."""
+
+    def elastic_energy(self) -> float:
+        """Return the elastic energy [J] at the last residual or measure."""
+
+    def small_motions(self) -> FirstOrder:
+        """Return the matrices of small motions at the present state."""
 
 
 def imbalance(left: Floats, forces: tuple[Floats, ...], inertial: float, length: float) -> float:

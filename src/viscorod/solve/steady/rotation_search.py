@@ -1,4 +1,4 @@
-"""Finds a steady rotation: the first guess, the way from it, and what is to be said of the result."""
+"""The search for a steady rotation: the first guess, the continuation from it, and what is refused."""
 
 from __future__ import annotations
 
@@ -11,14 +11,11 @@ from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings import SteadySettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.static_solver import StaticSolver
-from viscorod.solve.steady import continuation as path
-from viscorod.solve.steady import guess
-from viscorod.solve.steady.conditions import Holding, holding, no_loads
-from viscorod.solve.steady.equations import Measure
+from viscorod.solve.steady import continuation, initial_guess
 from viscorod.solve.steady.geometric_steady import GeometricSteady
 from viscorod.solve.steady.intrinsic_steady import IntrinsicSteady
 from viscorod.solve.steady.rigid_rotation import (
-    Turning,
+    RotationAxis,
     coriolis,
     inertia_about,
     mass_centre,
@@ -26,7 +23,9 @@ from viscorod.solve.steady.rigid_rotation import (
     rigid_twists,
     spatial_momenta,
 )
-from viscorod.solve.steady.steady_rotation import SteadyRotation, described
+from viscorod.solve.steady.steady_checks import SupportKind, no_loads, support_kind
+from viscorod.solve.steady.steady_equations import Measure, SteadyEquations
+from viscorod.solve.steady.steady_rotation import SteadyRotation, describe_rotation
 from viscorod.typing import Floats
 
 STILL = 1e-9
@@ -34,7 +33,7 @@ STILL = 1e-9
 
 
 class Search:
-    """Looks for the steady rotation that ``settings`` pick.
+    """Searches for the steady rotation that the settings select.
 
     Args:
         solver: of the model's statics, with its system and supports.
@@ -45,14 +44,14 @@ class Search:
         self.solver, self.settings, self.start = solver, settings, start
         self.problem: Problem = solver.system.problem
         self.elements = solver.system.elements()
-        self.held = holding(self.problem)
+        self.held = support_kind(self.problem)
         self.loads: LoadState = solver.loads.at(0.0)
-        self.joint = int(self.problem.supports.nodes[0]) if self.held is not Holding.FREE else 0
-        self.effort = path.IterationCounts(solver.go_on)
+        self.joint = int(self.problem.supports.nodes[0]) if self.held is not SupportKind.FREE else 0
+        self.effort = continuation.IterationCounts(solver.check_interrupt)
         solver.supports.update(0.0)
 
     def run(self) -> SteadyRotation:
-        """Find it.
+        """Find the steady rotation.
 
         Raises:
             InputError: there is none of this kind; SolveError: none was found.
@@ -67,30 +66,30 @@ class Search:
         kind = settings.measure
         if self.start is not None:
             equations = self._from_start()
-            found = path.follow(equations, kind, target, self.effort, equations.measure(kind)[0])
+            found = continuation.continue_to(equations, kind, target, self.effort, equations.measure(kind)[0])
         elif settings.driven or settings.axis is not None or linearised:
             equations = self._from_reference(target)
-            found = path.follow(equations, kind, target, self.effort, 0.0)
+            found = continuation.continue_to(equations, kind, target, self.effort, 0.0)
         else:
             for way in (1.0, -1.0):  # a mode has no sign, but a curved rod may stay bent one way only
                 equations, elastic = self._from_mode(way)
-                found, (low, high) = path.along_branch(equations, kind, target, elastic, self.effort)
+                found, (low, high) = continuation.search_branch(equations, kind, target, elastic, self.effort)
                 if np.isfinite(low):
                     break
             if not found:
-                raise SolveError(self._no_bent(kind, target, low, high))
+                raise SolveError(self._no_bent_message(kind, target, low, high))
         if not found:
             raise SolveError(
                 f"No steady rotation was found with {kind} = {target:g} {_UNIT[kind]}, after {self.effort.iterations} "
                 "iterations. What to try: another axis or start; begin from a slower or faster rotation "
                 "(start = its result)"
             )
-        return described(self.solver, equations, self.loads, self.held, self.effort.iterations)
+        return describe_rotation(self.solver, equations, self.effort.iterations)
 
     # --- first guesses
 
-    def _from_start(self) -> GeometricSteady | IntrinsicSteady:
-        """Where a motion is, turning with its mean angular velocity."""
+    def _from_start(self) -> SteadyEquations:
+        """Start from the given motion, rotating with its mean angular velocity."""
         assert self.start is not None
         state, mass = self.start.copy(), self.problem.mass
         centre = self._centre(state)
@@ -99,7 +98,7 @@ class Search:
             turned = float(mean_spin(mass, state, centre) @ spin) / float(np.linalg.norm(spin)) ** 2
             spin = spin * turned if turned > 0.0 else spin
         else:
-            if self.held is Holding.FREE:  # what travels is left out
+            if self.held is SupportKind.FREE:  # what travels is left out
                 linear, _ = spatial_momenta(mass, state.r, state.q, state.twist, centre)
                 unit = rigid_twists(state.r, state.q, [1.0, 0.0, 0.0], [0.0] * 3, centre)
                 total = float(spatial_momenta(mass, state.r, state.q, unit, centre)[0][0])
@@ -108,10 +107,10 @@ class Search:
         rate = float(np.linalg.norm(spin))
         if not rate > 0.0:
             raise InputError("start: its last state does not turn; give one that does, or axis instead")
-        return self._equations(state, None, Turning(spin / rate, centre), rate)
+        return self._equations(state, None, RotationAxis(spin / rate, centre), rate)
 
-    def _from_reference(self, target: float) -> GeometricSteady | IntrinsicSteady:
-        """The reference shape, or the equilibrium under the loads, about a given axis."""
+    def _from_reference(self, target: float) -> SteadyEquations:
+        """Start from the reference shape, or the equilibrium under the loads, about a given axis."""
         settings, problem = self.settings, self.problem
         state = State.reference(problem)
         if settings.driven and not no_loads(self.loads) and settings.formulation == "geometric":
@@ -126,53 +125,51 @@ class Search:
         elif settings.axis is not None:
             axis = np.array(settings.axis)
         else:
-            axis = guess.own_axis(problem, state, centre)
-        turning = Turning(axis, centre)
+            axis = initial_guess.principal_axis(problem, state, centre)
+        line = RotationAxis(axis, centre)
         if settings.damping == "linearised" and not settings.driven:
-            self._require_own_axis(state, turning)
-        return self._equations(state, None, turning, self._rate(state, turning, target))
+            self._require_principal_axis(state, line)
+        return self._equations(state, None, line, self._rate(state, line, target))
 
-    def _rate(self, state: State, turning: Turning, target: float) -> float:
-        """The angular speed [rad/s] at which the given shape has the ``target``."""
+    def _rate(self, state: State, line: RotationAxis, target: float) -> float:
+        """Return the angular speed [rad/s] at which the given shape has the ``target``."""
         kind = self.settings.measure
         if kind == "spin":
             return target
-        tensor = inertia_about(self.problem.mass, state.r, state.q, turning.centre)
-        inertia = float(turning.axis @ tensor @ turning.axis)
+        tensor = inertia_about(self.problem.mass, state.r, state.q, line.centre)
+        inertia = float(line.direction @ tensor @ line.direction)
         return float(np.sqrt(2.0 * target / inertia)) if kind == "energy" else target / inertia
 
-    def _from_mode(self, way: float) -> tuple[GeometricSteady | IntrinsicSteady, float]:
-        """Bent in the slowest elastic mode, turning about the axis of the least inertia; and the elastic energy."""
-        state, strain, frequency, elastic = guess.bent(
+    def _from_mode(self, way: float) -> tuple[SteadyEquations, float]:
+        """Start bent in the slowest elastic mode, about the axis of least inertia; return its elastic energy too."""
+        state, strain, frequency, elastic = initial_guess.bent_shape(
             self.solver, self.problem, self.elements, self.joint, way
         )
         centre = self._centre(state)
-        turning = Turning(guess.own_axis(self.problem, state, centre), centre)
-        return self._equations(state, strain, turning, frequency), elastic
+        line = RotationAxis(initial_guess.principal_axis(self.problem, state, centre), centre)
+        return self._equations(state, strain, line, frequency), elastic
 
     def _centre(self, state: State) -> Floats:
         if self.settings.about is not None:
             return np.array(self.settings.about)
-        if self.held is Holding.JOINT:
+        if self.held is SupportKind.JOINT:
             return np.array(self.problem.positions[self.joint])
-        if self.held is Holding.FREE:
+        if self.held is SupportKind.FREE:
             return mass_centre(self.problem.mass, state.r, state.q)
         return np.zeros(3)
 
     def _equations(
-        self, state: State, strain: Floats | None, turning: Turning, rate: float
-    ) -> GeometricSteady | IntrinsicSteady:
+        self, state: State, strain: Floats | None, line: RotationAxis, rate: float
+    ) -> SteadyEquations:
         problem, supports = self.problem, self.problem.supports
-        geometric = GeometricSteady(
-            self.solver.system, self.solver.supports, self.loads, turning, state, rate
-        )
+        geometric = GeometricSteady(self.solver.system, self.solver.supports, self.loads, line, state, rate)
         if self.settings.formulation == "geometric":
             return geometric
         turned = geometric.state()
         free = np.ones((problem.size, 6), dtype=bool)
         for node, fixed in zip(supports.nodes, supports.fixed, strict=True):
             free[node] &= fixed == 0.0
-        if self.held is Holding.JOINT:
+        if self.held is SupportKind.JOINT:
             turned.twist[self.joint, :3] = 0.0
         return IntrinsicSteady(
             problem,
@@ -181,17 +178,17 @@ class Search:
             free=free,
             following=self.loads.following,
             joint=self.joint,
-            still=self.held is Holding.FREE,
-            turning=turning,
+            still=self.held is SupportKind.FREE,
+            line=line,
             state=turned,
             strain=geometric.fields()[0] if strain is None else strain,
         )
 
     # --- refusals
 
-    def _require_own_axis(self, state: State, turning: Turning) -> None:
-        """With linearised damping only what causes no gyroscopic forces stays (AWP 33)."""
-        mass, (axis, centre) = self.problem.mass, (turning.axis, turning.centre)
+    def _require_principal_axis(self, state: State, line: RotationAxis) -> None:
+        """Refuse axes about which gyroscopic forces arise: linearised damping makes such rotations fade (AWP 33)."""
+        mass, (axis, centre) = self.problem.mass, (line.direction, line.centre)
         own = np.abs(coriolis(mass, rigid_twists(state.r, state.q, [0.0] * 3, axis, centre))).max()
         any_axis = max(
             np.abs(coriolis(mass, rigid_twists(state.r, state.q, [0.0] * 3, unit, centre))).max()
@@ -207,7 +204,7 @@ class Search:
             f"{shape}. Leave damping out for the full one, with which rods turn steadily about other axes as well"
         )
 
-    def _no_bent(self, kind: Measure, target: float, low: float, high: float) -> str:
+    def _no_bent_message(self, kind: Measure, target: float, low: float, high: float) -> str:
         unit = _UNIT[kind]
         known = (
             f"bent shapes were followed from {kind} = {low:g} to {high:g} {unit}"

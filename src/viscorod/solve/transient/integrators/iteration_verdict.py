@@ -1,4 +1,4 @@
-"""When the simplified Newton iteration of a collocation step goes on, has converged, or is given up."""
+"""Verdict on the simplified Newton iteration of a collocation step: go on, converged, or given up."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from viscorod.solve.modes import vibrations as modes
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.steady.rigid_rotation import inertia_about
-from viscorod.solve.steady.steady_poses import lay_out
+from viscorod.solve.steady.steady_poses import integrate_poses
 from viscorod.solve.steady.strain_rates import StrainRates
 from viscorod.typing import Floats
 
@@ -20,7 +20,7 @@ DEFLECTION = 0.02
 """Largest displacement of the bent guess, in lengths of the model."""
 
 
-def own_axis(problem: Problem, state: State, centre: Floats) -> Floats:
+def principal_axis(problem: Problem, state: State, centre: Floats) -> Floats:
     """Return the principal axis of the least inertia about ``centre``, global axes ``(3,)``."""
     _, vectors = np.linalg.eigh(inertia_about(problem.mass, state.r, state.q, centre))
     axis: Floats = vectors[:, 0]
@@ -28,7 +28,7 @@ def own_axis(problem: Problem, state: State, centre: Floats) -> Floats:
     return axis * float(np.sign(axis[np.argmax(np.abs(axis))]))
 
 
-def bent(
+def bent_shape(
     solver: StaticSolver, problem: Problem, elements: Elements, root: int, way: float
 ) -> tuple[State, Floats, float, float]:
     """Return a rod bent in its slowest elastic bending mode.
@@ -54,6 +54,6 @@ def bent(
     rates = StrainRates(elements, problem.size)
     strain = np.zeros_like(elements.reference)
     strain[rates.used] = amplitude * (rates.unstrained @ shape.ravel())
-    r, q = lay_out(problem, elements, strain, root, state.r[root], state.q[root])
+    r, q = integrate_poses(problem, elements, strain, root, state.r[root], state.q[root])
     bent = State(r, q, np.zeros((problem.size, 6)))
     return bent, strain, float(np.sqrt(values[k])), float(0.5 * values[k] * amplitude**2)

@@ -1,4 +1,4 @@
-"""What the midpoint rule needs at the end of a step: poses and strains there, and supports that are met there."""
+"""The end of a step of the midpoint rule: poses there, and supports that hold there."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from viscorod.typing import Floats, Integers
 
 
 @part
-def reach_end(
+def place_end(
     r0: Floats,
     q0: Floats,
     X: Floats,
@@ -30,7 +30,7 @@ def reach_end(
     Args:
         r0, q0: poses at the start ``(n, ...)``; X: coordinates in the middle ``(1, n, 6)``.
         given_r, given_q: poses of completely held supports at the end ``(m, ...)``.
-        double, still: scratch ``(6,)``; r, q, twist: outputs ``(1, n, ...)``; the twists stand for nothing.
+        double, still: scratch ``(6,)``; r, q, twist: outputs ``(1, n, ...)``; the twists are not used.
     """
     for k in range(X.shape[1]):
         for a in range(6):
@@ -64,7 +64,7 @@ def hold_ends(
     psi: Floats,
     residual: Floats,
 ) -> None:
-    """Ask held nodes to be at their targets at the end of the step rather than in its middle.
+    """Hold nodes at their targets at the end of the step rather than in its middle.
 
     Args:
         target: ``(1, m, 6)``; r, q: poses at the end ``(1, n, ...)``; gap: scratch ``(n, 6)``.

@@ -21,23 +21,22 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.element_forces import GeometricForces, IntrinsicForces
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
-from viscorod.solve.transient.integrators.jacobian import project
+from viscorod.solve.modes.vibrations import Linearisation
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Matrices
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
 
-class LinearBody:
+class LinearModel:
     """Forces, energies and poses for displacements ``xi`` and velocities ``x``, each ``(6 n,)``.
 
     Args:
         system, supports: the model.
         t: time [s] just before which its loads hold the state.
-        state: what it is linear about; its twists do not matter.
+        state: about which it is linear; its twists do not matter.
 
     Attributes:
-        basis: displacements that the supports leave free ``(6 n, free)``, in lengths of the model.
-        reduced: stiffness, damping and mass matrix of these.
+        reduced: matrices of the motions that the supports leave free.
         mass: of all nodes ``(6 n, 6 n)``; unit: length of the model at displacements, 1 at rotations ``(6 n,)``.
     """
 
@@ -48,7 +47,7 @@ class LinearBody:
         self.body = body = Discretisation.of(system.problem, system.elements(), supports)
         self.unit = np.tile([body.length] * 3 + [1.0] * 3, n)
         self.actions = StepActions(system, supports, body, 1)
-        self._places = system.gauss_places()
+        self._places = system.gauss_indices()
         points, internal = GaussStates.of(body.elements, 1), np.zeros((n, 6))
         GeometricForces(system, body.elements).evaluate(self.base, points, internal)
         self._force, self._strain = internal.ravel().copy(), points.strain[0].copy()
@@ -60,47 +59,24 @@ class LinearBody:
         if internal.any():
             self.actions.add_load_stiffness(t, self.base, np.zeros((n, 6)), self._load_stiffness, before=True)
         self.mass = sparse.block_diag(list(body.mass), format="csr")
-        self._reduce(self._matrices(self._strain, points.section_force[0], body.elements))
+        self.reduced = self._reduce(self._matrices(self._strain, points.section_force[0], body.elements))
         self._separate(self._strain, points.section_force[0])
 
-    def _reduce(self, matrices: Matrices) -> None:
-        """Set up the matrices of the motions that the supports leave free."""
-        body, supports = self.body, self.supports
-        supports.impose(self.base, self._force.reshape(-1, 6).copy(), self.system.matrix, tangent=False)
-        matrices.mass[:] = body.mass
-        project(
-            body.nodes,
-            body.fixed,
-            body.axes,
-            body.r0,
-            body.q0,
-            supports.target,
-            supports.reaction,
-            self.base.r,
-            self.base.q,
-            body.pattern.starts,
-            body.pattern.across,
-            body.pattern.diagonal,
-            matrices.K,
-            matrices.C,
-            matrices.mass,
-            matrices.G,
-            matrices.Z,
+    def _reduce(self, matrices: Matrices) -> Linearisation:
+        """Return the matrices of the motions that the supports leave free."""
+        self.system.matrix.blocks[:] = matrices.K
+        residual = self._force.reshape(-1, 6).copy()
+        stiffness, basis = self.supports.reduce_tangent(self.base, residual, self.system.matrix)
+        damping, mass = (
+            sparse.csr_array(basis.T @ matrix @ basis) for matrix in (self._sparse(matrices.C), self.mass)
         )
-        rows = supports.free_rows()
-        unit = sparse.diags_array(self.unit[rows])
-        self.basis = sparse.csr_array(supports.free_basis(self.base) @ unit)
-        mass = sparse.block_diag(list(matrices.mass), format="csr")
-        self.reduced = [
-            sparse.csc_array(unit @ matrix[rows] @ self.basis)
-            for matrix in (self._sparse(matrices.K), self._sparse(matrices.C), mass)
-        ]
+        return Linearisation(stiffness, damping, mass, basis, None)
 
     def _sparse(self, blocks: Floats) -> sparse.csr_array:
         return sparse.csr_array(self.body.pattern.sparse(blocks))
 
     def _matrices(self, strain: Floats, section_force: Floats, elements: Elements) -> Matrices:
-        """Operators, stiffness (that of the loads too) and damping matrix at rest, not projected."""
+        """Return operators, stiffness (that of the loads too) and damping matrix at rest, not projected."""
         matrices = Matrices.of(self.body)
         matrices.K[:] = self._load_stiffness
         still = np.zeros_like(section_force)
@@ -121,8 +97,8 @@ class LinearBody:
     def _separate(self, strain: Floats, section_force: Floats) -> None:
         """Split the stiffness into ``B^T C B`` and what loads and stresses add.
 
-        Sums of stiff terms leave a rest that is no equilibrium; applied factor by factor, ``C`` multiplies strains, and
-        what rounding adds to them does no harm.
+        The rounding of sums of stiff terms would disturb an equilibrium; applied factor by factor, ``C`` multiplies
+        strains, in which rounding does no harm.
         """
         elements = self.body.elements
         weights = [
@@ -190,7 +166,7 @@ class LinearBody:
         """Return everything about a state with given accelerations and loads ``(6 n,)``."""
         state = self.state(xi, x)
         points, unused = GaussStates.of(self.body.elements, 1), np.zeros_like(state.twist)
-        self._forces.arrive(self._strain + (self._B @ xi).reshape(self._strain.shape))
+        self._forces.set_strains(self._strain + (self._B @ xi).reshape(self._strain.shape))
         self._forces.evaluate(state, points, unused)
         residual = (self.internal(xi, x) + self.mass @ acceleration - load).reshape(-1, 6)
         self.supports.impose(self.base, residual, self.system.matrix, tangent=False)
@@ -200,7 +176,7 @@ class LinearBody:
 
 
 def _operator(blocks: Floats, elements: Elements, nodes: int) -> sparse.csr_array:
-    """Operators of all elements ``(e, 6 points, 6 m)`` as one sparse array, Gauss points times nodes."""
+    """Return operators of all elements ``(e, 6 points, 6 m)`` as one sparse array, Gauss points times nodes."""
     count, rows, columns = blocks.shape
     at = (6 * elements.nodes[:, :, None] + np.arange(6)).reshape(count, 1, columns)
     row = np.arange(count * rows).reshape(count, rows, 1)

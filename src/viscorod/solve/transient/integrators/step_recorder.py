@@ -1,4 +1,4 @@
-"""What is recorded of the steps of a collocation method: everything at their ends, and between their stages."""
+"""Records of the steps of a collocation method: everything at their ends, and between their stages."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
-from viscorod.solve.transient.integrators.readings import read_between, read_end
+from viscorod.solve.transient.integrators.record_kernels import read_between, read_end
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
 from viscorod.solve.transient.integrators.stage_data import Discretisation, StageInputs, Stages
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
 
-class Records:
+class StepRecorder:
     """Snapshots at the ends of steps and between.
 
     Args:
         body, given, stages, tableau: of the method; supports: correct what is interpolated where they hold in part.
         places: where the Gauss points of the results are in the arrays of the stages, flattened.
-        linked: joints, if there are any; solve_real: with the real matrix of the last step.
+        stage_constraints: joints, if there are any; solve_real: with the real matrix of the last step.
 
     Attributes:
         snapshot: everything at the present time; strain: largest shear or stretch there.
@@ -42,22 +42,22 @@ class Records:
         tableau: Tableau,
         supports: SupportState,
         places: Integers,
-        linked: StageConstraints | None,
+        stage_constraints: StageConstraints | None,
         solve_real: Callable[[Floats], Floats],
     ) -> None:
         self.body, self.given, self.stages, self.tableau = body, given, stages, tableau
         self.supports = supports
         self._places = places
-        self.linked, self.solve_real = linked, solve_real
+        self.stage_constraints, self.solve_real = stage_constraints, solve_real
         self.strain = 0.0
         self._fields = np.empty((3, len(places), 6))
         self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
         self._reactions = np.zeros(stages.reaction.shape)
 
-    def settle(
+    def record_state(
         self, state: State, points: GaussStates, reaction: Floats, kinetic: float, elastic: float
     ) -> None:
-        """Take the snapshot of a ``state`` that no stage led to.
+        """Record a ``state`` that is not a stage of a step.
 
         Args:
             state: poses and twists; points: one stage of Gauss points in that state.
@@ -66,8 +66,8 @@ class Records:
         self._read(state, points.strain, points.strain_rate, points.stress)
         self._take(state, reaction, kinetic, elastic)
 
-    def leave(self, state: State) -> None:
-        """Keep what states between need of the ``state`` at the start of an accepted step, and of its stages."""
+    def keep_start(self, state: State) -> None:
+        """Keep the ``state`` at the start of an accepted step, and reactions at its stages, for states between."""
         self._start = (state, self._fields, self.snapshot.reaction)
         self._joints = self.snapshot.joints
         b, stages = self.body, self.stages
@@ -85,8 +85,8 @@ class Records:
             self._reactions,
         )
 
-    def arrive(self, state: State, elastic: float) -> float:
-        """Take the snapshot of a ``state`` that is the last stage's; return its kinetic energy [J]."""
+    def record_end(self, state: State, elastic: float) -> float:
+        """Record a ``state`` that is the last stage's; return its kinetic energy [J]."""
         stages = self.stages
         kinetic = self._read(state, stages.strain, stages.strain_rate, stages.stress)
         self._take(state, self._reactions[-1], kinetic, elastic)
@@ -94,7 +94,7 @@ class Records:
 
     def _take(self, state: State, reaction: Floats, kinetic: float, elastic: float) -> None:
         strain, rate, force = self._fields
-        joints = None if self.linked is None else self.linked.state()
+        joints = None if self.stage_constraints is None else self.stage_constraints.state()
         self.snapshot = Snapshot(state, strain, rate, force, reaction, kinetic, elastic, joints)
 
     def _read(self, state: State, strain: Floats, rate: Floats, force: Floats) -> float:
@@ -129,25 +129,9 @@ class Records:
         count, (n, _) = len(parts), new.r.shape
         change = (stages.twist - old.twist).reshape(len(tableau.nodes), -1)
         start_rate = np.dot(tableau.start_derivative / h, change).reshape(n, 6)
-        r, q, twist = np.empty((count, n, 3)), np.empty((count, n, 4)), np.empty((count, n, 6))
-        interpolate(
-            parts,
-            h,
-            old.r,
-            old.q,
-            old.twist,
-            start_rate,
-            new.r,
-            new.q,
-            new.twist,
-            end_rate,
-            self.body.split,
-            len(tableau.nodes) > 1,
-            r,
-            q,
-            twist,
+        states, twist = interpolate_states(
+            parts, h, (old, start_rate), (new, end_rate), self.body.split, with_rates=len(tableau.nodes) > 1
         )
-        states = [State(*fields, new.multiplier) for fields in zip(r, q, twist, strict=True)]
         if self.supports.moving and self.body.partly:
             for state, part in zip(states, parts, strict=True):
                 self.supports.correct(state, t - (1.0 - part) * h)
@@ -175,8 +159,46 @@ class Records:
         )
         kinetic, work, loss = energies.tolist()
         joints: Sequence[JointState | None] = [None] * count
-        if self.linked is not None and self._joints is not None:
+        if self.stage_constraints is not None and self._joints is not None:
             times = t - (1.0 - parts) * h
-            joints = self.linked.between(self._joints, states, parts, times, self.solve_real)
+            joints = self.stage_constraints.between(self._joints, states, parts, times, self.solve_real)
         snapshots = map(Snapshot, states, *points, reaction, kinetic, [0.0] * count, joints)
         return list(zip(snapshots, work, loss, strict=True))
+
+
+def interpolate_states(
+    parts: Floats,
+    h: float,
+    start: tuple[State, Floats],
+    end: tuple[State, Floats],
+    split: Floats,
+    *,
+    with_rates: bool,
+) -> tuple[list[State], Floats]:
+    """Return the states at ``parts (k,)`` (0 to 1) of a step of ``h`` [s], and their twists as one array ``(k, n, 6)``.
+
+    Args:
+        start, end: states, and rates of their twists ``(n, 6)``.
+        split: marks nodes that are held in part ``(n,)``.
+        with_rates: poses are polynomials of degree 5 that have these rates at both ends; else of degree 3.
+    """
+    (old, old_rate), (new, new_rate) = start, end
+    r, q, twist = (np.empty((len(parts), *field.shape)) for field in (new.r, new.q, new.twist))
+    interpolate(
+        parts,
+        h,
+        old.r,
+        old.q,
+        old.twist,
+        old_rate,
+        new.r,
+        new.q,
+        new.twist,
+        new_rate,
+        split,
+        with_rates,
+        r,
+        q,
+        twist,
+    )
+    return [State(*fields, new.multiplier) for fields in zip(r, q, twist, strict=True)], twist
