@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from damage import CASES, FILES, TEXTS, damage, toml
+from helpers.damaged_cases import CASES, FILES, TEXTS, damage, toml
 from viscorod.casefile.case import case_from_dict, load_case
 from viscorod.errors import InputError
 

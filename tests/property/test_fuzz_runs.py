@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from damage import CASES, VALUES, damage, spots
+from helpers.damaged_cases import CASES, VALUES, damage, spots
 from viscorod.analyses.case_run import run_case
 from viscorod.analyses.check import check
 from viscorod.casefile.case import case_from_dict

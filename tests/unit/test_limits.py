@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 
-from damage import CASES
+from helpers.damaged_cases import CASES
 from viscorod.analyses.check import check
 from viscorod.casefile.case import case_from_dict, load_case
 from viscorod.errors import InputError, SolveError

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sections import material, scaled
+from helpers.section_matrices import material, scaled
 from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.sections.composite import Composite, CompositeRegion
 from viscorod.model.sections.isotropic_section import SectionProperties
