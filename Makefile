@@ -4,14 +4,21 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 # Wheels rather than sources: the mesher of sections has some that need a compiler.
-PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --no-compile --prefer-binary
+PIP := $(BIN)/python -m pip --disable-pip-version-check install --quiet --prefer-binary
 WORKERS ?= 2
+PYTEST := $(BIN)/python -m pytest -n $(WORKERS)
+# A worker takes whole modules, so that what the tests of a module share is computed once.
+SUITE := $(PYTEST) --dist loadscope
+COMPILATION := tests/unit/test_warmup.py
+# Without byte code on disk Python would compile this package again in every process.
+unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test coverage search fuzz check docs figures bench peers clean
+.PHONY: help demo quick test coverage search fuzz check docs figures bench peers clean
 
 help:
 	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
+	@echo "make quick  unit and property tests but the slow ones: a minute, once kernels are compiled"
 	@echo "make test   all checks and all tests"
 	@echo "make coverage  tests of kernels in pure Python: how many lines of the mechanics they reach"
 	@echo "make search property tests with new random examples"
@@ -46,8 +53,13 @@ check: $(VENV)/.stamp-test
 	$(BIN)/lint-imports
 	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
 
+quick: $(VENV)/.stamp-test
+	$(SUITE) -m "not slow" tests/unit tests/property
+
+# All kernels are compiled first, which is a test; the other tests find them on disk.
 test: check
-	$(BIN)/python -m pytest -n $(WORKERS)
+	$(BIN)/python -m pytest --durations=15 $(COMPILATION)
+	$(SUITE) --durations=15 --ignore=$(COMPILATION)
 
 # Tests of kernels, in pure Python: lines of compiled code cannot be counted.
 KERNEL_TESTS := $(patsubst %,tests/unit/test_%.py,element_kernels collocation_kernels intrinsic_kernels motion_kernels \
@@ -61,10 +73,10 @@ coverage: $(VENV)/.stamp-test
 	$(BIN)/coverage report
 
 search: $(VENV)/.stamp-test
-	$(BIN)/python -m pytest -n $(WORKERS) tests/property --hypothesis-profile=search
+	$(PYTEST) tests/property --hypothesis-profile=search
 
 fuzz: $(VENV)/.stamp-test
-	$(BIN)/python -m pytest -n $(WORKERS) tests/property/test_fuzz_runs.py --hypothesis-profile=fuzz
+	$(PYTEST) tests/property/test_fuzz_runs.py --hypothesis-profile=fuzz
 
 docs: $(VENV)/.stamp-test
 	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from orders import check_order_of_accuracy
+from helpers.measured_orders import check_order_of_accuracy
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import parse_case
 from viscorod.casefile.json_schema import case_schema

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from orders import March, check_order_of_accuracy, curved, orders_against, slope, swung
+from helpers.measured_orders import March, check_order_of_accuracy, curved, orders_against, slope, swung
 from viscorod.solve.transient.integrators import INTEGRATORS
 
 

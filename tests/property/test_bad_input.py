@@ -11,7 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from damage import CASES, FILES, TEXTS, damage, toml
+from helpers.damaged_cases import CASES, FILES, TEXTS, damage, toml
 from viscorod.casefile.case import case_from_dict, load_case
 from viscorod.errors import InputError
 
@@ -58,7 +58,7 @@ def test_undamaged_cases_load_and_come_back():
 
 @pytest.mark.parametrize("name", CASES)
 @given(data=st.data())
-@settings(max_examples=120, deadline=None, suppress_health_check=RELAXED)
+@settings(max_examples=120, suppress_health_check=RELAXED)
 def test_damaged_content(name, data, tmp_path):
     case = copy.deepcopy(CASES[name])
     for _ in range(data.draw(st.integers(1, 3))):
@@ -73,7 +73,7 @@ def test_damaged_content(name, data, tmp_path):
 
 @pytest.mark.parametrize("name", CASES)
 @given(data=st.data())
-@settings(max_examples=60, deadline=None, suppress_health_check=RELAXED)
+@settings(max_examples=60, suppress_health_check=RELAXED)
 def test_damaged_text(name, data, tmp_path):
     text = TEXTS[name]
     for _ in range(data.draw(st.integers(1, 3))):
@@ -89,7 +89,7 @@ def test_damaged_text(name, data, tmp_path):
 
 
 @given(content=st.binary(max_size=300))
-@settings(max_examples=100, deadline=None, suppress_health_check=RELAXED)
+@settings(max_examples=100, suppress_health_check=RELAXED)
 def test_any_bytes(content, tmp_path):
     path = tmp_path / "case.toml"
     path.write_bytes(content)

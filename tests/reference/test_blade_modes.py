@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from blades import PRIMARY, blade_text
+from helpers.blade_files import PRIMARY, blade_text
 from viscorod import programs as vd
 from viscorod.analyses.check import check
 from viscorod.analyses.discrete import DiscreteModel

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import json
 import multiprocessing
@@ -13,6 +14,7 @@ import threading
 import time
 import tracemalloc
 from contextlib import contextmanager
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -66,6 +68,13 @@ def pushed():
     return model
 
 
+@functools.cache
+def whole(name):
+    """The run that is neither written nor stopped."""
+    model, given = RUNS[name]()
+    return model.simulate(**given)
+
+
 def difference(found, expected):
     """Largest difference of any variable over its size; names, times and counts have to be the same."""
     assert set(found.data.variables) == set(expected.data.variables)
@@ -103,7 +112,7 @@ def eager(monkeypatch):
 def test_a_written_run_is_the_run(tmp_path, eager, name):
     """Identity: what went to disk piece by piece is what stays in memory, bit for bit."""
     model, given = RUNS[name]()
-    expected = model.simulate(**given)
+    expected = whole(name)
     found = model.simulate(**given, folder=tmp_path)
     assert difference(found, expected) == 0.0
     assert difference(vr.load(tmp_path / "run.nc"), expected) == 0.0
@@ -117,7 +126,7 @@ def test_a_written_run_is_the_run(tmp_path, eager, name):
 def test_a_stopped_run_goes_on(tmp_path, eager, name):
     """Identity, at three different steps; stopped twice the last time."""
     model, given = RUNS[name]()
-    expected = model.simulate(**given)
+    expected = whole(name)
     total = int(expected.data.attrs["steps"])
     for count, stops in enumerate(([1], [total // 2], [total // 3, total // 3])):
         folder = tmp_path / str(count)
@@ -130,17 +139,19 @@ def test_a_stopped_run_goes_on(tmp_path, eager, name):
         assert not (folder / FOLDER).exists()
 
 
-def _child(model, given, folder, step, delay):
-    """Be killed some time after a step: in the next ones, or while something is written."""
+def _child(model, given, folder, step, last, delay):
+    """Be killed some time after a step: in the next ones, or while something is written; before the end."""
     steps = itertools.count(1)
 
     def progress(t, h):
-        if next(steps) == step:
+        number = next(steps)
+        if number == step:
             threading.Timer(delay, os.kill, (os.getpid(), signal.SIGKILL)).start()
+        if number == last:
+            signal.pause()
         time.sleep(0.002)
 
     model.simulate(**given, folder=folder, progress=progress)
-    time.sleep(60.0)  # killed after its end
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no fork")
@@ -148,39 +159,32 @@ def test_killed_at_twenty_random_moments(tmp_path, eager):
     """Identity to 1e-12 (bit for bit here): killed without warning wherever it is, then resumed."""
     fork = multiprocessing.get_context("fork")
     rng = np.random.default_rng(5)
-    cases = {name: RUNS[name]() for name in ("radau", "midpoint", "Maxwell", "joints")}
-    expected = {name: model.simulate(**given) for name, (model, given) in cases.items()}
-    resumed = 0
+    names = ("radau", "midpoint", "Maxwell", "joints")
     for number in range(20):
-        name = list(cases)[number % len(cases)]
-        model, given = cases[name]
-        folder = tmp_path / str(number)
-        step = int(rng.integers(1, int(expected[name].data.attrs["steps"])))
-        child = fork.Process(target=_child, args=(model, given, folder, step, rng.uniform(0.0, 0.02)))
+        name = names[number % len(names)]
+        model, given = RUNS[name]()
+        folder, last = tmp_path / str(number), int(whole(name).data.attrs["steps"])
+        step = int(rng.integers(2, last))  # there is a checkpoint after the first step
+        child = fork.Process(target=_child, args=(model, given, folder, step, last, rng.uniform(0.0, 0.02)))
         child.start()
         child.join()
         assert child.exitcode == -signal.SIGKILL
-        if not (folder / FOLDER / "checkpoint.npz").is_file():
-            continue  # killed within its first step, or after its last
         until = contents(folder / FOLDER).sizes["time"]  # whole records, however it ended
         assert until >= checkpoint(folder / FOLDER)[1]
-        assert difference(model.simulate(**given, folder=folder, resume=True), expected[name]) <= 1e-12
-        resumed += 1
-    assert resumed >= 15
+        assert difference(model.simulate(**given, folder=folder, resume=True), whole(name)) <= 1e-12
 
 
 def test_half_a_record_is_not_read(tmp_path, eager):
     """A full disk leaves a part of a record: what is complete is read, and the run goes on from its checkpoint."""
     model, given = RUNS["radau"]()
-    expected = model.simulate(**given)
     with pytest.raises(vr.SolveError):
         model.simulate(**given, folder=tmp_path, stop=lambda: "enough")
     states = tmp_path / FOLDER / "states.bin"
-    whole = contents(tmp_path / FOLDER).sizes["time"]
+    complete = contents(tmp_path / FOLDER).sizes["time"]
     with states.open("ab") as file:
         file.write(b"\1" * 100)
-    assert contents(tmp_path / FOLDER).sizes["time"] == whole
-    assert difference(model.simulate(**given, folder=tmp_path, resume=True), expected) == 0.0
+    assert contents(tmp_path / FOLDER).sizes["time"] == complete
+    assert difference(model.simulate(**given, folder=tmp_path, resume=True), whole("radau")) == 0.0
 
 
 def test_full_disk_keeps_what_there_is(tmp_path, eager, monkeypatch):
@@ -198,8 +202,7 @@ def test_full_disk_keeps_what_there_is(tmp_path, eager, monkeypatch):
         model.simulate(**given, folder=tmp_path)
     monkeypatch.undo()
     assert contents(tmp_path / FOLDER).sizes["time"] > 4
-    expected = model.simulate(**given)
-    assert difference(model.simulate(**given, folder=tmp_path, resume=True), expected) == 0.0
+    assert difference(model.simulate(**given, folder=tmp_path, resume=True), whole("radau")) == 0.0
 
 
 def test_another_model_is_refused(tmp_path, eager):
@@ -222,6 +225,10 @@ def test_memory_does_not_grow_with_the_run(tmp_path, monkeypatch):
     """A run ten times as long keeps no more in memory (Python's own allocations, arrays included)."""
     monkeypatch.setattr(journal, "CHUNK", 1e5)  # files larger than these are copied and read in pieces
     monkeypatch.setattr(storage, "LARGE", 1e5)
+    monkeypatch.setattr(streaming, "MANY", 64)  # states kept in memory
+    monkeypatch.setattr(streaming, "MOST", 25)
+    clock = itertools.count(0.0, 0.002)  # writes are due after the same states however fast the machine is
+    monkeypatch.setattr(streaming, "time", SimpleNamespace(monotonic=lambda: next(clock)))
 
     def peak(duration, folder):
         model = swing()
@@ -232,9 +239,9 @@ def test_memory_does_not_grow_with_the_run(tmp_path, monkeypatch):
         tracemalloc.stop()
         return found
 
-    short, long = peak(4.0, "short"), peak(40.0, "long")
+    short, long = peak(1.0, "short"), peak(10.0, "long")
     assert long < 1.6 * short
-    assert vr.load(tmp_path / "long" / "run.nc").time.size > 4000
+    assert vr.load(tmp_path / "long" / "run.nc").time.size > 1000
 
 
 # --- events
@@ -385,12 +392,13 @@ def test_interrupt_ends_a_run_after_its_step(tmp_path):
     )
     command = [sys.executable, "-m", "viscorod", "run", str(case), "-o", str(tmp_path / "out")]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    for _ in range(1200):
+    for _ in range(6000):  # kernels may have to be compiled, on a busy machine
         if (tmp_path / "out" / FOLDER / "checkpoint.npz").is_file():
             break
+        assert process.poll() is None
         time.sleep(0.1)
     process.send_signal(signal.SIGINT)
-    _, errors = process.communicate(timeout=120)
+    _, errors = process.communicate(timeout=600)
     assert process.returncode == 1
     assert "finishing the step" in errors
     assert f"go on with: viscorod resume {tmp_path / 'out'}" in errors

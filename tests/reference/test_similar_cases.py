@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from damage import CASES
-from similar import scaled, turned
+from helpers.damaged_cases import CASES
+from helpers.similar_cases import scaled, turned
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import case_from_dict
 from viscorod.errors import SolveError

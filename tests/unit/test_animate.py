@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
-from synthetic import oscillator, rolled_up, swing
+from helpers.synthetic_results import oscillator, rolled_up, swing
 from viscorod.cli.app import app
 from viscorod.pictures.animation import Film, Pace, write_film
 from viscorod.results.run import Equilibrium, Run

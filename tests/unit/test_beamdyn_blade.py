@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from blades import HEAD, MODAL, MU, PRIMARY, assembly, blade_text, matrices
+from helpers.blade_files import HEAD, MODAL, MU, PRIMARY, assembly, blade_text, matrices
 from viscorod import programs as vd
 from viscorod.casefile.case import parse_case
 from viscorod.errors import InputError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from frames import dense
+from helpers.small_frame import dense
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.linear.pattern import Pattern

@@ -10,7 +10,7 @@ import jsonschema
 import pytest
 from typer.testing import CliRunner
 
-from damage import CASES, FILES, spots
+from helpers.damaged_cases import CASES, FILES, spots
 from viscorod.casefile.json_schema import case_schema
 from viscorod.cli.app import app
 

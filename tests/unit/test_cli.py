@@ -12,7 +12,7 @@ import viscorod.analyses.case_run
 import viscorod.analyses.check
 import viscorod.analyses.discrete
 import viscorod.casefile.case
-from synthetic import rolled_up, swing
+from helpers.synthetic_results import rolled_up, swing
 from viscorod.casefile.shipped import shipped_case
 from viscorod.casefile.units import Conversion
 from viscorod.cli.app import app

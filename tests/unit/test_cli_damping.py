@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from blades import PRIMARY, assembly, blade_text
+from helpers.blade_files import PRIMARY, assembly, blade_text
 from viscorod import programs as vd
 from viscorod.casefile.case import load_case
 from viscorod.casefile.shipped import shipped_case

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from derivatives import slope_of
-from frames import Moved, adjoint, closed, dense, frame
-from parts import from_python
+from helpers.finite_differences import slope_of
+from helpers.kernel_parts import from_python
+from helpers.small_frame import Moved, adjoint, closed, dense, frame
 from viscorod.mechanics.elements.internal_force import (
     ElementWork,
     GaussStates,

@@ -7,7 +7,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from sections import material, scaled
+from helpers.section_matrices import material, scaled
 from viscorod.casefile.case import case_from_dict
 from viscorod.errors import InputError
 from viscorod.model.materials.material import KelvinVoigt, Material

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from damage import CASES
+from helpers.damaged_cases import CASES
 from viscorod.analyses.check import check
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.casefile.case import case_from_dict

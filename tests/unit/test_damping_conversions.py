@@ -23,7 +23,7 @@ def swing(time, frequency):
 
 
 @given(st.floats(1e-5, 0.5), st.floats(0.1, 0.6))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_a_time_gives_the_decay_of_its_oscillator(time, frequency):
     root = swing(time, frequency)
     ratio = vd.damping_ratio(time, frequency)
@@ -40,7 +40,7 @@ def test_the_loss_factor_is_the_phase_of_the_complex_stiffness():
 
 
 @given(ratios, st.floats(1e-3, 1e4))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_every_number_comes_back(ratio, frequency):
     time = vd.time_from_damping_ratio(ratio, frequency)
     assert vd.damping_ratio(time, frequency) == pytest.approx(ratio, rel=1e-12)

@@ -119,7 +119,7 @@ def test_poissons_ratio_of_a_fit_is_checked():
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.4))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_the_smallest_factor_is_where_the_power_of_a_product_turns_negative(seed, size):
     rng = np.random.default_rng(seed)
     stiffness, mu = coupled(seed, size), 10.0 ** rng.uniform(-4.0, -1.0, 6)
@@ -175,7 +175,7 @@ def test_products_without_couplings_or_with_equal_times_create_nothing():
 
 
 @given(st.integers(0, 2**32 - 1))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_the_symmetric_matrix_never_creates_energy(seed):
     rng = np.random.default_rng(seed)
     stiffness, times = coupled(seed), rng.uniform(0.0, 1.0, 6)

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 import viscorod as vr
-from synthetic import swing
+from helpers.synthetic_results import swing
 from viscorod.errors import InputError
 
 WIDTH = 0.05

@@ -247,6 +247,7 @@ print(*[sum(k.stats.cache_misses.values()) for k in (factors.reduce, substitutio
 """
 
 
+@pytest.mark.slow
 def test_machine_code_on_disk_calls_the_functions_of_this_process(tmp_path):
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
 

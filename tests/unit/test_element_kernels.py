@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from derivatives import slope_of
-from frames import dense
+from helpers.finite_differences import slope_of
+from helpers.small_frame import dense
 from viscorod.mechanics.elements import geometric_element as geometric
 from viscorod.mechanics.elements.basis import gauss, lagrange
 from viscorod.mechanics.elements.lanes import LANES

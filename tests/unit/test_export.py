@@ -9,9 +9,9 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
-from synthetic import LENGTH as ARC
-from synthetic import rolled_up, swing
-from turning import LENGTH, along, director, rigid, tumbling, with_body
+from helpers.rigid_motions import LENGTH, along, director, rigid, tumbling, with_body
+from helpers.synthetic_results import LENGTH as ARC
+from helpers.synthetic_results import rolled_up, swing
 from viscorod.cli.app import app
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.results.files import csv_text

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from derivatives import slope_of
-from frames import Moved, adjoint, closed, dense, frame
-from parts import from_python
+from helpers.finite_differences import slope_of
+from helpers.kernel_parts import from_python
+from helpers.small_frame import Moved, adjoint, closed, dense, frame
 from viscorod.mechanics.elements.internal_force import ElementWork, GaussStates, internal_forces
 from viscorod.mechanics.elements.intrinsic_element import StrainMotion, advance_strains, forces_at
 from viscorod.mechanics.elements.intrinsic_linearised import linearise_intrinsic

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from derivatives import slope_of
+from helpers.finite_differences import slope_of
 from viscorod.mechanics.joints import joint_coordinates as jc
 from viscorod.mechanics.rotations.rotation import retract
 

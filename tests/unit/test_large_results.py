@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-import pages
 import viscorod as vr
+from helpers import viewer_pages
 from viscorod.pictures.viewer import view
 from viscorod.results import array_pieces as pieces
 from viscorod.results.array_pieces import blocks, in_states
@@ -22,7 +22,7 @@ FIELD = FRAMES * STATIONS * 3 * 8
 
 def beating():
     """A run with Kelvin-Voigt damping, some 84 MB."""
-    data = pages.beating(frames=FRAMES)
+    data = viewer_pages.beating(frames=FRAMES)
     law = {"times": [1e-3] * 6, "maxwell": False}
     points = data.sizes["point"]
     return Run(
@@ -112,5 +112,5 @@ def test_pieces_make_the_whole(block, monkeypatch):
     for chosen in ([0], [299], [5, 6, 7, 80, 81, 299], range(300), np.flatnonzero(rng.random(300) < 0.2)):
         states = np.array(chosen)
         assert np.array_equal(in_states(variable, "time", states), values[states])
-    run = Run(pages.beating(frames=50, elements=2))
+    run = Run(viewer_pages.beating(frames=50, elements=2))
     assert np.array_equal(np.concatenate(list(blocks(run, "strain"))), run.data["strain"].values)

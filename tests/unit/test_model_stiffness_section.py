@@ -32,7 +32,7 @@ def test_without_damping():
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(-6.0, 6.0))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_definite_matrices_of_any_scale_are_accepted(seed, exponent):
     scale = np.diag(10.0 ** np.array([0, 0, 0, exponent, exponent, exponent]))
     matrix = scale @ random_matrix(seed, 0.1) @ scale
@@ -42,7 +42,7 @@ def test_definite_matrices_of_any_scale_are_accepted(seed, exponent):
 
 
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["stiffness", "inertia", "damping"]))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_indefinite_matrices_are_refused_with_their_eigenvalue(seed, which):
     matrices = {"stiffness": ONES, "inertia": ONES, "damping": ONES, which: random_matrix(seed, -0.3)}
     with pytest.raises(InputError) as caught:
@@ -94,7 +94,7 @@ def test_the_motion_that_would_gain_energy_is_told_in_words():
 
 
 @given(st.integers(0, 2**32 - 1))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_six_times_give_a_damping_that_never_creates_energy(seed):
     """D = T C T: D_ii/C_ii = tau_i, symmetric, semi-definite for every coupled C; tau C is neither."""
     rng = np.random.default_rng(seed)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from parts import from_python
+from helpers.kernel_parts import from_python
 from viscorod.mechanics.rotations.nodal_motion import (
     coordinate_rates,
     coordinates,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from pydantic import Field
 
-import pages
 import viscorod as vr
+from helpers import viewer_pages as pages
 from viscorod.model.actions.load import LOADS, AnyLoad
 from viscorod.model.actions.load_effects import Arrows
 from viscorod.model.connections.place import PlaceField

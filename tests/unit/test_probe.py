@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from synthetic import LENGTH as ARC
-from synthetic import rolled_up
-from turning import LENGTH, along, director, rigid, tumbling, with_body
+from helpers.rigid_motions import LENGTH, along, director, rigid, tumbling, with_body
+from helpers.synthetic_results import LENGTH as ARC
+from helpers.synthetic_results import rolled_up
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.shipped import shipped_cases

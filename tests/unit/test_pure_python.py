@@ -9,7 +9,7 @@ import sys
 import numpy as np
 
 import viscorod as vr
-from frames import Moved, section
+from helpers.small_frame import Moved, section
 from viscorod.mechanics.compilation.compiled import KERNELS, announce_compilation
 from viscorod.mechanics.elements.internal_force import ElementWork, GaussStates, internal_forces
 from viscorod.solve.problem.external_loads import ExternalLoads

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from synthetic import oscillator
+from helpers.synthetic_results import oscillator
 from viscorod import InputError
 from viscorod.results.decrement import Decrement, decrement
 from viscorod.results.extremes import creeping_rest, resting_value

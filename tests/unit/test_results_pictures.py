@@ -7,9 +7,9 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
-from synthetic import LENGTH as ARC
-from synthetic import oscillator, rolled_up, swing
-from turning import LENGTH, along, rigid
+from helpers.rigid_motions import LENGTH, along, rigid
+from helpers.synthetic_results import LENGTH as ARC
+from helpers.synthetic_results import oscillator, rolled_up, swing
 from viscorod.cli.app import app
 from viscorod.pictures.plots.plot_modes import draw_modes
 from viscorod.pictures.plots.plot_motion import draw_tip

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from synthetic import rolled_up, swing
+from helpers.synthetic_results import rolled_up, swing
 from viscorod import InputError
 from viscorod.pictures.plots.plot_energy import draw_energy
 from viscorod.pictures.plots.plot_motion import draw_motion

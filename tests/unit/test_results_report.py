@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from synthetic import rolled_up, swing
+from helpers.synthetic_results import rolled_up, swing
 from viscorod.results.result_warnings import warnings_of
 from viscorod.results.run import Equilibrium, Run
 

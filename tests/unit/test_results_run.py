@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import viscorod as vr
-from synthetic import LENGTH, oscillator, rolled_up, swing
+from helpers.synthetic_results import LENGTH, oscillator, rolled_up, swing
 from viscorod.pictures.plots.plot_motion import draw_motion
 from viscorod.results.run import Equilibrium, Run
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sections import material, scaled
+from helpers.section_matrices import material, scaled
 from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.sections.composite import Composite, CompositeRegion
 from viscorod.model.sections.isotropic_section import SectionProperties
@@ -54,7 +54,7 @@ def power(boxes, eps, eta, zeta, nu, warping_slopes=lambda x, y: (0.0, 0.0)):
     zeta=st.floats(0.0, 1e4),
     seed=st.integers(0, 2**32 - 1),
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_a_rectangle_without_warping(nu, eta, zeta, seed):
     """LLT's kinematics is without warping: shear factors 1, J = I1 + I2."""
     plain = Rectangle(0.04, 0.02)
@@ -69,7 +69,7 @@ def test_a_rectangle_without_warping(nu, eta, zeta, seed):
 @given(
     nu=st.floats(-0.9, 0.499), shear=st.floats(0.0, 1.0), bulk=st.floats(0.0, 1.0), seed=st.integers(0, 10**6)
 )
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_extension_and_bending_of_an_outline_about_a_line_beside_it(nu, shear, bulk, seed):
     section = PolygonSection(L_SHAPE, origin="given", mesh_size=0.01)
     law = material(2e6, nu, shear, bulk, density=1200.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from frames import Moved, frame
+from helpers.small_frame import Moved, frame
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import case_from_dict, parse_case
 from viscorod.mechanics.elements.intrinsic_element import StrainMotion, forces_at

@@ -55,6 +55,8 @@ time_step = 0.01
 """
 HELD = SWING.split("[simulate]", maxsplit=1)[0] + "[equilibrium]\n"
 SHEAR = "materials.rubber.damping.shear_time"
+IN_ONE_AND_TWO = pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
+"""In this process, and in two more that have to start."""
 
 
 @pytest.fixture
@@ -85,7 +87,7 @@ def without_times(data):
     return data.assign_attrs(wall_time_s=0.0, loop_time_s=0.0, case_text="", case_file="", case_hash="")
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@IN_ONE_AND_TWO
 def test_members_are_exactly_the_single_runs(case, workers):
     times, forces = [0.01, 0.04], [[0.0, 0.02, 0.0], [0.0, 0.0, 0.01]]
     done = []
@@ -179,6 +181,7 @@ def test_a_failing_member_leaves_the_others_alone(case, monkeypatch, tmp_path):
             assert other.result.data.identical(member.result.data)
 
 
+@pytest.mark.slow
 def test_a_member_that_no_mesh_fits_fails_in_its_process(case):
     text = SWING.replace('at = "beam.start"', 'at = "beam@0.1"').replace("elements = 1", "elements = 2")
     case.write_text(text)
@@ -227,7 +230,7 @@ def test_wrong_number_of_workers(case):
         vr.sweep(case, {SHEAR: [0.1]}, workers=0)
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@IN_ONE_AND_TWO
 def test_interruption_keeps_what_there_is(case, workers):
     case.write_text(SWING.replace("duration = 0.2", "duration = 2000.0"))
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from assembled import DiscreteModel
-from derivatives import slope_of
+from helpers.discrete_model import DiscreteModel
+from helpers.finite_differences import slope_of
 from viscorod.mechanics.nodes import support_rows as kernels
 from viscorod.solve.linear.matrix import Matrix
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from viscorod.casefile.shipped import shipped_cases
 
-FILES = {**shipped_cases(), "everything": Path(__file__).with_name("property") / "everything.toml"}
+FILES = {**shipped_cases(), "everything": Path(__file__).parents[1] / "property" / "everything.toml"}
 TEXTS = {name: path.read_text(encoding="utf-8") for name, path in FILES.items()}
 CASES = {name: tomllib.loads(text) for name, text in TEXTS.items()}
 

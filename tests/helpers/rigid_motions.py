@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from synthetic import COMPONENTS
+from helpers.synthetic_results import COMPONENTS
 from viscorod.mechanics.elements.basis import gauss, lobatto
 
 LENGTH = 0.8

@@ -22,6 +22,8 @@ FLAGS = (
     "--remote-debugging-port=0",
     "--remote-allow-origins=*",
 )
+PATIENCE = 300.0
+"""Seconds after which something that is waited for does not come: far more than a busy machine takes."""
 
 
 def find():
@@ -62,13 +64,11 @@ class Page:
         elif what == "Network.requestWillBeSent":
             self.requests.append(params["request"]["url"])
 
-    def open(self, address, width=1400, height=900, timeout=60.0):
+    def open(self, address, width=1400, height=900):
         self.resize(width, height)
         self.send("Page.navigate", url=address)
         root = "document.documentElement"
-        self.wait(
-            f"location.href === {address!r} && {root} !== null && {root}.dataset.ready === 'yes'", timeout
-        )
+        self.wait(f"location.href === {address!r} && {root} !== null && {root}.dataset.ready === 'yes'")
 
     def resize(self, width, height):
         self.send(
@@ -85,8 +85,8 @@ class Page:
         assert "exceptionDetails" not in result, result["exceptionDetails"]
         return result["result"].get("value")
 
-    def wait(self, condition, timeout=20.0):
-        end = time.monotonic() + timeout
+    def wait(self, condition):
+        end = time.monotonic() + PATIENCE
         while not self.run(condition):
             assert time.monotonic() < end, f"{condition} did not come true; errors: {self.errors}"
             time.sleep(0.05)
@@ -126,19 +126,19 @@ def opened(folder):
     command = [find(), *FLAGS, f"--user-data-dir={folder}", "about:blank"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
-        port_file, end = folder / "DevToolsActivePort", time.monotonic() + 60.0
+        port_file, end = folder / "DevToolsActivePort", time.monotonic() + PATIENCE
         while not (port_file.exists() and port_file.read_text().strip()):
             assert time.monotonic() < end, "the browser did not start"
             assert process.poll() is None, "the browser stopped at once"
             time.sleep(0.05)
         port = port_file.read_text().split()[0]
-        with urllib.request.urlopen(f"http://127.0.0.1:{port}/json/list", timeout=20) as answer:
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}/json/list", timeout=PATIENCE) as answer:
             tab = next(tab for tab in json.load(answer) if tab["type"] == "page")
-        socket = websocket.create_connection(tab["webSocketDebuggerUrl"], timeout=60, max_size=None)
+        socket = websocket.create_connection(tab["webSocketDebuggerUrl"], timeout=PATIENCE, max_size=None)
         try:
             yield Page(socket)
         finally:
             socket.close()
     finally:
         process.terminate()
-        process.wait(timeout=30)
+        process.wait(timeout=PATIENCE)

@@ -8,7 +8,7 @@ import zlib
 import numpy as np
 import xarray as xr
 
-import synthetic
+from helpers import synthetic_results
 
 EVIL = "</script><img src=x onerror=\"window.hit=1\"> & <b>'bold'</b> \u2028"
 """Text that would become markup if it could."""
@@ -83,7 +83,7 @@ def beating(frames=10_000, elements=50, duration=20.0, title="Ten thousand frame
         coords={
             "time": time,
             "axis": ["x", "y", "z"],
-            "component": synthetic.COMPONENTS,
+            "component": synthetic_results.COMPONENTS,
             "station_rod": ("station", np.repeat(["beam"], stations)),
             "station_s": ("station", s),
             "station_order": ("station", np.full(stations, order)),
@@ -97,7 +97,7 @@ def beating(frames=10_000, elements=50, duration=20.0, title="Ten thousand frame
 def described(data, section=None, taper=None, **model):
     """The data set with a model in its case, as front.Model writes it."""
     beam = {
-        "shape": "straight", "start": [0, 0, 0], "end": [synthetic.LENGTH, 0, 0],
+        "shape": "straight", "start": [0, 0, 0], "end": [synthetic_results.LENGTH, 0, 0],
         "material": {"youngs_modulus": 1e6, "poissons_ratio": 0.3, "density": 1000.0},
     }  # fmt: skip
     if taper:
