@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk
 
 import viscorod as vr
-from viscorod.analyses import transient as motion
+from viscorod.analyses import motion
 
 from .cases import slope, stiff
 

@@ -13,7 +13,7 @@ motors of the work from outside. Runs with joints or held strains have the attri
 ``drift_velocity``: the largest gap that was found between what these hold and the motion, over the size of the
 model (or in rad, or strain), and that of velocities over the fastest one, before it was removed. The attributes
 ``damping_assumptions`` and ``damping_laws`` (JSON by rod) state what was assumed of the damping and what it was
-computed with (``viscorod.analyses.material_record``).
+computed with (``viscorod.analyses.provenance``).
 """
 
 from __future__ import annotations
