@@ -59,7 +59,7 @@ def keys(kind):
         if name == kind.tag:
             standard = any(kind is usual for _, _, usual in GROUPS.values())
             default_kind = f'`"{field.default}"`' if standard else "required"
-            yield name, f'`"{field.default}"`', default_kind, "tells the kind"
+            yield name, f'`"{field.default}"`', default_kind, "the kind"
         else:
             yield name, accepted(field).words, default(field), meaning(field)
 

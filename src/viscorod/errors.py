@@ -37,7 +37,7 @@ class Fault:
         return f"{head}{found}{self.why}{tail}"
 
     def within(self, prefix: str) -> Fault:
-        """The same problem with `prefix` put before its path."""
+        """Return the same problem with `prefix` put before its path."""
         return replace(self, where=join_path(prefix, self.where))
 
 
@@ -59,7 +59,7 @@ class InputError(ValueError):
 
 
 class SolveError(RuntimeError):
-    """A solution could not be found; the message tells where it stopped, at which load, and what to try.
+    """A solution could not be found; the message says where it stopped, at which load, and what to try.
 
     `run` holds the results up to there (a `Run` or an `Equilibrium`), or None if there are none.
     """

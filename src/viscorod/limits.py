@@ -1,4 +1,4 @@
-"""What a file may ask for: sizes beyond which it is refused before anything is allocated.
+"""Largest sizes: a file that needs more is refused before anything is allocated.
 
 Case files and results may come from elsewhere. Nothing in them is executed; these limits keep them from filling memory
 or disk, or running for years. They concern files only, what is built in Python has no limits but those of the machine.

@@ -98,7 +98,7 @@ def test_missing_ffmpeg_is_one_message(monkeypatch, tmp_path):
 
 
 def test_unknown_format_is_refused_before_anything_is_drawn(tmp_path):
-    with pytest.raises(vr.InputError, match=r"'\.avi' is no film; use \.mp4 or \.gif"):
+    with pytest.raises(vr.InputError, match=r"'\.avi' is not that of a film; use \.mp4 or \.gif"):
         write_film(Run(swing()), tmp_path / "swing.avi")
 
 

@@ -245,7 +245,7 @@ def test_functions_of_time():
         ('material = "rubber"', 'material = "rubber"\nd1 = [1, 0, 0]', "rods.beam.d1", "along the rod"),
         ('"clamp"', '"clmap"', "supports[0].kind", "did you mean 'clamp'"),
         ('"beam.start"', '"baem.start"', "supports[0].at", "did you mean 'beam'"),
-        ('"beam.start"', '"beam"', "supports[0].at", 'a rod is no place; give "beam.start"'),
+        ('"beam.start"', '"beam"', "supports[0].at", 'a rod is not a place; give "beam.start"'),
         ('"beam.start"', '"beam."', "supports[0].at", "ROD.start"),
         ('"beam.start"', '"beam.strat"', "supports[0].at", "a rod has no such point"),
         ("[[supports]]", "[[support]]", "support", "did you mean supports"),

@@ -195,7 +195,7 @@ def test_what_cannot_be_solved():
     steel = vr.Material(1e7, 0.3, 1000.0, damping=vr.KelvinVoigt(1e-2, 1e-2))
     with pytest.raises(InputError, match=r"rods.tip.material.damping: the other parts of the model damp"):
         two_rods(steel, material(ratio=1e-5)).modes(1)
-    with pytest.raises(InputError, match="do not tell the damping of these materials apart"):
+    with pytest.raises(InputError, match="do not distinguish the damping of these materials"):
         two_rods(material(ratio=1e-3), material(ratio=2e-3)).modes(1)
     relaxing = vr.Material(
         1e7, 0.3, 1000.0, damping=vr.Prony(shear_ratios=[0.1], shear_times=[1.0], constant="poissons_ratio")

@@ -155,7 +155,7 @@ def test_places_on_bodies(model):
         ("plat", "no rod or body of this name; did you mean 'plate'? the rods are arm; the bodies are plate"),
         ("plate.conrer", "no point of this name; did you mean plate.corner? its points are corner, far"),
         ("plate@0.1", "a rigid body has no arc length"),
-        ("arm", 'a rod is no place; give "arm.start"'),
+        ("arm", 'a rod is not a place; give "arm.start"'),
         ("arm.corner", "a rod has no such point"),
         ("arm@3", "only 2 m long"),
     ],

@@ -314,7 +314,7 @@ def test_a_table_of_shear_is_not_one_of_extension(tmp_path):
 @pytest.mark.parametrize(
     ("constants", "two", "message"),
     [
-        ({}, False, "one table does not tell Poisson's ratio; give poissons_ratio"),
+        ({}, False, "one table does not determine Poisson's ratio; give poissons_ratio"),
         ({"poissons_ratio": 0.3}, True, "leave poissons_ratio out"),
         ({"shear_modulus": 1e6}, False, "shear_modulus: .*give poissons_ratio in its place"),
         ({"youngs_modulus": 1e6}, False, "exactly one of"),

@@ -241,7 +241,7 @@ def test_joints_of_attached_places(model):
 def test_joints_between_two_centres_say_nowhere(model):
     model.add("lump", Body(1.0, (1, 1, 1)))
     model.ball("plate", "lump")
-    only_problem(model, "joints[0]", "nothing tells where the joint", "plate.tip")
+    only_problem(model, "joints[0]", "nothing says where the joint", "plate.tip")
     model.bodies["lump"] = Body(1.0, (1, 1, 1), centre=(3, 0, 0))
     model.validate()
 

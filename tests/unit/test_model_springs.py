@@ -91,7 +91,7 @@ def test_springs_come_back_from_their_tables(given):
     ("build", "path", "text"),
     [
         (lambda: Spring("arm.end"), "Spring.stiffness", "does nothing"),
-        (lambda: Spring("ground", "arm.end", {"ux": 1}), "Spring.at", "the ground is no place"),
+        (lambda: Spring("ground", "arm.end", {"ux": 1}), "Spring.at", "the ground is not a place"),
         (lambda: Spring("arm.end", "arm.end", {"ux": 1}), "Spring.to", "two different things"),
         (lambda: Spring("arm.end", stiffness={"x": 1}), "Spring.stiffness.x", "not a motion"),
         (lambda: Spring("arm.end", stiffness={"ux": "1"}), "Spring.stiffness.ux", "number is needed"),
@@ -148,7 +148,7 @@ def test_a_line_needs_two_ends_that_are_apart(model):
 def test_a_bushing_between_two_centres_is_nowhere(model):
     model.add("lump", Body(1.0, (1, 1, 1)))
     model.spring("plate", "lump", {"ux": 1})
-    only_problem(model, "springs[0]", "nothing tells where the spring")
+    only_problem(model, "springs[0]", "nothing says where the spring")
     model.springs.clear()
     model.line_spring("plate", "lump", 1.0)
     model.validate()

@@ -91,7 +91,7 @@ def test_all_that_is_wrong_with_motions_is_told_with_their_words():
     [
         (lambda: Clamp("beam end"), "Clamp.at", "not a place"),
         (lambda: Clamp("beam.end.end"), "Clamp.at", "not a place"),
-        (lambda: Clamp("ground"), "Clamp.at", "the ground is no place"),
+        (lambda: Clamp("ground"), "Clamp.at", "the ground is not a place"),
         (lambda: Clamp(3), "Clamp.at", "text is needed"),
         (lambda: Clamp("beam@x"), "Clamp.at", "not a number"),
         (lambda: Clamp("beam@-1"), "Clamp.at", ">= 0"),

@@ -98,7 +98,7 @@ def test_component_that_changes_most():
         (lambda run: draw_strain(run, rod="x"), "rod = 'x': no rod is called so; it can be rod"),
         (lambda run: draw_space_time(run, "stress"), "quantity = 'stress' is not stored"),
         (lambda run: draw_space_time(run, "dissipation", "twist"), "dissipation has no components"),
-        (lambda run: draw_phase(run, axis="w"), "axis = 'w' is no global axis"),
+        (lambda run: draw_phase(run, axis="w"), "axis = 'w' is not a global axis"),
     ],
 )
 def test_wrong_questions(draw, message):
@@ -187,7 +187,7 @@ def test_modes_of_the_model_in_a_result(tmp_path):
         (["run.nc", "--what", "phase", "--count", "3"], "--count: 3: goes with modes"),
         (["arc.nc", "--what", "tip"], "--what tip needs a motion over time"),
         (["run.nc", "--what", "modes"], "cannot be rebuilt for its modes"),
-        (["run.nc", "--what", "tip", "-o", "tip.doc"], "is no picture format"),
+        (["run.nc", "--what", "tip", "-o", "tip.doc"], "is not a picture format"),
     ],
 )
 def test_wrong_commands(arguments, message, tmp_path, monkeypatch):

@@ -88,7 +88,7 @@ def test_pictures_leave_no_global_figures(tmp_path):
 
 
 def test_unknown_format_is_an_input_error(tmp_path):
-    with pytest.raises(InputError, match=r"'\.docx' is no picture format; use .*\.png"):
+    with pytest.raises(InputError, match=r"'\.docx' is not a picture format; use .*\.png"):
         Equilibrium(rolled_up()).plot(tmp_path / "shape.docx")
 
 

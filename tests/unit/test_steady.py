@@ -47,7 +47,7 @@ def changed(model, change):
 REFUSED = {
     "no measure": (rod, {}, "exactly one of spin, energy and momentum"),
     "two measures": (rod, {"spin": 1.0, "energy": 1.0}, "exactly one of spin, energy and momentum"),
-    "spin twice": (rod, {"spin": (0, 0, 1.0), "axis": (0, 0, 1)}, "tells the axis already"),
+    "spin twice": (rod, {"spin": (0, 0, 1.0), "axis": (0, 0, 1)}, "has an axis already"),
     "no spin": (rod, {"spin": (0, 0, 0)}, "nothing turns"),
     "hardly any spin": (rod, {"spin": (0, 0, 1e-300)}, "smaller than any quantity"),
     "backwards": (rod, {"spin": -1.0}, "give a number > 0"),

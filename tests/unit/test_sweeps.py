@@ -206,7 +206,7 @@ WRONG = [
     ),
     ({"loads.value": [[0, 0, 1]]}, "this has no keys of its own; name an entry, the first is [0]"),
     ({"rods.beam.elements.more": [1]}, "rods.beam.elements.more: 1: this has no keys of its own"),
-    ({"rods..elements": [1]}, "this is no key of a case file"),
+    ({"rods..elements": [1]}, "this is not a key of a case file"),
     ({"rods.beam.elements": 3}, "a list of values is needed here"),
     ({"rods.beam.elements": [1, 2], SHEAR: [0.1]}, "vary together; give every key one value per member"),
     ([{SHEAR: 0.1}, {"rods.beam.elements": 1}], "give all members the same keys"),

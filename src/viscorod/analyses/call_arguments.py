@@ -86,7 +86,7 @@ class Titled(Definition):
         return CallOptions(**{name: getattr(self, name) for name in names})
 
     def to_dict(self) -> dict[str, Any]:
-        """The settings alone, see ``Definition.to_dict``."""
+        """Return the settings alone, see ``Definition.to_dict``."""
         return {name: value for name, value in super().to_dict().items() if name not in _ACCOMPANYING}
 
 

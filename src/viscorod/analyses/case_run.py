@@ -31,7 +31,7 @@ ANALYSES: dict[type, Callable[[DiscreteModel, Any], Run | Equilibrium | Steady]]
     SimulateSettings: motion,
     SteadySettings: steady_rotation,
 }
-"""The analysis that each kind of settings asks for."""
+"""The analysis of each kind of settings."""
 
 
 def discretised_case(case: Case) -> DiscreteModel:
@@ -57,7 +57,7 @@ def run_case(
     resume: bool = False,
     stop: Callable[[], str] | None = None,
 ) -> Run | Equilibrium | Steady:
-    """Do what a case file asks for.
+    """Run the analysis of a case file.
 
     Args:
         case: the content of the file.

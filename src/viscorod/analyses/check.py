@@ -25,7 +25,7 @@ from viscorod.typing import Floats
 
 MODES = 6
 THICK = 0.1
-"""Half width times curvature above which a rod is no slender rod any more (LLT 2.2: much smaller than 1)."""
+"""Half width times curvature above which a rod is no longer slender (LLT 2.2: much smaller than 1)."""
 QUICK = 0.5
 """First angular frequency times retardation time above which Kelvin-Voigt is doubtful (LLT 2.6)."""
 
@@ -161,7 +161,7 @@ def _material_rows(model: ModelDescription) -> list[dict[str, object]]:
 
 
 def _assumptions(model: ModelDescription) -> list[str]:
-    """What was assumed of the damping; the same of several rods once."""
+    """Return what was assumed of the damping; the same of several rods once."""
     rods: dict[str, list[str]] = {}
     for name, rod in model.rods.items():
         for text in rod.material.assumptions if rod.material is not None else ():
@@ -252,7 +252,7 @@ def _section_rows(name: str, rod: Rod) -> list[dict[str, object]]:
 
 
 def _couplings(word: str, per: str, matrix: Floats, held: tuple[bool, ...]) -> dict[str, object]:
-    """The entries beside the diagonal that are not small against those on it, of strains that are free."""
+    """Return the entries beside the diagonal that are not small against those on it, of strains that are free."""
     found: dict[str, object] = {}
     for i, first in enumerate(COMPONENTS):
         for j in range(i + 1, 6):

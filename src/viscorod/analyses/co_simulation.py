@@ -82,7 +82,7 @@ class CoSimulation:
             # not less for a start near to rest, as in motions: what the ports will do is not known
             settings = settings.model_copy(update={"tolerance": usual})
         discrete = DiscreteModel.of(coupled, settings, options)
-        # results tell of the model as it was given, without the loads at the ports
+        # results describe the model as it was given, without the loads at the ports
         own = provenance(model, discrete.options.title, discrete.options.attributes)
         return cls(replace(discrete, attributes=discrete.attributes | own), settings, wrenches)
 
@@ -106,7 +106,7 @@ class CoSimulation:
         """
         if port not in self._wrenches:
             known = ", ".join(self._wrenches) or "none was named"
-            raise InputError(f"{port!r} is no port of this system; the ports are: {known}")
+            raise InputError(f"{port!r} is not a port of this system; the ports are: {known}")
         try:
             wrench = np.concatenate([np.asarray(force, dtype=float), np.asarray(moment, dtype=float)])
         except (TypeError, ValueError):

@@ -41,7 +41,7 @@ CLOSE = 1e-6
 
 
 def with_known_times(model: M) -> M:
-    """The model with the times of these materials found from its modes about the unloaded reference shape.
+    """Return the model with the times of these materials found from its modes about the unloaded reference shape.
 
     Several such materials are solved for jointly, each with its own mode. Dampers and other materials count as they
     are.
@@ -122,7 +122,7 @@ def _times(slopes: Floats, wanted: Floats, where: list[str]) -> Floats:
             Fault(
                 where[0],
                 "",
-                "the chosen modes do not tell the damping of these materials apart",
+                "the chosen modes do not distinguish the damping of these materials",
                 "choose a mode that strains each of them: mode = 'bend_1 1', rod = the rod's name",
             )
         )
@@ -170,7 +170,7 @@ class _Modes:
         self.omega, self.shapes = _vibrations(self.linear, 2 * MOST_MODES)
 
     def find(self, wish: MeasuredDamping, where: str) -> _Mode:
-        """The mode that is meant.
+        """Return the mode that is meant.
 
         Raises:
             InputError: there is no such rod or mode.
@@ -209,7 +209,7 @@ class _Modes:
         return [(a, b) for a, b in pairwise(edges) if b > a]
 
     def _mostly(self, word: str, rod: str | None, first: int, last: int) -> list[_Mode]:
-        """The modes of one frequency that have more than half of their energy in a strain and in a rod."""
+        """Return the modes of one frequency that have more than half of their energy in a strain and in a rod."""
         shapes, hertz = self.shapes[:, first:last], self.omega[first:last] / (2.0 * np.pi)
         if word or rod is not None:
             # within one frequency any combination is a mode: those with the largest share, and across them
@@ -226,14 +226,14 @@ class _Modes:
         return total
 
     def _named(self, mode: _Mode) -> _Mode:
-        """The mode with the strain that has most of its elastic energy."""
+        """Return the mode with the strain that has most of its elastic energy."""
         alone, hertz = mode.shape[:, None], np.array([mode.hertz])
         shares = [float(self._share(alone, hertz, word, None)[0, 0]) for word in STRAINS]
         largest = int(np.argmax(shares))
         return replace(mode, strain=STRAINS[largest].replace("_", " "), share=shares[largest])
 
     def _energy(self, word: str, rod: str | None) -> sparse.csr_array:
-        """The stiffness of one strain and one rod alone (all of them if not named), for twice the elastic energy."""
+        """Return the stiffness of one strain and one rod alone (all if not named), for twice the elastic energy."""
         kept = np.array([not word or strain == word for strain in STRAINS], dtype=float)
         sets = []
         for e in self.problem.sets:

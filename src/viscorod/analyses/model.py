@@ -128,7 +128,7 @@ class Model(ModelDescription):
         """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.
 
         Args:
-            path: picture to write; the suffix tells the format (.png, .pdf, .svg).
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg).
             title: above the picture.
 
         Returns:
@@ -143,7 +143,7 @@ class Model(ModelDescription):
         return write(draw_assembly(self, title), path)
 
     def with_known_times(self) -> Model:
-        """The model with the times of all materials known: those that follow from a mode (`MeasuredDamping`) are found.
+        """Return the model with the times of its materials known: those from a mode (`MeasuredDamping`) are found.
 
         Raises:
             InputError: the model is inconsistent, or there is no such mode.

@@ -123,7 +123,7 @@ def _motion(discrete: DiscreteModel, settings: SimulateSettings, stream: Stream 
 
 
 def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> State:
-    """The state that a motion starts from."""
+    """Return the state that a motion starts from."""
     state = State.reference(discrete.problem)
     if discrete.problem.initial_strain:
         discrete.system.given_strain = strain_rods(discrete.system, state)
@@ -156,7 +156,7 @@ def described(
     settings: SimulateSettings,
     outcome: Outcome,
 ) -> dict[str, Any]:
-    """What a result tells of how its motion was computed."""
+    """Return the attributes of a result about how its motion was computed."""
     effort = transient.effort
     found: dict[str, Any] = {
         "outcome": outcome.name.lower(),
@@ -248,7 +248,7 @@ def _chosen_tolerance(discrete: DiscreteModel, state: State, duration: float, us
 
 
 def monitors(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> list[Monitor]:
-    """What the run is watched for."""
+    """Return the monitors of the events that a run is watched for."""
     found: list[Monitor] = []
     for event in settings.events:
         if isinstance(event, Crossing):
@@ -273,7 +273,7 @@ def monitors(discrete: DiscreteModel, settings: SimulateSettings, state: State) 
 
 
 def _quantity(discrete: DiscreteModel, event: Crossing) -> Callable[[Snapshot], float]:
-    """The quantity of a crossing, less the value that is crossed."""
+    """Return the quantity of a crossing, less the value that is crossed."""
     reader, place = StationReader(discrete.problem), discrete.place(event.at)
     start = reader.read(
         discrete.problem.positions, discrete.problem.quaternions, np.zeros((discrete.problem.size, 6))

@@ -84,7 +84,7 @@ def sweep(
 
 
 def _rows(values: Values) -> list[dict[str, Any]]:
-    """The values of every member, plain numbers, texts and lists."""
+    """Return the values of every member, plain numbers, texts and lists."""
     advice = "give a key of the case file with a list of values: {'rods.beam.elements': [1, 2, 4]}"
     if isinstance(values, Mapping):
         columns = {str(key): _plain(column) for key, column in values.items()}
@@ -114,7 +114,7 @@ def _plain(value: Any) -> Any:
 
 
 def _contents(case: Case, rows: Sequence[Mapping[str, Any]]) -> tuple[list[dict[str, Any]], list[str]]:
-    """The content of a case file for every member, checked, and what was chosen for all of them."""
+    """Return the content of a case file for every member, checked, and what was chosen for all of them."""
     contents, notes = [], []
     problems: dict[tuple[str, str], Fault] = {}
     for row in rows:
@@ -124,7 +124,7 @@ def _contents(case: Case, rows: Sequence[Mapping[str, Any]]) -> tuple[list[dict[
                 _put(content, key, value)
             member = case_from_dict(content, case.source)
         except InputError as error:
-            for problem in error.problems:  # the same mistake in many members is told once
+            for problem in error.problems:  # the same mistake in many members is reported once
                 problems.setdefault((problem.where, problem.why), problem)
             continue
         settings = member.settings
@@ -148,7 +148,7 @@ def _put(content: dict[str, Any], key: str, value: Any) -> None:
     """
     parts = [int(m["index"]) if m["index"] else m["word"] for m in _KEY.finditer(key)]
     if "".join(m[0] for m in _KEY.finditer(key)) != key or not parts:
-        why, instead = "this is no key of a case file", 'write "rods.beam.elements" or "loads[0].value"'
+        why, instead = "this is not a key of a case file", 'write "rods.beam.elements" or "loads[0].value"'
         raise InputError(Fault("values", show(key), why, instead))
     place: Any = content
     for k, part in enumerate(parts):
@@ -184,7 +184,7 @@ STOPPED = "the sweep was stopped"
 
 
 def _compute(job: Job, progress: Callable[[float, float], None], stopped: Callable[[], bool]) -> Found:
-    """Do one member; whatever goes wrong is told, not raised."""
+    """Do one member; whatever goes wrong is recorded, not raised."""
     content, title, source = job
     try:
         case = case_from_dict({"title": title, **content}, source)
@@ -225,11 +225,9 @@ def _alone(jobs: Sequence[Job], stop: threading.Event, progress: Progress | None
 def _parallel(
     jobs: Sequence[Job], workers: int, stop: threading.Event, progress: Progress | None
 ) -> list[Found]:
-    """All members on several processes, each with one thread."""
+    """Return all members on several processes, each with one thread."""
     context = multiprocessing.get_context("spawn")
-    cells = context.Array(
-        "d", len(jobs) + 1, lock=False
-    )  # how far each member is; the last one tells all to stop
+    cells = context.Array("d", len(jobs) + 1, lock=False)  # how far each member is; the last one stops all
     with ProcessPoolExecutor(workers, context, _prepare, (cells,)) as pool:
         with _one_thread_each():
             futures = [pool.submit(_work, k, job) for k, job in enumerate(jobs)]
@@ -252,7 +250,7 @@ def _parallel(
     return found
 
 
-_shared: list[Any] = []  # in a worker: the array that tells how far the members are
+_shared: list[Any] = []  # in a worker: the array of how far the members are
 
 
 def _prepare(cells: Any) -> None:
@@ -300,7 +298,7 @@ def _one_thread_each() -> Iterator[None]:
 
 @contextmanager
 def _stopping() -> Iterator[threading.Event]:
-    """An event that the first Ctrl-C sets; the second one does what it always does."""
+    """Yield an event that the first Ctrl-C sets; the second one does what it always does."""
     stop = threading.Event()
     if threading.current_thread() is not threading.main_thread():
         yield stop

@@ -59,7 +59,7 @@ class WarmUp:
 
 
 def kernels() -> list[Any]:
-    """All kernels, as Numba's dispatchers."""
+    """Return all kernels, as Numba's dispatchers."""
     return list(KERNELS)
 
 
@@ -147,7 +147,7 @@ def small_model() -> Model:
 
 
 def small_assembly() -> Model:
-    """A rod that does not shear on a hinge, and a spring: joints and held strains change what is compiled."""
+    """Build a rod that does not shear on a hinge, and a spring: joints and held strains change what is compiled."""
     model = soft_model()
     beam = model.rods["beam"]
     model.rods["beam"] = beam.model_copy(update={"constraints": ("unshearable",)})
@@ -159,7 +159,7 @@ def small_assembly() -> Model:
 
 
 def small_relaxing() -> Model:
-    """A cantilever with a Maxwell branch."""
+    """Build a cantilever with a Maxwell branch."""
     model = soft_model()
     C, _, M = model.rods["beam"].matrices_at(0.0)
     branch = MaxwellBranch(time=SPAN, stiffness=C)
@@ -176,7 +176,7 @@ class _Unassembled(GeometricSystem):
 
 
 def soft_model() -> Model:
-    """A soft, heavy cantilever: what the first run of a transient needs and little more."""
+    """Build a soft, heavy cantilever: what the first run of a transient needs and little more."""
     material = Material(1e3, poissons_ratio=0.3, density=1000.0, damping=KelvinVoigt(1e-4, 1e-4))
     section = Rectangle(0.1 * SIZE, 0.1 * SIZE)
     rod = Rod.straight((0, 0, 0), (SIZE, 0, 0), section=section, material=material, elements=1, order=2)

@@ -116,7 +116,7 @@ def forms() -> Form:
 
 @cache
 def _forms(kinds: tuple[tuple[str, type[Definition]], ...], integrators: tuple[str, ...]) -> Form:
-    """Return the schema with what is registered: ``integrators`` only tells that others have been."""
+    """Return the schema with what is registered: ``integrators`` only distinguishes what has been."""
     del integrators
     definitions: Form = {
         "quantity": {
@@ -187,7 +187,7 @@ def _key(kind: type[Definition], name: str) -> Form:
     """Return the form of one key of a class, with meaning and default."""
     field = kind.model_fields[name]
     if name == kind.tag:
-        return {"const": field.default, "description": "tells the kind"}
+        return {"const": field.default, "description": "the kind"}
     accepts = accepted(field)
     assert accepts is not None
     form: Form = in_units(accepts.form, units_of(field))

@@ -188,7 +188,9 @@ def write_film(
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
-        raise InputError(f"{path}: the suffix {path.suffix!r} is no film; use {' or '.join(FORMATS)}")
+        raise InputError(
+            f"{path}: the suffix {path.suffix!r} is not that of a film; use {' or '.join(FORMATS)}"
+        )
     program = _ffmpeg() if suffix == ".mp4" else ""
     film = Film(run, Pace.of(run, fps, speed, hundredths=suffix == ".gif"))
     with writing(path):
@@ -230,7 +232,7 @@ def _write_mp4(film: Film, path: Path, program: str, progress: Callable[[int], N
 
 
 def _ffmpeg() -> str:
-    """The program that makes films: the one on the PATH, or that of the package imageio-ffmpeg."""
+    """Return the program that makes films: the one on the PATH, or that of the package imageio-ffmpeg."""
     found = shutil.which("ffmpeg")
     if found is not None:
         return found
@@ -245,7 +247,7 @@ def _ffmpeg() -> str:
 
 
 def _round_number(value: float) -> float:
-    """The nearest of 1, 2 and 5 times a power of ten."""
+    """Return the nearest of 1, 2 and 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(value))
     return float(
         min((step * power for step in (1.0, 2.0, 5.0, 10.0)), key=lambda n: abs(math.log(n / value)))

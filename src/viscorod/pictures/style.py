@@ -80,7 +80,9 @@ def write(picture: Figure, path: str | Path) -> Path:
     path = Path(path)
     known = sorted(picture.canvas.get_supported_filetypes())
     if path.suffix[1:].lower() not in known:
-        raise InputError(f"{path}: the suffix {path.suffix!r} is no picture format; use .{', .'.join(known)}")
+        raise InputError(
+            f"{path}: the suffix {path.suffix!r} is not a picture format; use .{', .'.join(known)}"
+        )
     with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         picture.savefig(path)

@@ -151,7 +151,7 @@ def damping_validity(run: Run, tolerance: float = 0.1) -> DampingValidity:
     resolved = 0.5 / float(np.max(np.diff(run.time)))
     if any(strain.high_frequency > MARGIN * resolved for strain in found):
         notes.append(
-            f"the records are too far apart to tell frequencies above {MARGIN * resolved:.3g} Hz; "
+            f"the records are too far apart to resolve frequencies above {MARGIN * resolved:.3g} Hz; "
             "give a smaller output_interval"
         )
     return DampingValidity(tuple(found), tolerance, tuple(notes))

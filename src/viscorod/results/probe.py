@@ -42,7 +42,7 @@ def probed(
     bodies = [site.label for site in chosen if site.rod in result.sites.bodies]
     if bodies and len(bodies) < len(chosen):
         raise InputError(
-            f"{bodies[0]!r} is a place on a body and has no strains; ask for places on bodies and on rods apart"
+            f"{bodies[0]!r} is a place on a body and has no strains; probe places on bodies and on rods separately"
         )
     along = result.dimension
     level = np.asarray(result.data[along].values, dtype=float) if instants is None else instants.time

@@ -247,7 +247,7 @@ def _ports(value: Any) -> tuple[str, ...]:
 
 @accepts(quantity(TRIPLE, bounds=POSITIVE), "number > 0, or 3 numbers")
 def _spin(value: Any) -> float | Triple:
-    """An angular speed, or an angular velocity."""
+    """Return an angular speed, or an angular velocity."""
     if isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim):
         given = vector(value)
         if not any(given):
@@ -319,7 +319,7 @@ class SteadySettings(Definition):
             )
         if self.driven and self.axis is not None:
             raise RefusedError(
-                "the angular velocity tells the axis already",
+                "the angular velocity has an axis already",
                 "leave axis out, or give spin as one number",
                 found=show(self.axis),
                 at=("axis",),

@@ -1,4 +1,4 @@
-"""Check that a model can be computed as the settings ask for."""
+"""Checks that settings suit the model."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
 
 
 def unfit_for_steady(model: ModelDescription) -> Iterator[Fault]:
-    """What a steady rotation cannot be computed with: joints, springs, constrained strains, Maxwell branches."""
+    """Yield what a steady rotation cannot be computed with: joints, springs, constrained strains, Maxwell branches."""
     why = "steady rotations are computed without {}"
     instead = "leave it out, or compute the motion with simulate"
     yield from _joints(model, why.format("joints"), instead)

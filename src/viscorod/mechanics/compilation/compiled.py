@@ -147,7 +147,7 @@ def lane_kernel(function: Kernel) -> Kernel:
 
 
 def _uncompiled(compiled: Any) -> bool:
-    """Whether machine code of a kernel is neither in memory nor on disk yet."""
+    """Return whether machine code of a kernel is neither in memory nor on disk yet."""
     return not PURE_PYTHON and not compiled.signatures and not on_disk(compiled)
 
 

@@ -104,7 +104,7 @@ class AnyLoad(Definition):
         return bool(getattr(self, "following", False))
 
     def places(self) -> dict[str, str]:
-        """The places that it names, by the key that names each."""
+        """Return the places that it names, by the key that names each."""
         return {}
 
     def misfits(self, model: ModelDescription) -> Iterator[RefusedError]:
@@ -335,7 +335,7 @@ class MovingForce(AnyLoad):
             )
         if self.position is not None and self.start is not None:
             raise RefusedError(
-                "start goes with speed; position tells the place at all times",
+                "start goes with speed; position gives the place at all times",
                 "leave start out",
                 at=("start",),
             )

@@ -154,7 +154,7 @@ def _wrong_ends(
         yield Fault(
             joint.path,
             f"{joint.a} and {joint.b}",
-            f"nothing tells where the {noun} between the two bodies is",
+            f"nothing says where the {noun} between the two bodies is",
             f"name a point of one of them, such as {joint.a}.tip, and give that",
         )
 

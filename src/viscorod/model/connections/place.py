@@ -79,7 +79,7 @@ def place_text(value: Any) -> str:
     if parts is None:
         raise RefusedError("this is not a place on a rod or body", _ADVICE)
     if value == GROUND:
-        raise RefusedError("the ground is no place of the model", _ADVICE)
+        raise RefusedError("the ground is not a place of the model", _ADVICE)
     if parts["s"] is not None:
         _station(parts["s"])
     return str(value)
@@ -158,7 +158,7 @@ def find_place(text: str, rods: Mapping[str, Rod], bodies: Mapping[str, AnyBody]
         return Place(name, station_on(rod, _station(s), name))
     if point not in ("start", "end"):
         raise RefusedError(
-            "a rod is no place" if point is None else "a rod has no such point",
+            "a rod is not a place" if point is None else "a rod has no such point",
             f'give "{name}.start", "{name}.end" or "{name}@0.15" (arc length in m)',
             found=show(text),
         )

@@ -66,10 +66,10 @@ class ModulusTable(Definition):
         default=None,
     )
     frequency_unit: Annotated[str | None, optional(one_of(*FREQUENCY_UNITS))] = Key(
-        '"Hz", "kHz" or "rad/s", where the file does not tell', default=None
+        '"Hz", "kHz" or "rad/s", where the file does not say', default=None
     )
     modulus_unit: Annotated[str | None, optional(one_of(*MODULUS_UNITS))] = Key(
-        '"Pa", "kPa", "MPa", "GPa", "N/mm2", "N/m2" or "psi", where the file does not tell', default=None
+        '"Pa", "kPa", "MPa", "GPa", "N/mm2", "N/m2" or "psi", where the file does not say', default=None
     )
 
     @model_validator(mode="after")
@@ -237,13 +237,15 @@ class ComplexModuli(ModulusTable, Damping):
         """Return times, or branches, of the nearest material; with one table at a constant Poisson's ratio."""
         if len(self.tables) == 2 and math.isnan(elastic.youngs_modulus) != math.isnan(elastic.poissons_ratio):
             raise RefusedError(
-                "tables of extension and shear tell Young's modulus and Poisson's ratio",
+                "tables of extension and shear give Young's modulus and Poisson's ratio",
                 "leave poissons_ratio out, or give youngs_modulus with it",
                 found="given: poissons_ratio",
             )
         if len(self.tables) == 1 and math.isnan(elastic.poissons_ratio):
             raise RefusedError(
-                "one table does not tell Poisson's ratio", "give poissons_ratio, or the other table", found=""
+                "one table does not determine Poisson's ratio",
+                "give poissons_ratio, or the other table",
+                found="",
             )
         return self._branches(elastic) if self.law == "maxwell" else self._times(elastic)
 
@@ -251,7 +253,7 @@ class ComplexModuli(ModulusTable, Damping):
         fits = {strain: nearest_kelvin_voigt(*self._rows(strain)) for strain in self.tables}
         found = _constants(elastic, {strain: fit.modulus for strain, fit in fits.items()})
         sentences = [
-            sentence for strain, fit in fits.items() for sentence in self._told(strain, fit, elastic, found)
+            sentence for strain, fit in fits.items() for sentence in self._known(strain, fit, elastic, found)
         ]
         if len(fits) == 1:
             (fit,) = fits.values()
@@ -270,7 +272,7 @@ class ComplexModuli(ModulusTable, Damping):
             fits[strain] = nearest_maxwell(*self._rows(strain), self.per_decade or 2, rest)
         found = _constants(elastic, {strain: fit.equilibrium for strain, fit in fits.items()})
         sentences = [
-            sentence for strain, fit in fits.items() for sentence in self._told(strain, fit, elastic, found)
+            sentence for strain, fit in fits.items() for sentence in self._known(strain, fit, elastic, found)
         ]
         factor = 2.0 * (1.0 + found.poissons_ratio)
         if len(fits) == 1:
@@ -293,7 +295,7 @@ class ComplexModuli(ModulusTable, Damping):
             assumptions=tuple(sentences),
         )
 
-    def _told(
+    def _known(
         self, strain: str, fit: Viscous | RelaxationModulus, given: Elastic, found: Elastic
     ) -> list[str]:
         """Describe the fit of a strain, and its distance from the table."""
@@ -303,18 +305,18 @@ class ComplexModuli(ModulusTable, Damping):
         )
         name = f"{len(fit.times)} Maxwell branches" if isinstance(fit, RelaxationModulus) else "Kelvin-Voigt"
         rows = "" if len(omega) == 1 else f" to {omega[-1] / (2.0 * math.pi):.4g}"
-        told = [
+        known = [
             f"{name} in {strain}, fitted from {omega[0] / (2.0 * math.pi):.4g}{rows} Hz: there the storage modulus is "
             f"wrong by {storage:.2g} % at most and the loss modulus by {loss:.2g} %"
         ]
         mine = found.youngs_modulus if strain == "extension" else found.shear_modulus
         word = "Young's modulus" if strain == "extension" else "the shear modulus"
         if isinstance(fit, Viscous) and not math.isnan(given.youngs_modulus):
-            told.append(
+            known.append(
                 f"{word} is kept as given, {mine:.4g} Pa; the table would say {fit.modulus:.4g} Pa "
                 f"({100.0 * (fit.modulus / mine - 1.0):+.2g} %), and only the time of {fit.time:.4g} s comes from it"
             )
-        return told
+        return known
 
 
 _CONSTANT = "Poisson's ratio is taken as constant: the same loss factor in extension and shear"

@@ -208,7 +208,7 @@ def _declare(units: dict[str, str], name: str, given: str | None, columns: dict[
     key = "frequency_unit" if name == "frequency" else "modulus_unit"
     if given is None and name not in units:
         raise RefusedError(
-            f"the file does not tell the unit of the column of {_noun(name)}",
+            f"the file does not give the unit of the column of {_noun(name)}",
             f"write it beside the name, or give {key}",
         )
     if given is not None and units.setdefault(name, given) != given:

@@ -48,7 +48,7 @@ class Material(Definition):
     """
 
     youngs_modulus: Positive = Key(
-        "E > 0, {}; may be left out where complex moduli tell it", "Pa", default=NOT_GIVEN
+        "E > 0, {}; may be left out where complex moduli give it", "Pa", default=NOT_GIVEN
     )
     poissons_ratio: PoissonsRatio = Key("nu in (-1, 0.5]; 0.5 is incompressible", default=NOT_GIVEN)
     density: Positive = Key("mass per volume > 0", "kg/m^3", default=REQUIRED)

@@ -180,7 +180,7 @@ class _Picture:
                         self.labels.add(self.view.on_paper(body.position(word)[None])[:, 0], word, GREEN)
 
     def _fixed_to_bodies(self) -> dict[str, list[Floats]]:
-        """What is drawn as fixed to each body: its points, attached rod ends, and where joints and springs sit."""
+        """Return what is drawn as fixed to each body: points, attached rod ends, places of joints and springs."""
         model = self.model
         fixed = {name: [body.position(point) for point in body.points] for name, body in model.bodies.items()}
 
@@ -413,7 +413,7 @@ _DARK_ORANGE = "#9a6700"
 
 
 def _held_text(support: ResolvedSupport) -> str:
-    """What a support holds, where its symbol does not tell."""
+    """Return what a support holds, where its symbol does not show it."""
     moving = [f"{word}(t)" for word in support.motion]
     if support.frame == "body":
         return f"holds velocities {', '.join(support.held)}"

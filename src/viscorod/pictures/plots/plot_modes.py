@@ -24,9 +24,9 @@ def draw_modes(result: Result, modes: Modes, count: int | None = None) -> Figure
     """Return the figure of modes, each in the plane of its motion or in space, in both directions of the swing.
 
     Args:
-        result: tells where the stations are on the rods, and the supports.
+        result: with the stations of the rods and the supports.
         modes: of its model.
-        count: how many are drawn, all by default; the others help to tell motions without stiffness from slow ones.
+        count: how many are drawn, all by default; the others help to distinguish rigid motions from slow ones.
     """
     base = modes.positions
     count = min(count or len(modes.frequencies), len(modes.frequencies))

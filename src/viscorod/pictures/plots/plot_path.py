@@ -64,7 +64,7 @@ def draw_path(path: Equilibrium) -> Figure:
 
 
 def _pieces(values: Floats, chosen: np.ndarray) -> Floats:
-    """The points of chosen segments, with gaps between runs of segments."""
+    """Return the points of chosen segments, with gaps between runs of segments."""
     shown = np.append(chosen, False)
     shown[1:] |= chosen
     pieces = np.where(shown, values, np.nan)

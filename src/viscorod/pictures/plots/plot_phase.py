@@ -45,7 +45,7 @@ def draw_phase(run: Run, place: str | int | None = None, axis: str | None = None
         raise InputError("this run holds one state only; a phase portrait needs two or more")
     place, axis = chosen_motion(run, place, axis)
     if axis not in AXES:
-        raise InputError(f"axis = {axis!r} is no global axis; it can be x, y or z")
+        raise InputError(f"axis = {axis!r} is not a global axis; give x, y or z")
     count = max(2, min(_POINTS, 8 * run.time.size))
     times = np.linspace(run.time[0], run.time[-1], count)
     found = run.probe(place, times).sel(axis=axis).isel(place=0)

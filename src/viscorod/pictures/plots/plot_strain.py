@@ -175,7 +175,7 @@ def _percent(values: Floats) -> tuple[float, str]:
 
 
 def _busiest(result: Result, shown: Component) -> str:
-    """The rod in which a component is largest."""
+    """Return the rod in which a component is largest."""
     low, high = extremes(result, shown.quantity)
     size = np.maximum(np.abs(shown.of(low)), np.abs(shown.of(high)))
     return str(result.data["point_rod"].values[int(np.argmax(size))])

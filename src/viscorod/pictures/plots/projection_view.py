@@ -163,7 +163,7 @@ class Curves:
             line.pop("label", None)
 
     def coiled(self, positions: Floats) -> bool:
-        """Whether some rod is so coiled at station positions ``(station, 3)`` that states hide each other."""
+        """Return whether some rod is so coiled at station positions ``(station, 3)`` that states hide each other."""
         curves = [matrix @ positions for matrix in self._matrices]
         lengths = (float(np.sum(np.linalg.norm(np.diff(curve, axis=0), axis=1))) for curve in curves)
         extents = (float(np.linalg.norm(np.ptp(curve, axis=0))) for curve in curves)
@@ -177,7 +177,7 @@ def mark_supports(axes: Axes, view: View, result: Result, positions: Floats) -> 
         place = str(name).rsplit(" at ")[-1]  # "clamp at beam.start"
         try:
             points.append(result.sites.at(place).of(positions))
-        except InputError:  # a support may bear a name of its own that is no place
+        except InputError:  # a support may bear a name of its own that is not a place
             continue
     if points:
         name = label_once(axes, "support" if len(points) == 1 else "supports")

@@ -66,6 +66,6 @@ def first_look(positions: Floats, weight: Floats, loads: Floats) -> dict[str, An
 
 
 def _round(length: float) -> float:
-    """The largest of 1, 2 and 5 times a power of ten that is not above a length."""
+    """Return the largest of 1, 2 and 5 times a power of ten that is not above a length."""
     power = 10.0 ** math.floor(math.log10(length))
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= length * (1.0 + 1e-9))

@@ -38,7 +38,7 @@ class FieldPoints:
     line: Integers
 
     def of(self, values: Floats) -> Floats:
-        """A field ``(n, stored points)`` at the points of the page."""
+        """Return a field ``(n, stored points)`` at the points of the page."""
         if not self.part.any():
             alone: Floats = values[:, self.lower]
             return alone

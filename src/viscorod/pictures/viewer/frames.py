@@ -69,7 +69,7 @@ class Frames:
         return self.linear(self.result.dimension)
 
     def linear(self, name: str) -> Floats:
-        """A variable of the result in the frames ``(n, ...)``, straight from one stored state to the next."""
+        """Return a variable of the result in the frames ``(n, ...)``, straight from one stored state to the next."""
         before, after = self._around(name)
         if not self.part.any():
             return before
@@ -78,7 +78,7 @@ class Frames:
         return between
 
     def _around(self, name: str) -> tuple[Floats, Floats]:
-        """A variable in the stored states at or before the frames, and in those after them."""
+        """Return a variable in the stored states at or before the frames, and in those after them."""
         around = np.stack([self.before, np.minimum(self.before + 1, self.stored - 1)])
         states = np.unique(around)
         before, after = in_states(self.result.data[name], self.result.dimension, states)[

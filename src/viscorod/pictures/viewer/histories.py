@@ -129,7 +129,7 @@ def energy_of(result: Result, samples: Integers, pack: Pack) -> dict[str, Any]:
 
 
 def decay_of(result: Result) -> dict[str, Any] | None:
-    """Return the cycles of the main motion, None where it is no regular decay."""
+    """Return the cycles of the main motion, None where it does not decay regularly."""
     if not isinstance(result, Run):
         return None
     site, axis = result.main_motion

@@ -55,7 +55,7 @@ class Marks:
         return len(self._points) - 1
 
     def turned(self, station: int, vector: Floats) -> Floats:
-        """A direction (3,) of the reference shape, carried along by a station ``(n, 3)``; -1 is the ground."""
+        """Return a direction (3,) of the reference shape, carried along by a station ``(n, 3)``; -1 is the ground."""
         if station < 0:
             return np.tile(vector, (self.frames, 1))
         q = product(self.rotations[:, station], conjugate(self._reference[station][None]))

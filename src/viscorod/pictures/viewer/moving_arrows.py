@@ -81,7 +81,7 @@ def _factors(result: Result, load: AnyLoad, frames: Frames) -> Floats:
 def _arrows(
     result: Result, load: AnyLoad, model: ModelDescription, frames: Frames, marks: Marks
 ) -> tuple[Arrows, list[int], Floats]:
-    """What is drawn of a load, its feet, and its vectors ``(n, arrows, 3)`` at its full size in global components."""
+    """Return what is drawn of a load, its feet, and its vectors ``(n, arrows, 3)`` at full size, global axes."""
     times = frames.instants if result.dimension == "time" else np.zeros(frames.count)
     shown = [load.arrows(model, float(t)) for t in (times if load.travels else times[:1])]
     if load.travels:

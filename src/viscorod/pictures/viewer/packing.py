@@ -69,7 +69,7 @@ class Pack:
         return self._index
 
     def text(self) -> str:
-        """All arrays: base64 of the zlib stream (RFC 1950) of the blocks."""
+        """Return all arrays: base64 of the zlib stream (RFC 1950) of the blocks."""
         deflate = zlib.compressobj(_LEVEL)
         pieces = [deflate.compress(block) for block in self._blocks]
         return base64.b64encode(b"".join((*pieces, deflate.flush()))).decode("ascii")

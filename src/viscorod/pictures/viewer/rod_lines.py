@@ -59,7 +59,7 @@ class Line:
     contours: list[list[Floats]]
 
     def nodes(self, values: Floats) -> Floats:
-        """A field of the result's stations ``(n, stations, c)`` at the nodes ``(n, nodes, c)``."""
+        """Return a field of the result's stations ``(n, stations, c)`` at the nodes ``(n, nodes, c)``."""
         mine = values[:, self.stations]
         if self.weights.shape[0] == self.weights.shape[1]:  # the stations themselves
             return mine

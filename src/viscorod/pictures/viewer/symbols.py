@@ -33,7 +33,7 @@ def supports_of(result: Result, model: ModelDescription | None, marks: Marks) ->
     for label, kind, place in places:
         try:
             mark = marks.site(result.sites.at(place))
-        except InputError:  # a support may bear a name of its own that is no place
+        except InputError:  # a support may bear a name of its own that is not a place
             continue
         found.append({"kind": kind, "label": f"{kind} at {label}" if kind != label else label, "mark": mark})
     return found

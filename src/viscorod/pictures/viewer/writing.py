@@ -90,7 +90,7 @@ def view(
 
 
 def described(result: Result) -> ModelDescription | None:
-    """The model that a result was computed from, None where the file does not tell it whole."""
+    """Return the model that a result was computed from, None where the file does not have all of it."""
     from viscorod.casefile.case import case_from_dict
 
     try:
@@ -202,7 +202,7 @@ def _pack_fields(result: Result, frames: Frames, lines: list[Line], pack: Pack) 
 def _notes(
     result: Result, frames: Frames, lines: list[Line], samples: int, model: ModelDescription | None
 ) -> list[str]:
-    """What a reader should know of what was left out."""
+    """Return what a reader should know of what was left out."""
     stations = int(sum(result.sites.stations(line.rod).size for line in lines))
     nodes = sum(line.s.size for line in lines)
     what = "times" if result.dimension == "time" else "states"
@@ -217,5 +217,5 @@ def _notes(
         notes.append(f"charts: {samples} of {frames.stored} stored {what}, extremes kept")
     notes.append(f"positions and fields to 1/{LEVELS} of their range")
     if model is None:
-        notes.append("the file does not tell the model: loads are not drawn, sections are drawn as tubes")
+        notes.append("the file does not describe the model: loads are not drawn, sections are drawn as tubes")
     return notes
