@@ -80,7 +80,7 @@ def turned(content, Q):
         if isinstance(steady.get(key), list):
             steady[key] = direction(steady[key])
     if isinstance(steady.get("spin"), list):
-        steady["about"] = direction(steady.get("about", (0.0, 0.0, 0.0)))
+        steady["centre"] = direction(steady.get("centre", (0.0, 0.0, 0.0)))
     return content
 
 

@@ -271,7 +271,7 @@ def test_momentum_of_a_thrown_curved_rod_with_off_centre_mass(kind, method):
     linear, angular, about = np.array([1.0, 2, -1]), np.array([6.0, -8, 10]), np.array([0.3, -0.1, 0.2])
     model = vr.Model()
     model.add("rod", rod)
-    model.velocity("rod", linear=linear, angular=angular, about=about)
+    model.velocity("rod", linear=linear, angular=angular, point=about)
     data = model.simulate(0.05, initial="reference", **method).data
     drift = {"radau": 5e-7, "generalized_alpha": 1e-10, "midpoint": 1e-3}[method["integrator"]]
 

@@ -393,8 +393,8 @@ def test_order_of_convergence(name, order):
         model.ball("one.root", "ground", name="ball")
         model.revolute("two.root", "one.end", axis=(1, 0, 0), name="hinge")
         model.gravity((0, 0, -G))
-        model.velocity("one", angular=(0, 0, 2.0), about=(0, 0, 0))
-        model.velocity("two", angular=(0, 0, 2.0), about=(0, 0, 0))
+        model.velocity("one", angular=(0, 0, 2.0), point=(0, 0, 0))
+        model.velocity("two", angular=(0, 0, 2.0), point=(0, 0, 0))
         motion = Motion(
             model, 0.6, initial="reference", output_interval=0.6, time_step=h, integrator=method, **more
         )

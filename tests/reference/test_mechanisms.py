@@ -141,7 +141,7 @@ def test_slider_crank_with_a_flexible_coupler(damping):
     model.revolute("coupler.end", "slider", axis=(0, 0, 1), name="wrist")
     model.prismatic("slider", "ground", axis=(1, 0, 0), name="guide")
     model.velocity("crank", angular=(0, 0, W))
-    model.velocity("coupler", angular=(0, 0, -a * W / L), about=(a + L, 0, 0))
+    model.velocity("coupler", angular=(0, 0, -a * W / L), point=(a + L, 0, 0))
     motion = Motion(model, turns, initial="reference", tolerance=1e-6, output_interval=turns / 60)
     run = motion.run
     assert motion.drift < 1e-9
@@ -192,7 +192,7 @@ def test_whirl_of_a_disc_on_a_flexible_shaft(spin):
     model.clamp("shaft.start", motion=drive)
     push = 1e-3
     model.velocity("shaft", field=lambda s: ((push * (s / L) ** 2, 0, 0), (0, 2 * push * s / L**2, spin)))
-    model.velocity("disc", linear=(push, 0, 0), angular=(0, 2 * push / L, spin), about=(0, 0, L))
+    model.velocity("disc", linear=(push, 0, 0), angular=(0, 2 * push / L, spin), point=(0, 0, L))
     step, duration = 2e-3, 2.0
     run = model.simulate(duration, initial="reference", tolerance=1e-7, output_interval=step)
     r = run.history("shaft.end").values
@@ -219,7 +219,7 @@ def test_steady_precession_of_a_heavy_top():
     model = rigid_parts(("top", body))
     model.ball("top.tip", "ground")
     model.gravity((0, 0, -top.gravity))
-    model.velocity("top", angular=tuple(top.angular_velocity(tilt, spin, rate)), about=(0, 0, 0))
+    model.velocity("top", angular=tuple(top.angular_velocity(tilt, spin, rate)), point=(0, 0, 0))
     turn = 2 * np.pi / rate
     # 80 turns about its axis
     motion = Motion(model, turn, initial="reference", tolerance=1e-8, output_interval=turn / 40)

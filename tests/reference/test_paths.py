@@ -138,7 +138,7 @@ def test_deep_arch(kind):
     followed on a coarser mesh, whose limit load errs by 0.3 %.
     """
     model, crown = deep_arch(kind)
-    top = model.path(turns=1)
+    top = model.path(limit_point=1)
     assert 10 * top.load_factor[-1] == pytest.approx(LIMIT, rel=2e-5)
     assert -top.displacement(crown)[1] == pytest.approx(SAG, rel=1e-4)
     model, crown = deep_arch(kind, 8, 3)
@@ -223,7 +223,7 @@ def test_path_and_equilibrium_agree():
 
 def test_saved_path_says_the_same(tmp_path):
     model, _ = deep_arch("kirchhoff", 4, 4)
-    path = model.path(turns=1)
+    path = model.path(limit_point=1)
     loaded = vr.load(path.save(tmp_path / "path.nc"))
     assert loaded.limit_points == pytest.approx(path.limit_points)
     assert loaded.report() == path.report()

@@ -470,7 +470,7 @@ def test_carousel():
     model.add("chair", vr.Rod.straight((2, 0, 0), (2, 0, -1), section=section, elements=1, order=4))
     model.pin("chair.start")
     model.gravity((0, 0, -10.0))
-    found = model.steady(spin=(0, 0, 2.0), about=(0, 0, 0))
+    found = model.steady(spin=(0, 0, 2.0), centre=(0, 0, 0))
     tip = found.position("chair.end") - np.array([2.0, 0.0, 0.0])
     b = np.arctan2(tip[0], -tip[2])
     assert 4.0 * (1.0 + np.sin(b) / 3.0) * np.cos(b) == pytest.approx(5.0 * np.sin(b), rel=1e-4)

@@ -3,10 +3,12 @@
 import pytest
 
 from viscorod.errors import Fault, InputError
+from viscorod.model.actions.initial_velocity import InitialVelocity
+from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import Definition, nearest, path_text, show, some_of
 from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import Number, Positive
-from viscorod.solve.settings import EquilibriumSettings, SimulateSettings
+from viscorod.solve.settings import EquilibriumSettings, PathSettings, SimulateSettings, SteadySettings
 
 
 class Inner(Definition):
@@ -132,3 +134,28 @@ def test_many_names_are_counted():
     assert some_of(names[:3]) == "rod_0, rod_1, rod_2"
     assert some_of(names[:12]).endswith(", rod_11")
     assert some_of(iter(names)).endswith(", rod_11 and 28 more")
+
+
+@pytest.mark.parametrize(
+    ("make", "former", "present"),
+    [
+        (PathSettings, {"turns": 2}, {"limit_point": 2}),
+        (lambda **given: SteadySettings((0, 0, 4), **given), {"about": (1, 0, 0)}, {"centre": (1, 0, 0)}),
+        (lambda **given: InitialVelocity("rod", **given), {"about": (1, 0, 0)}, {"point": (1, 0, 0)}),
+    ],
+    ids=["path", "steady", "velocity"],
+)
+def test_former_names_of_keys_are_understood_with_a_warning(make, former, present):
+    """Contract: the names of version 0.1 work; beside the present name the former one is unknown."""
+    with pytest.warns(DeprecationWarning, match=f"{next(iter(former))} is now {next(iter(present))}"):
+        assert make(**former) == make(**present)
+    with pytest.raises(InputError, match="no such key"):
+        make(**former, **present)
+
+
+def test_former_names_of_arguments_are_understood_with_a_warning():
+    model = ModelDescription()
+    model.velocity("rod", angular=(0, 0, 1), point=(1, 0, 0))
+    with pytest.warns(DeprecationWarning, match="about is now point"):
+        model.velocity("rod", angular=(0, 0, 1), about=(1, 0, 0))
+    assert model.velocities[0] == model.velocities[1]

@@ -61,7 +61,7 @@ def test_moving_forces():
 
 
 def test_rigid_initial_velocity():
-    velocity = InitialVelocity("rod", (1, 0, 0), (0, 0, 2), about=(1, 0, 0))
+    velocity = InitialVelocity("rod", (1, 0, 0), (0, 0, 2), point=(1, 0, 0))
     linear, angular = velocity.at(0.3, np.array([1.0, 3.0, 5.0]))
     assert linear == pytest.approx([1 - 6, 0, 0])
     assert angular == pytest.approx([0, 0, 2])

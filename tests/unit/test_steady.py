@@ -51,7 +51,7 @@ REFUSED = {
     "no spin": (rod, {"spin": (0, 0, 0)}, "nothing turns"),
     "hardly any spin": (rod, {"spin": (0, 0, 1e-300)}, "smaller than any quantity"),
     "backwards": (rod, {"spin": -1.0}, "give a number > 0"),
-    "about": (rod, {"spin": 1.0, "about": (0, 0, 1)}, "turns about its ball joint"),
+    "centre": (rod, {"spin": 1.0, "centre": (0, 0, 1)}, "turns about its ball joint"),
     "damping": (rod, {"spin": 1.0, "damping": "linearised"}, "full damping only"),
     "clamped": (lambda: rod("clamp"), {"energy": 1.0}, "there is a clamp at beam.start"),
     "moving support": (
@@ -106,7 +106,7 @@ REFUSED = {
     ),
     "eccentric joint of the intrinsic formulation": (
         rod,
-        {"spin": (0, 0, 1.0), "about": (0, 1, 0), "formulation": "intrinsic"},
+        {"spin": (0, 0, 1.0), "centre": (0, 1, 0), "formulation": "intrinsic"},
         "pin at beam.start: off the axis",
     ),
     "other mesh": (
@@ -135,7 +135,7 @@ def test_a_spin_out_of_reach_is_told_with_the_range():
 
 def test_settings_are_those_of_the_case_file():
     """Contract: settings round-trip through plain values."""
-    settings = SteadySettings(spin=(0, 0, 4), about=(1, 0, 0), modes=3)
+    settings = SteadySettings(spin=(0, 0, 4), centre=(1, 0, 0), modes=3)
     assert SteadySettings(**settings.to_dict()) == settings
     assert settings.driven
     assert settings.measure == "spin"

@@ -49,7 +49,7 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         endings=[_displacement(discrete, settings)] if settings.place is not None else [],
         largest=settings.arc_length,
         points=settings.points,
-        turns=settings.turns,
+        limit_point=settings.limit_point,
         on_point=on_point,
     )
     attrs: dict[str, Any] = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import partial
-from typing import Annotated, Any, Literal, Self, TypeAlias
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import model_validator
@@ -197,9 +197,11 @@ class EquilibriumSettings(Definition):
 class PathSettings(Definition):
     """How a path of equilibria is followed."""
 
+    renamed: ClassVar[dict[str, str]] = {"turns": "limit_point"}
+
     load_factor: OptionalNumber = Key(
         "multiple of the loads towards which the path begins and where it ends. 1 if neither "
-        "displacement nor turns is given",
+        "displacement nor limit_point is given",
         default=None,
     )
     place: OptionalText = Key('the place whose displacement ends the path, such as "arch@0.5"', default=None)
@@ -207,7 +209,7 @@ class PathSettings(Definition):
         'global axis of this displacement, "x", "y" or "z"', default=None
     )
     displacement: OptionalNumber = Key("from the reference shape at which the path ends", "m", default=None)
-    turns: Annotated[int | None, optional(whole_number(1, 1000))] = Key(
+    limit_point: Annotated[int | None, optional(whole_number(1, 1000))] = Key(
         "number of limit points at the last of which the path ends, 1 to 1000", default=None
     )
     points: Annotated[int, whole_number(2, 100_000)] = Key(
@@ -222,7 +224,7 @@ class PathSettings(Definition):
     @property
     def target(self) -> float | None:
         """The load factor at which the path ends, None if it may have any."""
-        if self.load_factor is None and self.displacement is None and self.turns is None:
+        if self.load_factor is None and self.displacement is None and self.limit_point is None:
             return 1.0
         return self.load_factor
 
@@ -263,6 +265,8 @@ class SteadySettings(Definition):
     Exactly one of `spin`, `energy` and `momentum` is given.
     """
 
+    renamed: ClassVar[dict[str, str]] = {"about": "centre"}
+
     spin: Annotated[float | Triple | None, optional(_spin)] = Key(
         "{}. Three numbers: the angular velocity, global axes, with which the supports turn, or about which a rod on "
         "a ball joint or without supports does. One number: how fast such a rod turns, about an axis that is found",
@@ -278,7 +282,7 @@ class SteadySettings(Definition):
         "guess; without it a bent shape is sought",
         default=None,
     )
-    about: Annotated[Triple | None, optional(vector)] = Key(
+    centre: Annotated[Triple | None, optional(vector)] = Key(
         "a point on the axis of a given angular velocity, {}. Unless given it is the origin, for a "
         "rod that turns freely the ball joint or the mass centre",
         "m",
@@ -324,12 +328,12 @@ class SteadySettings(Definition):
                 found=show(self.axis),
                 at=("axis",),
             )
-        if self.about is not None and not self.driven:
+        if self.centre is not None and not self.driven:
             raise RefusedError(
                 "a rod that turns freely turns about its ball joint or its mass centre",
-                "leave about out, or give spin as an angular velocity, three numbers",
-                found=show(self.about),
-                at=("about",),
+                "leave centre out, or give spin as an angular velocity, three numbers",
+                found=show(self.centre),
+                at=("centre",),
             )
         if (self.formulation, self.damping) not in FORMULATIONS:
             raise RefusedError(

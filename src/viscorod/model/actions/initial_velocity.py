@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Self, TypeAlias
+from typing import Annotated, ClassVar, Self, TypeAlias
 
 import numpy as np
 from pydantic import model_validator
@@ -21,17 +21,19 @@ Field6: TypeAlias = Callable[[float], tuple[Sequence[float], Sequence[float]]]
 class InitialVelocity(Definition):
     """The velocity of a rod or rigid body at t = 0: that of a rigid motion, or any (of a rod, in Python only)."""
 
+    renamed: ClassVar[dict[str, str]] = {"about": "point"}
+
     rod: Name = Key("name of the rod or body")
-    linear: Vector = Key("velocity of the point `about`, {}, global axes", "m/s", default=(0.0, 0.0, 0.0))
+    linear: Vector = Key("velocity of the `point`, {}, global axes", "m/s", default=(0.0, 0.0, 0.0))
     angular: Vector = Key("angular velocity, {}, global axes", "rad/s", default=(0.0, 0.0, 0.0))
-    about: Vector = Key("the point", "m", default=(0.0, 0.0, 0.0))
+    point: Vector = Key("of the body, where it is at t = 0", "m", default=(0.0, 0.0, 0.0))
     field: Annotated[Field6 | None, optional(function)] = Key(
         "s -> (velocity, angular velocity) in global axes, instead of the three above", default=None
     )
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
-        extra = sorted(self.model_fields_set & {"linear", "angular", "about"})
+        extra = sorted(self.model_fields_set & {"linear", "angular", "point"})
         if self.field is not None and extra:
             raise RefusedError(
                 "the velocity is given both as a function and as that of a rigid body",
@@ -44,7 +46,7 @@ class InitialVelocity(Definition):
         """Return velocity and angular velocity (3,) at the arc length `s` and the position (3,), global axes."""
         if self.field is None:
             angular = np.array(self.angular)
-            return np.array(self.linear) + np.cross(angular, position - np.array(self.about)), angular
+            return np.array(self.linear) + np.cross(angular, position - np.array(self.point)), angular
         result = self.field(s)
         try:
             linear, turning = sequence(result)

@@ -96,14 +96,15 @@ class ModelDescription(Held, Loaded, Joined):
         rod: str,
         linear: Vector = (0.0, 0.0, 0.0),
         angular: Vector = (0.0, 0.0, 0.0),
-        about: Vector = (0.0, 0.0, 0.0),
+        point: Vector = (0.0, 0.0, 0.0),
         *,
         field: Callable[[float], tuple[Vector, Vector]] | None = None,
+        **former: Vector,
     ) -> None:
         """Give a rod, or a body by its name, an initial velocity; see `InitialVelocity`."""
-        fields = given(rod=rod, field=field)
-        if field is None or any(any(vector) for vector in (linear, angular, about)):
-            fields |= {"linear": linear, "angular": angular, "about": about}
+        fields = given(rod=rod, field=field) | former
+        if field is None or any(any(vector) for vector in (linear, angular, point)):
+            fields |= {"linear": linear, "angular": angular} | ({} if "about" in former else {"point": point})
         self.velocities.append(InitialVelocity(**fields))
 
     def strain(self, rod: str, value: Sequence[float] | Callable[[float], Sequence[float]]) -> None:

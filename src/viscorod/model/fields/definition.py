@@ -11,6 +11,7 @@ import inspect
 import re
 import reprlib
 import textwrap
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any, ClassVar, TypeVar, dataclass_transform
@@ -95,6 +96,9 @@ class Definition(BaseModel):
     #: The field with the kind of an object in a case file (``shape`` or ``kind``); always written out.
     tag: ClassVar[str | None] = None
 
+    #: Former names of fields, which are understood with a warning, and the present ones.
+    renamed: ClassVar[dict[str, str]] = {}
+
     #: Fields that the class inherits and refuses to fill: its users need not know of them.
     unused: ClassVar[tuple[str, ...]] = ()
 
@@ -133,6 +137,7 @@ class Definition(BaseModel):
             return data
         if not isinstance(data, Mapping):
             raise RefusedError("a table of keys and values is needed here", f"give {_keys(cls)}")
+        data = _with_present_names(cls, data)
         marked = {str(key): value for key, value in data.items()}
         for key in data:
             if key not in cls.model_fields and not isinstance(data[key], FaultyValue):
@@ -166,6 +171,14 @@ def _arguments(cls: type[Definition]) -> list[str]:
         text = f"{name}: {text}{python}{'; by name only' if field.kw_only else ''}."
         lines += _ARGUMENT.wrap(text)
     return lines
+
+
+def _with_present_names(cls: type[Definition], data: Mapping[Any, Any]) -> Mapping[Any, Any]:
+    """Return the values of a table under the present names of its keys; a former name beside the present one stays."""
+    former = {key: cls.renamed[key] for key in data if key in cls.renamed and cls.renamed[key] not in data}
+    for key, name in former.items():
+        warnings.warn(f"{cls.__name__}: {key} is now {name}", DeprecationWarning, stacklevel=2)
+    return {former.get(key, key): value for key, value in data.items()} if former else data
 
 
 def plain_value(value: Any) -> Any:

@@ -116,7 +116,7 @@ class PathFollower:
         endings: Sequence[Ending] = (),
         largest: float = 0.1,
         points: int = 200,
-        turns: int | None = None,
+        limit_point: int | None = None,
         on_point: Callable[[PathPoint], None],
     ) -> Path:
         """Follow the path from ``state``, the equilibrium without loads.
@@ -126,12 +126,12 @@ class PathFollower:
             load_factor: the path begins towards it, and ends where it is reached.
             endings: other places to end.
             largest: distance of two points at most; points: number of points at most.
-            turns: number of limit points at the last of which to end.
+            limit_point: number of the one at which to end, 1 for the first.
             on_point: called after every point, with the system in that state.
         """
         path = self.path = Path()
         try:
-            self._follow(state, load_factor, endings, largest, points, turns, on_point)
+            self._follow(state, load_factor, endings, largest, points, limit_point, on_point)
         except KeyboardInterrupt as asked:
             path.outcome, path.reason = Outcome.INTERRUPTED, interruption(asked)
         return path
@@ -143,7 +143,7 @@ class PathFollower:
         endings: Sequence[Ending],
         largest: float,
         points: int,
-        turns: int | None,
+        limit_point: int | None,
         on_point: Callable[[PathPoint], None],
     ) -> None:
         path = self.path
@@ -179,7 +179,7 @@ class PathFollower:
             for special, kind in passed:
                 kind.append(path.count)
                 self._record(special, on_point)
-                if turns is not None and len(path.limit_points) >= turns:
+                if limit_point is not None and len(path.limit_points) >= limit_point:
                     return
             at = ended or reached
             self._record(at, on_point)

@@ -150,8 +150,8 @@ class Search:
         return self._equations(state, strain, line, frequency), elastic
 
     def _centre(self, state: State) -> Floats:
-        if self.settings.about is not None:
-            return np.array(self.settings.about)
+        if self.settings.centre is not None:
+            return np.array(self.settings.centre)
         if self.held is SupportKind.JOINT:
             return np.array(self.problem.positions[self.joint])
         if self.held is SupportKind.FREE:

@@ -188,8 +188,8 @@ def _intrinsic_supports(
                 advice,
             )
             continue
-        if settings.driven and settings.about is not None:
-            arm = problem.positions[supports.nodes[k]] - np.asarray(settings.about)
+        if settings.driven and settings.centre is not None:
+            arm = problem.positions[supports.nodes[k]] - np.asarray(settings.centre)
             spin = np.asarray(settings.spin)
             if np.linalg.norm(np.cross(arm, spin)) > PARALLEL * problem.length * np.linalg.norm(spin):
                 yield Fault(
