@@ -68,10 +68,10 @@ def test_settings_reach_methods_with_their_names_and_texts():
         assert field.is_required() or parameters[name].default == field.default
     assert "tolerance: wanted accuracy of the motion" in vr.Model.simulate.__doc__
     assert {"title", "progress", "stop", "folder", "resume"} < set(parameters)
-    with pytest.raises(vr.InputError, match="toleranc: 0.001: no such key; did you mean tolerance"):
+    with pytest.raises(vr.InputError, match=r"toleranc: 0.001: no such key; did you mean tolerance"):
         vr.Model().simulate(1.0, toleranc=1e-3)
 
 
 def test_arguments_are_named_by_their_key_alone():
-    with pytest.raises(vr.InputError, match="^duration: -1: outside"):
+    with pytest.raises(vr.InputError, match=r"^duration: -1: outside"):
         vr.Model().simulate(-1)
