@@ -311,7 +311,7 @@ def test_events_of_a_case_file_and_their_errors(tmp_path):
         (good.replace('"crossing"', '"crosing"'), "did you mean 'crossing'"),
         (
             '\n[[simulate.events]]\nkind = "decayed"\namplitude = 2.0\n',
-            r"events\[0\].amplitude: 2.*between 0 and 1",
+            r"events\[0\].amplitude: 2.*above 0 and below 1",
         ),
         ('\n[[simulate.events]]\nkind = "steady"\nduring = -1.0\n', r"events\[0\].during"),
     ):
