@@ -13,9 +13,13 @@ from __future__ import annotations
 import numpy as np
 import scipy.linalg
 
+from viscorod.mechanics.elements.internal_force import GaussStates, energies
+from viscorod.mechanics.elements.linearised import Operators
+from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.element_forces import GeometricForces
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.external_loads import LoadState
@@ -48,9 +52,16 @@ class GeometricSteady:
     ) -> None:
         self.system, self.supports, self.loads, self.line = system, supports, loads, line
         self.problem = system.problem
+        self.elements = system.elements()
+        self._forces = GeometricForces(self.system, self.elements)
+        self._points = GaussStates.of(self.elements, 1)
+        self._carried: Floats | None = None
+        n = self.problem.size
+        self._internal = np.zeros((n, 6))
+        self._matrix = Matrix(self.problem.pattern)
+        self._K, self._C = np.zeros((2, *self._matrix.blocks.shape))
+        self._operators = Operators.of(self.elements)
         self._state, self.rate = state, rate
-        self._evaluate(self.state())
-        system.reset_stress()
 
     def state(self) -> State:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
@@ -72,26 +83,27 @@ class GeometricSteady:
         state, supports, n = self.state(), self.supports, self.problem.size
         residual, gap = self.residual()
         inertial = coriolis(self.problem.mass, state.twist)
-        matrix = self.system.matrix
-        self.system.assemble(state, self.loads, None, tangent=True, moving=False)
-        self._add_inertia(state, matrix.blocks, np.zeros_like(matrix.blocks))
-        supports.impose(state, residual, matrix, tangent=True)
+        stress = self._points.section_force[0] if self._carried is None else self._carried
+        self._linearise(state, stress)
+        self._matrix.blocks[:] = self._K
+        supports.impose(state, residual, self._matrix, tangent=True)
         column = np.zeros(6 * n)
         # inertial forces are quadratic in the angular speed
         column[supports.free_rows()] = supports.free_basis(state).T @ (2.0 / self.rate * inertial).ravel()
-        derivative = np.hstack([matrix.sparse().toarray(), column[:, None]])
-        return Balance(residual.ravel(), derivative, gap)
+        matrix = np.hstack([self._matrix.sparse().toarray(), column[:, None]])
+        return Balance(residual.ravel(), matrix, gap)
 
     def residual(self) -> tuple[Floats, float]:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; supports keep their reactions."""
-        state, problem, system = self.state(), self.problem, self.system
+        state, problem = self.state(), self.problem
         self._evaluate(state)
+        external = self._external(state, np.zeros((0, 6, 6)), tangent=False)
         inertial = coriolis(problem.mass, state.twist)
-        residual = system.residual() + inertial
+        residual = self._internal - external + inertial
         left = residual.copy()
-        self.supports.impose(state, left, system.matrix, tangent=False)
+        self.supports.impose(state, left, self._matrix, tangent=False)
         left = self.supports.unbalanced(left)
-        forces = system.internal, system.external, inertial
+        forces = self._internal, external, inertial
         whole = float(problem.mass[:, 0, 0].mean()) * problem.length * self.rate**2
         return residual, imbalance(left, forces, whole, problem.length)
 
@@ -101,7 +113,7 @@ class GeometricSteady:
         self._evaluate(state)
         inertial = coriolis(mass, state.twist).ravel()
         T, rate = kinetic_energy(mass, state.twist), self.rate
-        W, internal = self.elastic_energy(), self.system.internal.ravel()
+        W, internal = self.elastic_energy(), self._internal.ravel()
         if kind == "spin":
             return rate, np.append(np.zeros(6 * len(mass)), 1.0)
         if kind == "energy":
@@ -112,15 +124,24 @@ class GeometricSteady:
 
     def elastic_energy(self) -> float:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
-        return self.system.elastic_energy()
+        elastic, dissipated = np.empty((2, 1))
+        energies(self.elements, self._points.strain, self._points.strain_rate, elastic, dissipated)
+        return float(elastic[0])
 
     def update(self, change: Floats) -> None:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`.
 
         Section forces are carried along by the frozen operator (mixed Newton, as in statics).
         """
-        increment = change[:-1].reshape(-1, 6)
-        self.system.carry_stress(increment)
+        e, increment = self.elements, change[:-1].reshape(-1, 6)
+        if self._carried is None:
+            self._carried = np.zeros_like(e.reference)
+        local = increment[e.nodes].reshape(len(e.nodes), -1)
+        for a, count in enumerate(6 * e.order):
+            carried = self._operators.force[a, :count, : count + 6] @ local[a, : count + 6]
+            self._carried[a, : e.order[a]] = self._points.section_force[0, a, : e.order[a]] + carried.reshape(
+                -1, 6
+            )
         retract(self._state.r, self._state.q, increment, self._state.r, self._state.q)
         self.rate += float(change[-1])
 
@@ -132,39 +153,59 @@ class GeometricSteady:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         assert isinstance(kept, tuple)
         self._state, self.rate = kept[0].copy(), kept[1]
-        self._evaluate(self.state())
-        self.system.reset_stress()
+        self._carried = None
 
     def fields(self) -> tuple[Floats, Floats]:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         self._evaluate(self.state())
-        points, fields = self.system.gauss_points(), np.zeros((2, *self.system.elements().reference.shape))
-        for field, values in zip(fields, (points.strain, points.section_force), strict=True):
-            field.reshape(-1, 6)[self.system.gauss_indices()] = values
-        return fields[0], fields[1]
+        return self._points.strain[0].copy(), self._points.section_force[0].copy()
 
     def small_motions(self) -> FirstOrder:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
-        state, system, n = self.state(), self.system, self.problem.size
-        self.residual()
-        system.reset_stress()
-        ad, rate_matrix = np.zeros((n, 6, 6)), Matrix(self.problem.pattern)
-        jacobian.adjoint(state.twist, ad)
-        system.assemble(state, self.loads, ad, tangent=True, moving=True, rate_matrix=rate_matrix)
-        self._add_inertia(state, system.matrix.blocks, rate_matrix.blocks)
-        mass = scipy.linalg.block_diag(*self.problem.mass)
-        small = SecondOrder(mass, rate_matrix.sparse().toarray(), system.matrix.sparse().toarray(), ad)
+        state = self.state()
+        self.balance()
+        ad = self._linearise(state, self._points.section_force[0])
+        stiffness, damping = (self.problem.pattern.sparse(blocks).toarray() for blocks in (self._K, self._C))
+        small = SecondOrder(scipy.linalg.block_diag(*self.problem.mass), damping, stiffness, ad)
         return first_order(small, self.supports, state, self.line, self._copies(state), self.problem.length)
 
     def _evaluate(self, state: State) -> None:
-        """Assemble forces and loads; without twists, whose strain rates are round-off."""
-        self.system.assemble(state, self.loads, None, tangent=False, moving=False)
+        """Evaluate strains and elastic forces; without twists, whose strain rates are round-off."""
+        resting = State(state.r, state.q, np.zeros_like(state.twist))
+        self._forces.evaluate(resting, self._points, self._internal)
 
-    def _add_inertia(self, state: State, K: Floats, C: Floats) -> None:
-        """Add the derivatives of the inertial forces by increments and twists to the blocks ``K`` and ``C``."""
-        mass, (ad, product) = self.problem.mass, np.zeros((2, self.problem.size, 6, 6))
+    def _linearise(self, state: State, stress: Floats) -> Floats:
+        """Fill the blocks ``K`` and ``C``; returns ``ad(x)`` of every node."""
+        n = self.problem.size
+        ad, product = np.zeros((n, 6, 6)), np.zeros((n, 6, 6))
         jacobian.adjoint(state.twist, ad)
-        jacobian.add_inertia(mass, state.twist, ad, K, C, self.problem.pattern.diagonal, product)
+        self._K.fill(0.0)
+        self._C.fill(0.0)
+        self._forces.linearise(state, ad, stress, self._operators, self._K, self._C)
+        self._external(state, self._K, tangent=True)
+        jacobian.add_inertia(
+            self.problem.mass, state.twist, ad, self._K, self._C, self.problem.pattern.diagonal, product
+        )
+        return ad
+
+    def _external(self, state: State, blocks: Floats, *, tangent: bool) -> Floats:
+        """Return the loads ``(n, 6)``; with ``tangent`` their derivative is subtracted from ``blocks``."""
+        loads, external = self.loads, np.zeros((self.problem.size, 6))
+        if len(loads.nodes):
+            loading.add_nodal_loads(
+                loads.nodes,
+                state.q,
+                loads.dead,
+                loads.following,
+                loads.gravity,
+                loads.levers,
+                self.problem.mass,
+                tangent,
+                external,
+                blocks,
+                self.problem.pattern.diagonal,
+            )
+        return external
 
     def _copies(self, state: State) -> Floats:
         """Return velocity fields ``(c, 6)`` that take the rotation to copies of itself: free turns and travels."""
