@@ -85,6 +85,7 @@ def test_docstrings_may_be_reworded(monkeypatch):
     assert case_schema() == schema
 
 
+@pytest.mark.slow
 def test_units_are_known_without_docstrings(tmp_path):
     """Python leaves all docstrings out with -OO."""
     text = CASE.read_text(encoding="utf-8").replace("width = 0.01 ", 'width = "10 mm" ')

@@ -97,6 +97,7 @@ def reference():
     return analysed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nu", [0.0, 0.3])
 def test_an_angle_against_the_library(reference, nu):
     """Area, moments, principal axes, torsion, Trefftz's shear centre, and for nu = 0 the shear areas."""

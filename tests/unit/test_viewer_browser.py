@@ -297,6 +297,7 @@ def test_narrow_window_needs_no_sideways_scrolling(shown, tmp_path):
     page.resize(1400, 900)
 
 
+@pytest.mark.slow
 def test_long_run_is_drawn_fast_enough(shown):
     page = shown(Run(viewer_pages.beating()))
     least = page.run(
