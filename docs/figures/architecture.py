@@ -30,7 +30,7 @@ WORDS = {
     "limits": "largest sizes",
     "typing": "array types",
 }
-WIDTH, HEIGHT = 10.0, 8.6
+WIDTH, HEIGHT = 10.0, 8.7
 BOX, GAP, STEP = 0.7, 0.25, 1.1
 
 
@@ -80,13 +80,13 @@ def draw(rungs: list[list[str]], wings: Counter[tuple[str, str]]) -> None:
     axes.set(xlim=(0, WIDTH), ylim=(0, HEIGHT))
     axes.axis("off")
     places: dict[str, tuple[float, float, float]] = {}
-    left, right = 1.3, WIDTH - 0.4
+    left, right = 0.95, WIDTH - 0.25
     for k, rung in enumerate(rungs):
-        y = HEIGHT - 1.55 - STEP * k
+        y = HEIGHT - 1.8 - STEP * k
         width = (right - left - GAP * (len(rung) - 1)) / len(rung)
         for j, wing in enumerate(rung):
             places[wing] = (left + j * (width + GAP), y, width)
-        axes.text(0.35, y + BOX / 2, str(k + 1), color=GREY, fontsize=TEXT + 4, va="center", ha="center")
+        axes.text(0.55, y + BOX / 2, str(k + 1), color=GREY, fontsize=TEXT + 4, va="center", ha="center")
     for (above, below), count in sorted(wings.items()):
         if {above, below} <= set(places) - set(rungs[-1]) and places[above][1] > places[below][1]:
             (xa, ya, wa), (xb, yb, wb) = places[above], places[below]
@@ -121,10 +121,11 @@ def draw(rungs: list[list[str]], wings: Counter[tuple[str, str]]) -> None:
             color=GREY, va="center", ha="right", zorder=3,
         )  # fmt: skip
         axes.text(x + 0.12, y + 0.19, WORDS[wing], fontsize=SMALL - 0.5, color=INK, va="center", zorder=3)
-    axes.text(
-        0.2, HEIGHT - 0.4, "The house: imports go down, never up", fontsize=TEXT + 3, color=INK, va="center"
-    )
-    axes.plot([0.2, WIDTH - 0.2], [HEIGHT - 0.65] * 2, color=LIGHT, linewidth=1.0)
+    heading = "The house: imports go down, never up"
+    legend = "An arrow: a wing imports from another, through what lies between; wider for more. All may use rung 7."
+    axes.text(0.2, HEIGHT - 0.36, heading, fontsize=TEXT + 3, color=INK, va="center")
+    axes.text(0.2, HEIGHT - 0.68, legend, fontsize=SMALL, color=GREY, va="center")
+    axes.plot([0.2, WIDTH - 0.2], [HEIGHT - 0.9] * 2, color=LIGHT, linewidth=1.0)
     picture.savefig(TARGET)
 
 
