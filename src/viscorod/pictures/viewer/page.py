@@ -32,7 +32,7 @@ _IN_SCRIPT = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028
 def page(title: str, meta: Mapping[str, Any], pack: Pack) -> str:
     """Return the HTML text of a page that needs nothing else.
 
-    The page forbids itself, by its content security policy, every request and every script but its own.
+    The content security policy of the page blocks all requests and all scripts but its own.
 
     Args:
         title: of the browser's window, untrusted text.
