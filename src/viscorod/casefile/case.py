@@ -26,7 +26,7 @@ M = TypeVar("M", bound=ModelDescription)
 
 @dataclass(frozen=True)
 class Case:
-    """What a case file describes.
+    """The content of a case file.
 
     Attributes:
         title: of the case, by default the file's name.

@@ -1,4 +1,4 @@
-"""What the commands print: errors as one message, notes, tables that fit the terminal."""
+"""Output of the commands: errors as one message, notes, tables that fit the terminal."""
 
 from __future__ import annotations
 

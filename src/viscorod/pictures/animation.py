@@ -37,7 +37,7 @@ _COLOURS = 128  # of a GIF
 
 @dataclass(frozen=True)
 class Pace:
-    """When the frames of a film are.
+    """The instants of the frames of a film.
 
     Attributes:
         times: of the frames [s], uniform; fps: frames per second of the film; speed: seconds of motion in one of it.

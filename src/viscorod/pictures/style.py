@@ -1,4 +1,4 @@
-"""How pictures look: figures without global state, a palette for every eye, units in readable sizes."""
+"""The style of pictures: figures without global state, a palette for every eye, units in readable sizes."""
 
 from __future__ import annotations
 

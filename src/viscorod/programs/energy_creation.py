@@ -43,7 +43,7 @@ class CouplingLimit:
 
 @dataclass(frozen=True)
 class EnergyCheck:
-    """What the product of six times with a stiffness does to energy.
+    """The effect on energy of the product of six times with a stiffness.
 
     Attributes:
         couplings: of the stiffness, the one nearest to (or farthest beyond) its limit first.

@@ -1,4 +1,4 @@
-"""What a load does: it puts wrenches on the model, and it is drawn as arrows."""
+"""Effects of a load: the wrenches that it puts on the model, and the arrows that are drawn of it."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Placing(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Arrows:
-    """How a load is drawn at one time, at its full size (without its factor).
+    """The arrows of a load at one time, at its full size (without its factor).
 
     Attributes:
         label: the load in words, such as "force at beam.end".

@@ -1,4 +1,4 @@
-"""When a travelling load is on its rod."""
+"""Times at which a travelling load is on its rod."""
 
 from __future__ import annotations
 

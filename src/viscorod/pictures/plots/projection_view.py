@@ -27,7 +27,7 @@ _GAP = 1.25  # from picture to picture in a strip, as a multiple of their width
 
 @dataclass(frozen=True)
 class View:
-    """How a picture shows space.
+    """The projection of space onto a picture.
 
     Attributes:
         projection: from global components to those on paper, right and up, shape (2, 3).

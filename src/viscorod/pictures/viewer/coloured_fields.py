@@ -1,4 +1,4 @@
-"""What rods can be coloured by: strains, section forces and losses at Gauss points, speed at stations."""
+"""Fields that rods can be coloured by: strains, section forces and losses at Gauss points, speed at stations."""
 
 from __future__ import annotations
 

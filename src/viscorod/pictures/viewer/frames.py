@@ -1,4 +1,4 @@
-"""Which states of a result are shown, and what everything is in them."""
+"""The states of a result that are shown, and the values of everything in them."""
 
 from __future__ import annotations
 

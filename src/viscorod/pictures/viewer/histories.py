@@ -1,4 +1,4 @@
-"""What the charts of a page show: histories of places, reactions and joints, the energy account, the decay."""
+"""Contents of the charts of a page: histories of places, reactions and joints, the energy account, the decay."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What holds and joins the rods in the picture: supports, rigid bodies, joints, springs."""
+"""Symbols of what holds and joins the rods: supports, rigid bodies, joints, springs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the places that a model names are in the mesh: at a node, at an arm from one, or within an element."""
+"""The places that a model names, in the mesh: at a node, at an arm from one, or within an element."""
 
 from __future__ import annotations
 
