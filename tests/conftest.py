@@ -8,6 +8,8 @@ from hypothesis import HealthCheck, settings
 # tests run side by side: threads of the linear algebra would only wait for each other
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+pytest.register_assert_rewrite("helpers.measured_orders")
+
 # how long an example takes says something about the machine, not about the code
 ANY_SPEED = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
 settings.register_profile("same", derandomize=True, **ANY_SPEED)

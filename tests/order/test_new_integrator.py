@@ -9,6 +9,7 @@ import pytest
 import viscorod as vr
 from helpers.measured_orders import check_order_of_accuracy
 from viscorod.analyses.case_run import run_case
+from viscorod.analyses.discrete import DiscreteModel
 from viscorod.casefile.case import parse_case
 from viscorod.casefile.json_schema import case_schema
 from viscorod.solve.transient.integrators import INTEGRATORS, Method
@@ -131,3 +132,16 @@ def test_it_returns_to_a_saved_state_with_all_that_it_keeps():
     assert integrator.lengths != kept
     system.restore(state)
     assert integrator.lengths == kept
+
+
+def test_a_method_that_ends_before_the_step_does_is_refused():
+    """Three Gauss points have no stage at the end of the step; their last one would be taken for it."""
+    points = 0.5 + 0.5 * np.sqrt(0.6) * np.array([-1.0, 0.0, 1.0])
+
+    class Gauss(Collocation):
+        def __init__(self, system, supports):
+            super().__init__(system, supports, Tableau.of(points), newton_tolerance=1e-12)
+
+    discrete = DiscreteModel.of(pendulum())
+    with pytest.raises(ValueError, match=r"last node is 0\.887298"):
+        Gauss(discrete.system, discrete.supports)

@@ -13,7 +13,7 @@ from viscorod.model.actions.load import LOADS, AnyLoad
 from viscorod.model.actions.load_effects import Arrows
 from viscorod.model.connections.place import PlaceField
 from viscorod.model.fields.metadata import Key
-from viscorod.model.fields.values import Direction, Positive
+from viscorod.model.fields.values import Direction, Positive, Vector
 from viscorod.model.sections.section_profile import SECTIONS
 from viscorod.model.sections.section_shapes import SHAPES, Shape
 from viscorod.pictures.drawing.model_drawing import draw_assembly
@@ -172,3 +172,41 @@ def test_what_is_not_registered_is_refused(tmp_path):
     with pytest.raises(vr.InputError, match="no such kind") as refused:
         vr.load_case(path)
     assert "no such shape" in str(refused.value)
+
+
+class Couple(AnyLoad):
+    """Two opposite forces."""
+
+    kind: Literal["couple"] = Field(default="couple", kw_only=True, repr=False)
+    first: PlaceField = Key("place")
+    second: PlaceField = Key("place")
+    force: Vector = Key("at the first place, global components", "N")
+
+    def places(self):
+        return {"first": self.first, "second": self.second}
+
+    def place(self, model, placing):
+        wrench = np.array([*self.force, 0.0, 0.0, 0.0])
+        placing.at(self.first, wrench, self.factor)
+        placing.at(self.second, -wrench, self.factor)
+
+    def arrows(self, model, t):
+        feet = (model.place(self.first), model.place(self.second))
+        return Arrows("couple", "N", feet, np.array([self.force, -np.array(self.force)]))
+
+
+def test_only_loads_per_length_have_a_line_through_their_tips():
+    def lines(load):
+        model = vr.Model()
+        model.add(
+            "beam",
+            vr.Rod.straight(
+                (0, 0, 0), (LENGTH, 0, 0), section=vr.Circle(SIDE), material=vr.Material(E, NU, 7850.0)
+            ),
+        )
+        model.loads.append(load)
+        (axes,) = draw_assembly(model, "").axes
+        return sum(line.get_linewidth() == 0.9 and line.get_zorder() == 6 for line in axes.get_lines())
+
+    assert lines(Couple("beam@0.2", "beam.end", (0, 1, 0))) == 0
+    assert lines(vr.DistributedForce("beam", (0, 1, 0))) == 1

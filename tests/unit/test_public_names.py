@@ -1,11 +1,22 @@
 """The package's front door: every public name is there, and none costs anything until it is used."""
 
+import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import viscorod
+from viscorod.model.actions.event import EVENTS
+from viscorod.model.actions.load import LOADS
+from viscorod.model.actions.time_table import TIME_FUNCTIONS
+from viscorod.model.bodies.body import BODIES
+from viscorod.model.connections.joint import JOINTS
+from viscorod.model.connections.spring import SPRINGS
+from viscorod.model.connections.support import SUPPORTS
+from viscorod.model.materials.material import DAMPINGS
+from viscorod.model.sections.section_shapes import SHAPES
 
 HEAVY = ("xarray", "pandas", "numba", "scipy", "pydantic", "matplotlib", "rich", "typer")
 
@@ -27,6 +38,21 @@ def test_former_names_warn(former, name):
 def test_former_package_warns():
     with pytest.warns(DeprecationWarning, match="viscorod.damping.BeamDyn is now viscorod.programs.BeamDyn"):
         assert viscorod.damping.BeamDyn is viscorod.programs.BeamDyn
+
+
+REGISTRIES = {
+    "shape": SHAPES, "load": LOADS, "joint": JOINTS, "spring": SPRINGS, "support": SUPPORTS,
+    "damping": DAMPINGS, "body": BODIES, "event": EVENTS, "time": TIME_FUNCTIONS,
+}  # fmt: skip
+EVERYTHING = Path(__file__).parents[1] / "property" / "everything.toml"
+
+
+@pytest.mark.parametrize("registry", REGISTRIES.values(), ids=REGISTRIES)
+def test_every_kind_is_public_and_in_the_case_of_everything(registry):
+    text = EVERYTHING.read_text(encoding="utf-8")
+    for word, kind in registry.items():
+        assert getattr(viscorod, kind.__name__) is kind
+        assert re.search(rf'(kind|shape) = "{word}"', text), f"{word} is not in {EVERYTHING.name}"
 
 
 BUILDING = """viscorod

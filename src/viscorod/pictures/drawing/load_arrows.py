@@ -22,7 +22,7 @@ class DrawnLoad:
         text: size and what is special.
         unit: of the size; largest: size [N, N m, N/m or N m/m].
         turning: whether it is a moment.
-        points: where it acts ``(n, 3)`` [m]; one, or a row along a rod.
+        points: where it acts ``(n, 3)`` [m].
         values: what acts there ``(n, 3)``, global components, largest 1.
     """
 
@@ -32,6 +32,11 @@ class DrawnLoad:
     turning: bool
     points: Floats
     values: Floats
+
+    @property
+    def spread(self) -> bool:
+        """Whether it is a load per length, with its points in a row along a rod."""
+        return self.unit.endswith("/m")
 
 
 def arrows(model: ModelDescription) -> Iterator[DrawnLoad]:

@@ -322,7 +322,7 @@ class _Picture:
                 self._arrow(tail, tip, RED, style="-|>")
                 if turning:  # two heads: a moment about this direction
                     self._arrow(tail, tail + 0.8 * (tip - tail), RED, style="-|>")
-            if len(load.points) > 1:
+            if load.spread:
                 self.axes.plot(*ends, color=RED, linewidth=0.9, zorder=6)
                 self.labels.avoid(ends)
             kind, marker = ("moment", r"$\circlearrowleft$") if turning else ("force", ">")

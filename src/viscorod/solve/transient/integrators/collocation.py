@@ -60,6 +60,11 @@ class Collocation:
     def __init__(
         self, system: System, supports: SupportState, tableau: Tableau, newton_tolerance: float
     ) -> None:
+        if tableau.nodes[-1] != 1.0 and type(self)._end_step is Collocation._end_step:
+            raise ValueError(
+                f"the last node is {tableau.nodes[-1]:.6g}, and its stage is taken as the end of the step; "
+                "take a method whose last node is 1, or override _end_step"
+            )
         self.system, self.supports, self.tableau = system, supports, tableau
         self.newton_tolerance = newton_tolerance
         problem = system.problem
