@@ -29,6 +29,7 @@ from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.composite import CompositeRegion
 from viscorod.model.sections.section_profile import SECTIONS, Piece, Taper
 from viscorod.model.sections.stiffness_section import MaxwellBranch
+from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.transient.integrators import INTEGRATORS
 
 __all__ = ["GROUPS", "PARTS", "case_schema", "fields_of", "forms", "is_required"]
@@ -111,13 +112,13 @@ FILE = {
 
 def forms() -> Form:
     """Return the schema as every reading of a case shares it: not to be changed."""
-    return _forms(tuple(parts().items()), tuple(INTEGRATORS))
+    return _forms(tuple(parts().items()), (*INTEGRATORS, *FORMULATIONS))
 
 
 @cache
-def _forms(kinds: tuple[tuple[str, type[Definition]], ...], integrators: tuple[str, ...]) -> Form:
-    """Return the schema with what is registered: ``integrators`` only distinguishes what has been."""
-    del integrators
+def _forms(kinds: tuple[tuple[str, type[Definition]], ...], methods: tuple[object, ...]) -> Form:
+    """Return the schema with what is registered; of ``methods`` the fields know, here they only key the cache."""
+    del methods
     definitions: Form = {
         "quantity": {
             "type": "string",
