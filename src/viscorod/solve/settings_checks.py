@@ -94,7 +94,7 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
         yield Fault(
             "initial",
             "'equilibrium'",
-            "the model has initial strains, which are no equilibrium",
+            "the model has initial strains, which are not an equilibrium",
             "give initial = 'reference' to start from the shape that they make, or remove the strains",
         )
 
