@@ -167,7 +167,10 @@ def _forms(kinds: tuple[tuple[str, type[Definition]], ...], methods: tuple[objec
 
 def case_schema() -> Form:
     """Return the JSON Schema of a case file (draft 7): each key with form, unit (``x-unit``), default and meaning."""
-    return copy.deepcopy(forms())
+    schema = copy.deepcopy(forms())
+    for definition in schema["definitions"].values():
+        definition.pop("x-former", None)  # read with a warning, not to be written any more
+    return schema
 
 
 def _table(kind: type[Definition], standard: bool = False) -> Form:
@@ -181,6 +184,7 @@ def _table(kind: type[Definition], standard: bool = False) -> Form:
         "properties": {name: _key(kind, name) for name in fields},
         "additionalProperties": False,
     }
+    found |= {"x-former": kind.renamed} if kind.renamed else {}  # for the conversion of units
     return found | ({"required": required} if required else {})
 
 
