@@ -227,7 +227,7 @@ def test_sections_without_a_model_are_tubes_of_the_stored_half_width(page):
     assert meta["lines"][0] | {"outline": "round", "known": True} == meta["lines"][0]
     halves, _ = viewer_pages.array(meta, inflated, "halves")
     assert halves == pytest.approx(np.full(halves.shape, 0.007))
-    assert any("does not tell the model" in note for note in meta["notes"])
+    assert any("does not describe the model" in note for note in meta["notes"])
 
 
 def test_loads_have_their_size_at_every_time(page):
