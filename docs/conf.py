@@ -52,8 +52,8 @@ def described_arguments(app, what, name, obj, options, signature, returns):
 
 
 def skip_plumbing(app, what, name, obj, skip, options):
-    """Leave out what only pydantic needs."""
-    return True if name in ("model_config", "tag", "unused") else None
+    """Leave out what only the reading of fields needs."""
+    return True if name in ("model_config", "renamed", "tag", "unused") else None
 
 
 def setup(app):

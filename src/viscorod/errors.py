@@ -85,7 +85,7 @@ def writing(path: Path) -> Iterator[None]:
 
 
 def join_path(prefix: str, path: str) -> str:
-    """`prefix` and `path` as one key path: ``rods.beam`` + ``section`` -> ``rods.beam.section``."""
+    """Return `prefix` and `path` as one key path: ``rods.beam`` + ``section`` -> ``rods.beam.section``."""
     if not prefix or not path:
         return prefix or path
     return prefix + path if path.startswith("[") else f"{prefix}.{path}"

@@ -238,7 +238,7 @@ def test_saved_path_says_the_same(tmp_path):
         ({"place": "bean.end", "axis": "y", "displacement": 1.0}, "bean"),
         ({"points": 1}, "points"),
         ({"arc_length": 0.0}, "arc_length"),
-        ({"turns": 0}, "turns"),
+        ({"limit_point": 0}, "limit_point"),
     ],
 )
 def test_wrong_settings(wrong, text):

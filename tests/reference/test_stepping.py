@@ -125,7 +125,7 @@ def test_frames_and_angular_velocities_are_global():
 
 def test_wrong_use_is_one_message():
     system = beam().co_simulation(["beam.end"])
-    with pytest.raises(vr.InputError, match=r"no port.*beam.end"):
+    with pytest.raises(vr.InputError, match=r"not a port.*beam.end"):
         system.apply("beam.start", (0, 0, 1))
     with pytest.raises(vr.InputError, match="three finite numbers"):
         system.apply("beam.end", (0, 1))

@@ -214,6 +214,17 @@ def leaves(form, definitions, path, seen):
         yield from leaves(inner, definitions, path, seen)
 
 
+def test_former_names_of_keys_take_units_too():
+    velocity = '[[velocities]]\nrod = "beam"\nangular = [0, 0, 1.0]\nKEY = ["20 mm", 0, 0]\n\n'
+    text = PLAIN.replace("[simulate]", f"{velocity}[simulate]")
+    present = parse_case(text.replace("KEY", "point"))
+    assert present.description.velocities[0].point == (0.02, 0.0, 0.0)
+    with pytest.warns(DeprecationWarning, match="about is now point"):
+        former = parse_case(text.replace("KEY", "about"))
+    assert former.description.velocities == present.description.velocities
+    assert len(former.conversions) == len(present.conversions) == 1
+
+
 @pytest.mark.parametrize("name", sorted(case_schema()["definitions"]))
 def test_every_number_knows_its_dimension(name):
     """A quantity in the documented unit is taken as it is; one of temperature is refused, with the key's name."""

@@ -6,8 +6,12 @@ from typer.testing import CliRunner
 import viscorod as vr
 from viscorod.analyses.check import check
 from viscorod.analyses.discrete import DiscreteModel
+from viscorod.casefile.json_schema import case_schema
 from viscorod.cli.app import app
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.registry import FORMULATIONS, Formulation
 from viscorod.solve.settings import SimulateSettings
+from viscorod.solve.transient.integrators import INTEGRATORS
 
 SECTION = vr.StiffnessSection([1e3, 1e3, 1e3, 1, 1, 1], [1, 1, 1, 1e-3, 1e-3, 2e-3])
 
@@ -131,3 +135,35 @@ def test_a_strain_function_must_return_six_numbers():
     model.strain("rod", lambda s: (s, 0, 0))
     with pytest.raises(vr.InputError, match="six"):
         model.simulate(0.1, initial="reference")
+
+
+class Renamed(GeometricSystem):
+    """The geometric formulation under another name: counts what it is asked for."""
+
+    made = 0
+
+    def __init__(self, problem):
+        super().__init__(problem)
+        type(self).made += 1
+
+
+def test_a_formulation_is_known_once_it_is_registered(monkeypatch):
+    """Settings, schema and motions take it; the numbers are those of the geometric formulation."""
+    model = rod()
+    model.gravity()
+    given = {"initial": "reference", "time_step": 0.01}
+    with pytest.raises(vr.InputError, match=r"formulation: 'own'.*give one of 'geometric', 'intrinsic'"):
+        model.simulate(0.02, formulation="own", damping="own_damping", **given)
+    monkeypatch.setitem(FORMULATIONS, ("own", "own_damping"), Formulation(Renamed))
+    monkeypatch.setitem(
+        INTEGRATORS, "radau", INTEGRATORS["radau"]._replace(formulations=("geometric", "own"))
+    )
+    words = case_schema()["definitions"]["simulate"]["properties"]
+    assert words["formulation"]["enum"] == ["geometric", "intrinsic", "own"]
+    assert words["damping"]["enum"] == ["full", "linearised", "own_damping"]
+    assert "own" not in case_schema()["definitions"]["steady"]["properties"]["formulation"]["enum"]
+    found = model.simulate(0.02, formulation="own", damping="own_damping", **given)
+    assert Renamed.made == 1
+    assert found.data.attrs["formulation"] == "own"
+    expected = model.simulate(0.02, **given)
+    assert (found.data["position"].values == expected.data["position"].values).all()

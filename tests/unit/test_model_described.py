@@ -156,6 +156,7 @@ def test_former_names_of_keys_are_understood_with_a_warning(make, former, presen
 def test_former_names_of_arguments_are_understood_with_a_warning():
     model = ModelDescription()
     model.velocity("rod", angular=(0, 0, 1), point=(1, 0, 0))
-    with pytest.warns(DeprecationWarning, match="about is now point"):
+    with pytest.warns(DeprecationWarning, match="about is now point") as warned:
         model.velocity("rod", angular=(0, 0, 1), about=(1, 0, 0))
+    assert [warning.filename for warning in warned] == [__file__]  # where Python shows it
     assert model.velocities[0] == model.velocities[1]

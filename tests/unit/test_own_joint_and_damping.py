@@ -8,6 +8,7 @@ import pytest
 from pydantic import Field
 
 import viscorod as vr
+from helpers import viewer_pages as pages
 from viscorod.analyses.case_run import as_model
 from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.json_schema import case_schema
@@ -18,6 +19,7 @@ from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import Direction, Positive
 from viscorod.model.materials.damping_model import Behaviour, Damping
 from viscorod.model.materials.material import DAMPINGS
+from viscorod.pictures.drawing.model_drawing import draw_assembly
 
 
 class PinInSlot(AnyJoint):
@@ -98,8 +100,17 @@ def test_joint_holds_what_it_does_not_free():
 
 def test_joint_is_drawn_and_shown(tmp_path):
     model = propped({"kind": "pin_in_slot", "a": "beam.end", "b": "ground", "slot": [1, 0, 0]})
-    assert model.draw(tmp_path / "model.png").stat().st_size > 10_000
-    assert vr.view(model.equilibrium(), tmp_path / "page.html").stat().st_size > 10_000
+    axes = draw_assembly(model).axes[0]
+    assert "pin_in_slot" in [text.get_text() for text in axes.texts]
+    assert "joint" in [text.get_text() for text in axes.get_legend().get_texts()]
+    text = vr.view(model.equilibrium(), tmp_path / "page.html").read_text(encoding="utf-8")
+    meta, data = pages.parts(text)
+    (shown,) = meta["scene"]["connections"]
+    assert shown["kind"] == "joint"
+    ends = np.array([pages.array(meta, data, "marks")[0][-1, mark] for mark in shown["marks"]])
+    np.testing.assert_allclose(ends, [[LENGTH, 0, 0]] * 2, atol=1e-3)
+    (axis,) = shown["axes"]  # of the one rotation that is free: the pin, across slot and beam
+    assert abs(pages.array(meta, data, "marks")[0][-1, axis, 2]) == pytest.approx(1.0, abs=1e-3)
 
 
 def test_joint_without_its_direction_is_refused_with_the_key():

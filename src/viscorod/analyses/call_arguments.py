@@ -1,4 +1,4 @@
-"""The arguments of a model's analyses: settings, and what accompanies a call without changing its numbers.
+"""Arguments of a model's analyses: settings, and options of a call that do not change its numbers.
 
 Settings are spelled once, in their class. ``takes`` gives a method the parameters of such a class, with their types,
 so that editors, type checkers, ``help`` and the reference show them.
@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
 from viscorod.errors import InputError
+from viscorod.model.fields.arguments import given
 from viscorod.model.fields.definition import Definition
 from viscorod.model.fields.metadata import Accepts, Key
 from viscorod.solve.settings import (
@@ -47,7 +48,7 @@ Progress: TypeAlias = Callable[[float, float], None]
 
 @dataclass(frozen=True)
 class CallOptions:
-    """What accompanies a computation without changing its numbers.
+    """Options of a call, which do not change its numbers.
 
     Attributes:
         title: kept with the result.
@@ -56,7 +57,7 @@ class CallOptions:
         folder: where the states of a motion go as they come; None keeps them in memory.
         resume: go on with the motion that was stopped in that folder.
         start: a result whose last state is the first guess of a steady rotation.
-        attributes: more attributes of the result, such as the text of its case file.
+        attributes: of the result, beside those that all have, such as the text of its case file.
     """
 
     title: str = ""
@@ -75,13 +76,13 @@ R = TypeVar("R")
 
 
 class Titled(Definition):
-    """What every call can be given."""
+    """Arguments of every analysis."""
 
     title: Annotated[str, Accepts(None, "text")] = Key("kept with the result", default="", kw_only=True)
 
     @property
     def options(self) -> CallOptions:
-        """What accompanies the computation."""
+        """Those that are options of the call."""
         names = CallOptions.__dataclass_fields__.keys() & self.model_fields_set
         return CallOptions(**{name: getattr(self, name) for name in names})
 
@@ -94,7 +95,7 @@ _ACCOMPANYING = frozenset(CallOptions.__dataclass_fields__)
 
 
 class Watched(Titled):
-    """What calls that go on by steps or iterations can be given."""
+    """Arguments of analyses that can be stopped between steps or iterations."""
 
     stop: Annotated[Callable[[], str] | None, Accepts(None, "a function")] = Key(
         "called in every step or iteration; a reason that it returns ends the computation, which keeps what it has",
@@ -104,7 +105,7 @@ class Watched(Titled):
 
 
 class Progressing(Watched):
-    """What calls that show their progress can be given."""
+    """Arguments of analyses that report their progress."""
 
     progress: Annotated[Progress | None, Accepts(None, "a function")] = Key(
         "called after every step with the time [s] or load factor that was reached, and the size of the step",
@@ -114,15 +115,15 @@ class Progressing(Watched):
 
 
 class EquilibriumArguments(EquilibriumSettings, Progressing):
-    """Those of ``Model.equilibrium``."""
+    """Arguments of ``Model.equilibrium``."""
 
 
 class PathArguments(PathSettings, Progressing):
-    """Those of ``Model.path``."""
+    """Arguments of ``Model.path``."""
 
 
 class SimulateArguments(SimulateSettings, Progressing):
-    """Those of ``Model.simulate``."""
+    """Arguments of ``Model.simulate``."""
 
     folder: Annotated[Path | None, Accepts(None, "a path")] = Key(
         "where the states go as they come, so that memory stays bounded and a run that is stopped can go on; "
@@ -138,11 +139,11 @@ class SimulateArguments(SimulateSettings, Progressing):
 
 
 class CoSimulationArguments(CoSimulationSettings, Titled):
-    """Those of ``Model.co_simulation``."""
+    """Arguments of ``Model.co_simulation``."""
 
 
 class SteadyArguments(SteadySettings, Watched):
-    """Those of ``Model.steady``."""
+    """Arguments of ``Model.steady``."""
 
     start: Annotated[Result | None, Accepts(None, "a result")] = Key(
         "a result whose last state is the first guess", default=None, kw_only=True
@@ -159,9 +160,8 @@ def takes(arguments: Callable[P, A]) -> Callable[[Callable[[M, A], R]], Callable
     def decorate(function: Callable[[M, A], R]) -> Callable[Concatenate[M, P], R]:
         @functools.wraps(function)
         def method(self: M, /, *args: P.args, **kwargs: P.kwargs) -> R:
-            given = {name: value for name, value in kwargs.items() if value is not None}
             try:
-                call = kind(*args, **given)
+                call = kind(*args, **given(**kwargs))
             except InputError as error:
                 prefix = f"{kind.__name__}."
                 faults = [replace(fault, where=fault.where.removeprefix(prefix)) for fault in error.problems]

@@ -89,9 +89,8 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
     linear = linearise(solver, state, scale=0.0)
     undamped = natural_frequencies(linear, 4 * MODES)
     rigid = int(np.count_nonzero(undamped == 0.0))
-    modes = complex_modes(
-        solver, state, linear, MODES + 2 * rigid
-    )  # a rigid motion is two modes of frequency 0
+    # a rigid motion is two modes of frequency 0
+    modes = complex_modes(solver, state, linear, MODES + 2 * rigid)
     lowest = float(undamped[undamped > 0.0].min(initial=np.inf)) / (2.0 * np.pi)
     moving = modes.frequencies > 1e-3 * lowest
     frequencies, ratios = modes.frequencies[moving][:MODES], modes.damping_ratios[moving][:MODES]
@@ -132,7 +131,7 @@ def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
 
 
 def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, settled: bool) -> list[str]:
-    """Doubts about the rods, and about motions of the given frequencies [Hz, increasing]."""
+    """Return doubts about the rods, and about motions of the given frequencies [Hz, increasing]."""
     warnings = [text for name, rod in model.rods.items() for text in _rod_warnings(name, rod)]
     free = free_motions(problem) if settled else []
     if free:
@@ -144,7 +143,7 @@ def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, s
 
 
 def _material_rows(model: ModelDescription) -> list[dict[str, object]]:
-    """Materials of the rods; times are those of slow motion."""
+    """Describe the materials of the rods; times are those of slow motion."""
     return [
         {
             "material of rod": name,
@@ -264,7 +263,7 @@ def _couplings(word: str, per: str, matrix: Floats, held: tuple[bool, ...]) -> d
 
 
 def _rod_warnings(name: str, rod: Rod) -> list[str]:
-    """Slenderness of the reference shape: half width times curvature (LLT 2.2)."""
+    """Judge the slenderness of the reference shape: half width times curvature (LLT 2.2)."""
     s = np.linspace(0.0, rod.length, 201)
     curvature = np.linalg.norm(rod.centreline.curvature(s), axis=1)
     warnings = []
@@ -287,7 +286,7 @@ def _rod_warnings(name: str, rod: Rod) -> list[str]:
 
 
 def _speed_warnings(model: ModelDescription, frequencies: Floats) -> list[str]:
-    """Retardation times against the slowest motion (LLT 2.6)."""
+    """Compare retardation times with the slowest motion (LLT 2.6)."""
     if not len(frequencies):
         return []
     omega = 2 * np.pi * float(frequencies[0])

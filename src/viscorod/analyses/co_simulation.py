@@ -106,7 +106,7 @@ class CoSimulation:
         """
         if port not in self._wrenches:
             known = ", ".join(self._wrenches) or "none was named"
-            raise InputError(f"{port!r} is not a port of this system; the ports are: {known}")
+            raise InputError(f"{port!r} is not a port of this co-simulation; the ports are: {known}")
         try:
             wrench = np.concatenate([np.asarray(force, dtype=float), np.asarray(moment, dtype=float)])
         except (TypeError, ValueError):
@@ -156,20 +156,20 @@ class CoSimulation:
     # --- out
 
     def position(self, place: str) -> Floats:
-        """Position of a place (3,) [m], global axes."""
+        """Return the position of a place (3,) [m], global axes."""
         return self._at(place, 0)
 
     def velocity(self, place: str) -> Floats:
-        """Velocity of a place (3,) [m/s], global axes."""
+        """Return the velocity of a place (3,) [m/s], global axes."""
         return self._at(place, 2)
 
     def frame(self, place: str) -> Floats:
-        """Directions d1, d2, d3 of a place (columns) in global axes (3, 3)."""
+        """Return the directions d1, d2, d3 of a place (columns) in global axes (3, 3)."""
         quaternions = self._fields()[1]
         return np.asarray(matrices(self._place_at(place).rotation(quaternions)[None])[0])
 
     def angular_velocity(self, place: str) -> Floats:
-        """Angular velocity of a place (3,) [rad/s], global axes."""
+        """Return the angular velocity of a place (3,) [rad/s], global axes."""
         return np.asarray(self.frame(place) @ self._at(place, 3))
 
     def _at(self, place: str, field: int) -> Floats:

@@ -47,7 +47,7 @@ def with_known_times(model: M) -> M:
     are.
 
     Raises:
-        InputError: there is no such mode, another part damps the mode more, the modes do not tell the materials apart,
+        InputError: there is no such mode, another part damps the mode more, the modes do not distinguish the materials,
             or a material has Maxwell branches.
     """
     materials = pending(model)
@@ -115,7 +115,7 @@ def _require_no_branches(model: ModelDescription, where: str) -> None:
 
 
 def _times(slopes: Floats, wanted: Floats, where: list[str]) -> Floats:
-    """Shear times of the materials from the ratios that they have to give."""
+    """Return the shear times of the materials from the ratios that they have to give."""
     scale = np.abs(slopes).max(axis=0, initial=0.0)
     if not (scale > 0.0).all() or np.linalg.cond(slopes / scale) > 1e8:
         raise InputError(
@@ -152,7 +152,7 @@ class _Mode:
     share: float = 0.0
 
     def ratio(self, damping: sparse.csr_array) -> float:
-        """phi.D phi/2 omega."""
+        """Return the damping ratio ``phi.D phi/2 omega``."""
         return float(self.shape @ (damping @ self.shape)) / (4.0 * np.pi * self.hertz)
 
 
@@ -203,7 +203,7 @@ class _Modes:
         )
 
     def _spaces(self) -> list[tuple[int, int]]:
-        """Ranges of modes with the same frequency."""
+        """Return the ranges of modes with the same frequency."""
         ends = np.flatnonzero(np.diff(self.omega) > CLOSE * self.omega[1:]) + 1
         edges = [0, *ends.tolist(), len(self.omega)]
         return [(a, b) for a, b in pairwise(edges) if b > a]
@@ -219,7 +219,7 @@ class _Modes:
         return [_Mode(first + k + 1, float(hertz[k]), shape) for k, shape in enumerate(shapes.T)]
 
     def _share(self, shapes: Floats, hertz: Floats, word: str, rod: str | None) -> Floats:
-        """Elastic energy in a strain and a rod over the whole, as a quadratic form of the given modes."""
+        """Return the share of the elastic energy in a strain and a rod, as a quadratic form of the given modes."""
         part = self._energy(word, rod)
         form = shapes.T @ (part @ shapes) / (2.0 * np.pi * hertz[:, None]) ** 2
         total: Floats = 0.5 * (form + form.T)
@@ -260,7 +260,7 @@ class _Modes:
 
 
 def _vibrations(linear: Linearisation, count: int) -> tuple[Floats, Floats]:
-    """Angular frequencies [rad/s] and shapes (size, n) of the slowest undamped vibrations, rigid motions left out."""
+    """Return angular frequencies [rad/s] and shapes (size, n) of the slowest undamped vibrations, not rigid ones."""
     import scipy.sparse.linalg as spla
 
     K, M = 0.5 * (linear.stiffness + linear.stiffness.T), 0.5 * (linear.mass + linear.mass.T)

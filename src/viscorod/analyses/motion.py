@@ -40,6 +40,7 @@ from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
 from viscorod.solve.transient.time_step import choose_time_step
 from viscorod.solve.transient.transient_solver import Transient
+from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -189,7 +190,7 @@ def described(
 
 
 def failure(discrete: DiscreteModel, transient: Transient) -> str:
-    """Why a motion ended before its time, and what to try; empty if it did not."""
+    """Say why a motion ended before its time, and what to try; empty if it did not."""
     result = transient.result
     if result.outcome is Outcome.INTERRUPTED:
         return f"Stopped at t = {transient.integrator.t:.6g} s: {result.reason}"
@@ -223,12 +224,14 @@ def stepping(
         return integrator, control, given | {"tolerance": tolerance, "largest_step": largest}
     step = settings.time_step
     if step is None:
-        linear = small_motion.linearise(
-            discrete.static, state, scale=1.0 if settings.initial == "equilibrium" else 0.0
-        )
-        frequencies = small_motion.natural_frequencies(linear, 16)
-        step = choose_time_step(discrete.problem, frequencies, duration)
+        step = choose_time_step(discrete.problem, _frequencies(discrete, settings, state), duration)
     return make(discrete.system, discrete.supports, **given), FixedSteps(step), given | {"time_step": step}
+
+
+def _frequencies(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Floats:
+    """Return the lowest undamped angular frequencies [rad/s] about the state that a motion starts from."""
+    scale = 1.0 if settings.initial == "equilibrium" else 0.0
+    return small_motion.natural_frequencies(small_motion.linearise(discrete.static, state, scale=scale), 16)
 
 
 def _chosen_tolerance(discrete: DiscreteModel, state: State, duration: float, usual: float) -> float:
@@ -291,11 +294,8 @@ def _quantity(discrete: DiscreteModel, event: Crossing) -> Callable[[Snapshot], 
 
 
 def _slowest_period(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> float:
-    """Period of the slowest undamped vibration about the state that a motion starts from [s]."""
-    linear = small_motion.linearise(
-        discrete.static, state, scale=1.0 if settings.initial == "equilibrium" else 0.0
-    )
-    frequencies = small_motion.natural_frequencies(linear, 16)
+    """Return the period [s] of the slowest undamped vibration about the state that a motion starts from."""
+    frequencies = _frequencies(discrete, settings, state)
     vibrating = frequencies[frequencies > 0.0]
     if not len(vibrating):
         raise InputError("events: nothing vibrates, so that there is no period to wait for; give during (s)")

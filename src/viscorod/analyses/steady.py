@@ -68,7 +68,7 @@ def last_state(problem: Problem, start: Result) -> State:
 
 
 def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRotation) -> xr.Dataset:
-    """One state along the dimension ``spin``, with what is special to a rotation."""
+    """Return one state along the dimension ``spin``, with what is special to a rotation."""
     history = History()
     snapshot = Snapshot(
         found.state,

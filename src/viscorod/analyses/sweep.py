@@ -209,7 +209,7 @@ def _total(job: Job) -> float:
 
 
 def _alone(jobs: Sequence[Job], stop: threading.Event, progress: Progress | None) -> list[Found]:
-    """One member after the other, in this process."""
+    """Compute one member after the other, in this process."""
     found: list[Found] = []
     for k, job in enumerate(jobs):
         total = _total(job)

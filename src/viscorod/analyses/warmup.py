@@ -1,4 +1,4 @@
-"""Compiling all kernels at once: a small model with everything that has a kernel of its own is computed."""
+"""Compile all kernels at once, by computing small models with everything that has a kernel of its own."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def _simulate(model: Model, integrator: str, formulations: Iterable[tuple[str, s
 
 
 def small_model() -> Model:
-    """Two damped rods with a rigid corner, and every kind of support and load."""
+    """Build two damped rods with a rigid corner, and every kind of support and load."""
     material = Material(1e9, poissons_ratio=0.3, density=1000.0, damping=KelvinVoigt(1e-4, 1e-4))
     section = Rectangle(0.1 * SIZE, 0.1 * SIZE)
 

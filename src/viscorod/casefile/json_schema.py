@@ -29,6 +29,7 @@ from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.composite import CompositeRegion
 from viscorod.model.sections.section_profile import SECTIONS, Piece, Taper
 from viscorod.model.sections.stiffness_section import MaxwellBranch
+from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.transient.integrators import INTEGRATORS
 
 __all__ = ["GROUPS", "PARTS", "case_schema", "fields_of", "forms", "is_required"]
@@ -111,13 +112,13 @@ FILE = {
 
 def forms() -> Form:
     """Return the schema as every reading of a case shares it: not to be changed."""
-    return _forms(tuple(parts().items()), tuple(INTEGRATORS))
+    return _forms(tuple(parts().items()), (*INTEGRATORS, *FORMULATIONS))
 
 
 @cache
-def _forms(kinds: tuple[tuple[str, type[Definition]], ...], integrators: tuple[str, ...]) -> Form:
-    """Return the schema with what is registered: ``integrators`` only distinguishes what has been."""
-    del integrators
+def _forms(kinds: tuple[tuple[str, type[Definition]], ...], methods: tuple[object, ...]) -> Form:
+    """Return the schema with what is registered; of ``methods`` the fields know, here they only key the cache."""
+    del methods
     definitions: Form = {
         "quantity": {
             "type": "string",
@@ -166,7 +167,10 @@ def _forms(kinds: tuple[tuple[str, type[Definition]], ...], integrators: tuple[s
 
 def case_schema() -> Form:
     """Return the JSON Schema of a case file (draft 7): each key with form, unit (``x-unit``), default and meaning."""
-    return copy.deepcopy(forms())
+    schema = copy.deepcopy(forms())
+    for definition in schema["definitions"].values():
+        definition.pop("x-former", None)  # read with a warning, not to be written any more
+    return schema
 
 
 def _table(kind: type[Definition], standard: bool = False) -> Form:
@@ -180,6 +184,7 @@ def _table(kind: type[Definition], standard: bool = False) -> Form:
         "properties": {name: _key(kind, name) for name in fields},
         "additionalProperties": False,
     }
+    found |= {"x-former": kind.renamed} if kind.renamed else {}  # for the conversion of units
     return found | ({"required": required} if required else {})
 
 

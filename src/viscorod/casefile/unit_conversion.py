@@ -67,9 +67,10 @@ class _Walk:
         self, form: Mapping[str, Any], table: Mapping[str, Any], path: tuple[str | int, ...], around: str
     ) -> dict[str, Any]:
         keys, others = form.get("properties", {}), form.get("additionalProperties")
+        former = form.get("x-former", {})
         found = {}
         for key, item in table.items():
-            inner = keys.get(key, others if isinstance(others, Mapping) else None)
+            inner = keys.get(former.get(key, key), others if isinstance(others, Mapping) else None)
             if inner is not None and "x-unit-by" in inner:
                 other, units = inner["x-unit-by"]
                 word = table.get(other)

@@ -128,7 +128,7 @@ def step_ends(known: Floats, step_size: Floats) -> Integers | None:
 
 
 def _windows(known: Floats, times: Floats, k: Integers, ends: Integers | None) -> tuple[Integers, Floats]:
-    """Stored states of the polynomials of times in the intervals ``k``, and their weights, padded with zeros."""
+    """Return stored states of the polynomials of times in the intervals ``k``, and their weights, padded with zeros."""
     size = min(_NEAREST, known.size)
     low = np.clip(k - 1, 0, known.size - size)
     count = np.full(times.size, size)

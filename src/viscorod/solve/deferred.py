@@ -1,4 +1,4 @@
-"""Registries name what they hold by its place: importing it loads all kernels, which takes a second or two."""
+"""Entries of a registry that are imported when they are first called: importing them loads all kernels, in seconds."""
 
 from __future__ import annotations
 

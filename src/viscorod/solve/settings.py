@@ -31,7 +31,7 @@ from viscorod.model.fields.values import (
     whole_number,
     word,
 )
-from viscorod.solve.formulations.registry import FORMULATIONS, dampings
+from viscorod.solve.formulations.registry import FORMULATIONS, damping_words, dampings, formulation_words
 from viscorod.solve.transient.integrators import INTEGRATORS, Method, integrators_that
 
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-10, 0.1
@@ -71,7 +71,7 @@ class SimulateSettings(Definition):
         'what the motion starts from: "equilibrium" under the loads at t = 0-, or the "reference" shape',
         default="equilibrium",
     )
-    integrator: Annotated[str, OneOfRegistry(INTEGRATORS)] = Key(
+    integrator: Annotated[str, OneOfRegistry(INTEGRATORS.keys)] = Key(
         '"radau" (order 5, steps that follow the error), "generalized_alpha" or "midpoint" (order 2, '
         "which keeps energy exactly)",
         default="radau",
@@ -84,12 +84,12 @@ class SimulateSettings(Definition):
     output_interval: OptionalPositive = Key(
         "time between stored states, {}; left out, every step", "s", default=None
     )
-    formulation: Annotated[Literal["geometric", "intrinsic"], one_of("geometric", "intrinsic")] = Key(
+    formulation: Annotated[str, OneOfRegistry(formulation_words)] = Key(
         '"geometric" (strains follow from positions and rotations) or "intrinsic" (strains and body velocities; '
         'positions follow by integration in time), which goes with "radau" and "midpoint"',
         default="geometric",
     )
-    damping: Annotated[Literal["full", "linearised"], one_of("full", "linearised")] = Key(
+    damping: Annotated[str, OneOfRegistry(damping_words)] = Key(
         '"full" Kelvin-Voigt damping, which never damps rigid motions, or "linearised" (Artola, Wynn and Palacios), '
         "which also damps rotations of bent rods; the latter with the intrinsic formulation",
         default="full",

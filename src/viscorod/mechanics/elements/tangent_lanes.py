@@ -48,7 +48,6 @@ from viscorod.mechanics.rotations.vectors import (
 from viscorod.typing import Floats
 
 FLAT_ROWS = 11
-REST: Flat = ((0.0, 0.0, 0.0), (0.0, (0.0, 0.0, 0.0)), (0.0, (0.0, 0.0, 0.0)))
 
 
 @lane_kernel

@@ -97,7 +97,7 @@ class SteadyState(Definition):
 AnyEvent: TypeAlias = Crossing | Decayed | SteadyState
 
 EVENTS: dict[str, type[Definition]] = {"crossing": Crossing, "decayed": Decayed, "steady": SteadyState}
-"""The events by their word in a case file; a new one is one class and one line here."""
+"""The events by their word in a case file; `analyses.motion` makes the monitor of each."""
 
 
 Events = Annotated[

@@ -84,8 +84,8 @@ class Joined:
         name: str | None = None,
     ) -> None:
         """Pull a place towards another, or towards its reference position, along some motions; see `Spring`."""
-        laws = given(stiffness=stiffness, damping=damping, rest=rest)
-        self.springs.append(Spring(**given(at=at, to=to, axes=axes, name=name), **laws))
+        laws = {"stiffness": stiffness, "damping": damping, "rest": rest}
+        self.springs.append(Spring(**given(at=at, to=to, axes=axes, name=name, **laws)))
 
     def line_spring(
         self,
@@ -98,5 +98,5 @@ class Joined:
         name: str | None = None,
     ) -> None:
         """Join a place to another, or to a fixed point, by a spring along the line between; see `LineSpring`."""
-        laws = given(stiffness=stiffness, damping=damping, length=length)
-        self.springs.append(LineSpring(**given(at=at, to=to, name=name), **laws))
+        laws = {"stiffness": stiffness, "damping": damping, "length": length}
+        self.springs.append(LineSpring(**given(at=at, to=to, name=name, **laws)))

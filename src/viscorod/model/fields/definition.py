@@ -177,8 +177,19 @@ def _with_present_names(cls: type[Definition], data: Mapping[Any, Any]) -> Mappi
     """Return the values of a table under the present names of its keys; a former name beside the present one stays."""
     former = {key: cls.renamed[key] for key in data if key in cls.renamed and cls.renamed[key] not in data}
     for key, name in former.items():
-        warnings.warn(f"{cls.__name__}: {key} is now {name}", DeprecationWarning, stacklevel=2)
+        warnings.warn(f"{key} is now {name}", DeprecationWarning, stacklevel=_users_level())
     return {former.get(key, key): value for key, value in data.items()} if former else data
+
+
+def _users_level() -> int:
+    """Return the stack level, for a warning of the caller, of the line outside this package that led to it.
+
+    Python shows a `DeprecationWarning` only where it is the user's own line.
+    """
+    level, frame = 1, inspect.currentframe()
+    while frame is not None and str(frame.f_globals.get("__name__")).startswith(("viscorod.", "pydantic.")):
+        level, frame = level + 1, frame.f_back
+    return level - 1
 
 
 def plain_value(value: Any) -> Any:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Annotated, Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -235,27 +235,32 @@ def one_of(*allowed: str) -> Check[str]:
 
 
 class OneOfRegistry(Check[str]):
-    """A check for one of the names of a registry, with those that are registered by now."""
+    """A check for one of the names in a registry, to which more may be added later.
 
-    def __init__(self, registry: Mapping[str, object]) -> None:
-        self.__dict__.update(registry=registry, read=self._read, python="")
+    Args:
+        names: returns those that are registered at present.
+    """
 
-    def _read(self, value: Any) -> str:
-        return self._now(value)
+    def __init__(self, names: Callable[[], Iterable[str]]) -> None:
+        # not by attributes: the base class is frozen
+        self.__dict__.update(names=names, read=self._read_present, python="")
+
+    def _read_present(self, value: Any) -> str:
+        return self._present(value)
 
     @property
-    def _now(self) -> Check[str]:
-        return one_of(*self.__dict__["registry"])
+    def _present(self) -> Check[str]:
+        return one_of(*self.__dict__["names"]())
 
     @property
     def form(self) -> Form | None:
-        """The names of now, as JSON Schema."""
-        return self._now.form
+        """The present names as JSON Schema."""
+        return self._present.form
 
     @property
     def words(self) -> str:
-        """The names of now, for people."""
-        return self._now.words
+        """The present names for people."""
+        return self._present.words
 
 
 @accepts({"type": "boolean"}, "`true` or `false`")

@@ -63,7 +63,7 @@ def gravity(model: ModelDescription) -> Floats:
 
 
 def _text(load: AnyLoad, drawn: Arrows, sizes: Floats) -> str:
-    """Size and what is special."""
+    """Return its size and what is special."""
     text = f"{sizes.max():.3g} {drawn.unit}"
     if float(sizes.min()) < 0.999 * sizes.max():
         text = f"up to {text}"

@@ -96,7 +96,7 @@ class _Picture:
         return rod.frames(np.linspace(0.0, rod.length, min(12 * count, 600)))[0]
 
     def _seats(self) -> list[Floats]:
-        """Points beside the rods that must be in the picture."""
+        """Return points beside the rods that must be in the picture."""
         bodies = [
             body.position(point) for body in self.model.bodies.values() for point in (None, *body.points)
         ]
@@ -106,7 +106,7 @@ class _Picture:
         ]
 
     def _reaches(self, points: Floats) -> list[Floats]:
-        """Tips of arrows: loads across a plane are not seen in it."""
+        """Return tips of arrows: loads across a plane are not seen in it."""
         length = _ARROW * self.size
         tips = [load.points + length * load.values for load in self.loads if not load.turning]
         weight = np.linalg.norm(self.gravity)

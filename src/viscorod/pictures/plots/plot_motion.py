@@ -109,7 +109,7 @@ def draw_history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement |
 
 
 def _curve(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Floats]:
-    """Times and values of a smooth curve: cubics through the stored values and their rates."""
+    """Return times and values of a smooth curve: cubics through the stored values and their rates."""
     parts = max(1, min(_BETWEEN, _ENOUGH // time.size))
     step, part = np.diff(time)[:, None], np.arange(parts) / parts
     between = hermite(part, value[:-1, None], value[1:, None], step * rate[:-1, None], step * rate[1:, None])

@@ -169,7 +169,7 @@ def _profiles(picture: Figure, axes: Axes, result: Result, shown: Component, rod
 
 
 def _percent(values: Floats) -> tuple[float, str]:
-    """Factor and unit of a strain without dimension: percent, or millionths where it is small."""
+    """Return factor and unit of a strain without dimension: percent, or millionths where it is small."""
     size = float(np.max(np.abs(values), initial=0.0))
     return (1e6, "1e-6") if 0.0 < size < 1e-4 else (100.0, "%")
 

@@ -47,7 +47,7 @@ class FieldPoints:
 
 
 def points_of(result: Result, lines: list[Line], most: int) -> FieldPoints | None:
-    """Gauss points of all rods, at even arc lengths where there are more than `most`; None where none are stored."""
+    """Return Gauss points of all rods, at even arc lengths if there are more than `most`; None if none are stored."""
     if "point_rod" not in result.data.coords or not result.data.sizes.get("point", 0):
         return None
     rods = np.asarray(result.data["point_rod"].values, dtype=str)
@@ -98,7 +98,7 @@ def fields_of(result: Result, frames: Frames, points: FieldPoints) -> list[tuple
 
 
 def speed_of(result: Result, frames: Frames, lines: list[Line]) -> Floats | None:
-    """Speed at the nodes of the page ``(n, nodes)`` [m/s]."""
+    """Return the speed at the nodes of the page ``(n, nodes)`` [m/s]."""
     if "velocity" not in result.data or result.dimension != "time":
         return None
     velocity = frames.linear("velocity")

@@ -87,7 +87,7 @@ class Frames:
         return before, after
 
     def positions(self) -> Floats:
-        """Positions of all stations ``(n, stations, 3)`` [m]; cubic between stored states, as velocities tell."""
+        """Return positions of all stations ``(n, stations, 3)`` [m]; cubic between states, by velocities."""
         if not self.part.any():
             return self.linear("position")
         start, end = self._around("time")
@@ -96,7 +96,7 @@ class Frames:
         return hermite(self.part[:, None, None], *self._around("position"), step * v0, step * v1)
 
     def rotations(self) -> Floats:
-        """Orientations of all stations ``(n, stations, 4)``, unit quaternions, straight between stored states."""
+        """Return orientations of all stations ``(n, stations, 4)``, unit quaternions, linear between stored states."""
         between = self.linear("rotation")
         unit: Floats = between / np.linalg.norm(between, axis=-1, keepdims=True)
         return unit

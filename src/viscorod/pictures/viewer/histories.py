@@ -49,7 +49,7 @@ def samples_of(result: Result) -> Integers:
 
 
 def places_of(result: Result) -> list[ResultPlace]:
-    """Places whose histories can be chosen: that of the main motion, then ends of rods and points of bodies."""
+    """Return places whose histories can be chosen: that of the main motion, then ends of rods, points of bodies."""
     sites = result.sites
     main, _ = result.main_motion
     found = {main.label: main}

@@ -63,7 +63,7 @@ def loads_of(
 
 
 def tips_of(loads: list[dict[str, Any]], marks: Marks) -> Floats:
-    """Feet of the loads and directions to the tips of their longest arrows, ``(2, n, feet, 3)``; gravity has none."""
+    """Return feet of the loads and directions to tips of their longest arrows, ``(2, n, feet, 3)``, without gravity."""
     feet = [foot for load in loads for foot in load["feet"]]
     arrows = [arrow for load in loads for arrow in load["arrows"] if load["feet"]]
     points = marks.points
@@ -71,7 +71,7 @@ def tips_of(loads: list[dict[str, Any]], marks: Marks) -> Floats:
 
 
 def _factors(result: Result, load: AnyLoad, frames: Frames) -> Floats:
-    """Factor of a load in the frames; loads of an equilibrium are those just before t = 0, times the load factor."""
+    """Return a load's factor in the frames; loads of equilibria are those just before t = 0, times the load factor."""
     if result.dimension != "time":
         return frames.instants * load.factor(0.0, before=True)
     # the first state is that before anything is let go

@@ -59,7 +59,7 @@ def page(title: str, meta: Mapping[str, Any], pack: Pack) -> str:
 
 
 def script_json(value: Any) -> str:
-    """JSON that may stand inside a script element: no character of it can end the element."""
+    """Return JSON that may stand inside a script element: no character of it can end the element."""
     text = json.dumps(value, allow_nan=False, separators=(",", ":"))
     for character, escaped in _IN_SCRIPT.items():
         text = text.replace(character, escaped)

@@ -110,7 +110,7 @@ def lines_of(result: Result, model: ModelDescription | None) -> list[Line]:
 
 
 def _weights(result: Result, rod: str, s: Floats, stations: Integers) -> Floats:
-    """Weights of a rod's stations at arc lengths, by the elements' own polynomials ``(s, stations)``."""
+    """Return weights of a rod's stations at arc lengths, by the elements' own polynomials ``(s, stations)``."""
     place = {int(station): k for k, station in enumerate(stations)}
     weights = np.zeros((s.size, stations.size))
     for row, x in enumerate(s):
@@ -120,14 +120,14 @@ def _weights(result: Result, rod: str, s: Floats, stations: Integers) -> Floats:
 
 
 def _stencils(weights: Floats, order: int) -> tuple[Integers, Floats]:
-    """Rows with at most ``order + 1`` neighbouring weights as first column and weights."""
+    """Return rows with at most ``order + 1`` neighbouring weights as first column and weights."""
     width = min(order + 1, weights.shape[1])
     first = np.minimum(np.argmax(weights != 0.0, axis=1), weights.shape[1] - width)
     return first, np.take_along_axis(weights, first[:, None] + np.arange(width), axis=1)
 
 
 def _half_widths(data: xr.Dataset, rod: str, s: Floats) -> Floats:
-    """Half widths of a rod as stored with the Gauss points, (rings, 2) [m]."""
+    """Return half widths of a rod as stored with the Gauss points, (rings, 2) [m]."""
     if "half_width" not in data:
         return np.zeros((s.size, 2))
     mine = np.asarray(data["point_rod"].values, dtype=str) == rod
@@ -140,7 +140,7 @@ def _half_widths(data: xr.Dataset, rod: str, s: Floats) -> Floats:
 
 
 def _section(rod: Rod | None, s: Floats) -> tuple[Outline, Floats, Floats]:
-    """Outline, half widths and holes of the sections at arc lengths; zeros where they are neither ellipse nor box."""
+    """Return outline, half widths and holes of the sections at arc lengths; zeros if neither ellipse nor box."""
     halves, holes = np.zeros((s.size, 2)), np.zeros(s.size)
     if rod is None:
         return "round", halves, holes

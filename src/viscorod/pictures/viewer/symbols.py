@@ -63,7 +63,7 @@ def bodies_of(result: Result, model: ModelDescription | None, marks: Marks) -> l
 
 
 def _sizes(body: Any) -> list[float]:
-    """Sizes of a body with a shape [m]: three sides, a radius, or radius and length."""
+    """Return sizes of a body with a shape [m]: three sides, a radius, or radius and length."""
     if body.shape == "box":
         return list(body.sides)
     return [body.radius] if body.shape == "sphere" else [body.radius, body.length]

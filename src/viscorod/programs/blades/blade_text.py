@@ -45,10 +45,6 @@ class Lines:
         while self._next < len(self._lines) and not self._lines[self._next].strip():
             self._next += 1
 
-    def peek(self) -> str:
-        """Return the next line, empty at the end of the file."""
-        return self._lines[self._next] if self._next < len(self._lines) else ""
-
     def find(self, word: str) -> None:
         """Go to the line whose second word is `word`, as in ``49  kp_total - number of key points``."""
         for index, line in enumerate(self._lines):

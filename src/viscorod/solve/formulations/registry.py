@@ -41,6 +41,16 @@ FORMULATIONS: dict[tuple[str, str], Formulation] = {
 """By formulation and damping."""
 
 
+def formulation_words() -> list[str]:
+    """Return the words of the formulations, each once."""
+    return list(dict.fromkeys(formulation for formulation, _ in FORMULATIONS))
+
+
+def damping_words() -> list[str]:
+    """Return the words of the kinds of damping, each once."""
+    return list(dict.fromkeys(damping for _, damping in FORMULATIONS))
+
+
 def dampings(formulation: str) -> dict[str, Formulation]:
     """Return the kinds of damping of a formulation."""
     return {damping: kind for (name, damping), kind in FORMULATIONS.items() if name == formulation}

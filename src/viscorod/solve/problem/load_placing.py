@@ -113,6 +113,6 @@ class _LoadPlacing:
 
 
 def _split(wrench: Floats, following: bool) -> tuple[Floats, Floats]:
-    """Wrenches ``(..., 6)`` as dead and following ones."""
+    """Return wrenches ``(..., 6)`` as dead and following ones."""
     none = np.zeros_like(wrench)
     return (none, wrench) if following else (wrench, none)

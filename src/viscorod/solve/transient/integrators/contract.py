@@ -11,14 +11,14 @@ from viscorod.typing import Floats
 
 
 class StepReport(NamedTuple):
-    """What an attempted step did.
+    """The outcome of an attempted step.
 
     Attributes:
         outcome: CONVERGED or the reason of failure.
         iterations: number of linear solutions.
         change: size of the last increment (displacement over model length, or rotation in rad, whichever is larger).
         residual: largest nodal force imbalance [N] of a failed step (moments divided by the model length).
-        node: where it was, or where the last increment was largest.
+        node: where the imbalance was, or where the last increment was largest.
         error: estimated error of the step over the tolerated one (0 without an estimate).
         rate: convergence rate of the iteration.
         component: of ``node``, 0 to 5, body axes.
@@ -49,26 +49,26 @@ class StepReport(NamedTuple):
 
 
 class Integrator(Protocol):
-    """Advances a :class:`~viscorod.solve.formulations.system.System` in time.
+    """A method that advances a :class:`~viscorod.solve.formulations.system.System` in time.
 
-    1. ``start(t, state)`` takes over a state, with the velocities of supports just after ``t``; it is called at
+    1. ``start(t, state)`` begins at a state, with the velocities of supports just after ``t``; it is called at
        the beginning and after every instant at which a load or a prescribed motion jumps.
-    2. ``attempt(end)`` tries one step from ``t`` to ``end``; ``t`` and ``state`` stay.
-    3. ``accept()`` takes the last attempt, which converged: ``t`` and ``state`` have moved; ``work`` and ``loss`` are
-       what loads and supports put in and what viscosity took during the step [J], ``kinetic`` and ``elastic`` the
-       energies [J] at ``t``.
-    4. ``snapshot()`` is everything at ``t``, ``between(parts)`` everything at parts of the last step, with the work and
-       the loss up to there.
+    2. ``attempt(end)`` tries one step from ``t`` to ``end`` and leaves ``t`` and ``state`` unchanged.
+    3. ``accept()`` takes the last attempt, which converged: ``t`` and ``state`` are those at the end of the step.
+       ``work`` is the work of loads and supports during the step, ``loss`` the energy that viscosity dissipated,
+       ``kinetic`` and ``elastic`` are the energies at ``t``, all in J.
+    4. ``snapshot()`` returns all fields at ``t``; ``between(parts)`` returns them at parts of the last step, with work
+       and loss up to there.
 
-    ``branch_loss (n,)`` is what each Maxwell branch took during the step, part of ``loss``; ``branch_losses(parts)``,
-    ``(k, n)``, is the same up to parts of it.
+    ``branch_loss (n,)`` is the energy that each Maxwell branch dissipated during the step, a part of ``loss``;
+    ``branch_losses(parts)``, ``(k, n)``, is the same up to parts of the step.
 
-    ``resume()`` is called after everything else was put back as it was saved (see ``saved_state``).
+    ``resume()`` computes what is not saved, after everything that is saved has been restored (see ``saved_state``).
 
-    ``drift`` is how far joints and held strains were from what they hold: the largest gap of positions over the length
-    of the model (or in rad, or strain) and of velocities over the fastest one, so far; zeros without any.
-    ``estimate_order`` is that of the error estimate, if there is one: it grows as the power ``estimate_order + 1`` of
-    the step. ``records`` is the number of states per step that draw the motion smoothly.
+    ``drift`` is the largest error of joints and held strains so far, in positions (over the length of the model, in
+    rad, or as a strain) and in velocities (over the largest one); zeros without any.
+    ``estimate_order`` is the order of the error estimate, if there is one: the estimate grows as the power
+    ``estimate_order + 1`` of the step. ``records`` is the number of states per step that draw the motion smoothly.
     """
 
     t: float
@@ -91,11 +91,11 @@ class Integrator(Protocol):
 
     @property
     def branch_loss(self) -> Floats:
-        """What each Maxwell branch took during the last step ``(n,)`` [J]."""
+        """Energy that each Maxwell branch dissipated during the last step ``(n,)`` [J]."""
 
     @property
     def drift(self) -> tuple[float, float]:
-        """Largest gap of positions and of velocities so far."""
+        """Largest error of joints and held strains so far, in positions and in velocities."""
 
     @property
     def strain(self) -> float:
@@ -114,13 +114,13 @@ class Integrator(Protocol):
         """Take the attempted step."""
 
     def snapshot(self) -> Snapshot:
-        """Return everything at ``t``."""
+        """Return all fields at ``t``."""
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
-        """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start."""
+        """Return all fields at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start."""
 
     def resume(self) -> None:
-        """Make again what is not saved."""
+        """Compute what is not saved."""
 
     def branch_losses(self, parts: Floats) -> Floats:
-        """Return what each Maxwell branch took ``(k, n)`` [J] from the start of the last step to ``parts (k,)``."""
+        """Return the energy ``(k, n)`` [J] that each branch dissipated in the last step up to ``parts (k,)``."""
