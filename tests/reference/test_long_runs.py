@@ -221,6 +221,15 @@ def test_another_model_is_refused(tmp_path, eager):
         model.simulate(**given, folder=tmp_path / "elsewhere", resume=True)
 
 
+def test_a_run_stopped_by_another_version_is_refused(tmp_path, eager, monkeypatch):
+    """Contract: a saved state that this version would misread is not resumed."""
+    with pytest.raises(vr.SolveError):
+        swing().simulate(1.0, folder=tmp_path, stop=lambda: "enough")
+    monkeypatch.setattr(journal, "EDITION", journal.EDITION + 1)
+    with pytest.raises(vr.InputError, match="stopped by another version"):
+        swing().simulate(1.0, folder=tmp_path, resume=True)
+
+
 def test_memory_does_not_grow_with_the_run(tmp_path, monkeypatch):
     """A run ten times as long keeps no more in memory (Python's own allocations, arrays included)."""
     monkeypatch.setattr(journal, "CHUNK", 1e5)  # files larger than these are copied and read in pieces

@@ -35,6 +35,8 @@ FOLDER = "run.partial"
 _LAYOUT, _RECORDS, _FIELDS, _CHECKPOINT = "layout.nc", "states.bin", "states.json", "checkpoint.npz"
 CHUNK = 16e6
 """Bytes that are copied at once."""
+EDITION = 2
+"""Edition of saved states, whose parts go by the names of attributes: it grows when one of them changes."""
 
 
 class Journal:
@@ -107,7 +109,8 @@ class Journal:
         """
         arrays: dict[str, Any] = {}
         tree = _flattened(state, arrays)
-        text = json.dumps({"tree": tree, "count": self.count, "about": dict(about)}, default=_plain)
+        content = {"edition": EDITION, "tree": tree, "count": self.count, "about": dict(about)}
+        text = json.dumps(content, default=_plain)
         os.fsync(self._file.fileno())
         new = self.folder / f"new-{_CHECKPOINT}"
         with new.open("wb") as file:
@@ -151,6 +154,11 @@ def checkpoint(folder: Path) -> tuple[Any, int, dict[str, Any]]:
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         content = json.loads(arrays.pop("text").tobytes())
+        if content.get("edition") != EDITION:
+            raise InputError(
+                f"{folder}: the run was stopped by another version of viscorod, whose state this one would misread; "
+                "go on with that version, or run the case again"
+            )
         return _rebuilt(content["tree"], arrays), int(content["count"]), content["about"]
     except FileNotFoundError:
         raise InputError(
