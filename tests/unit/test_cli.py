@@ -1,6 +1,8 @@
 """The command line: exit codes, messages, files. Solutions are stood in for by results in closed form."""
 
 import re
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -212,3 +214,13 @@ def test_progress_on_a_terminal_is_a_bar(monkeypatch, capsys):
     assert shown.out == ""
     assert "of 2 s" in shown.err
     assert "left" in shown.err
+
+
+def test_a_former_key_of_a_case_file_is_named(tmp_path):
+    case = tmp_path / "spin.toml"
+    text = shipped_case("swept_blade").read_text(encoding="utf-8")
+    case.write_text(text.replace("[steady]", "[steady]\nabout = [0.0, 0.0, 0.0]"), encoding="utf-8")
+    command = [sys.executable, "-m", "viscorod", "check", str(case), "-o", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "warning: about is now centre" in done.stderr.splitlines()

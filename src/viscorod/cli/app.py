@@ -8,6 +8,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
+import warnings
 from typing import Annotated
 
 import typer
@@ -57,6 +58,9 @@ def main() -> None:
     The process ends at once: an orderly shutdown frees the compiled kernels one by one, which takes half a second.
     """
     gc.set_threshold(100_000)  # importing makes many objects and little garbage
+    # Python hides these warnings outside of scripts; whoever writes a case file is to see a former name of a key
+    warnings.filterwarnings("default", message=r"\w+ is now \w+$", category=DeprecationWarning)
+    warnings.showwarning = lambda message, *_, **__: typer.echo(f"warning: {message}", err=True)
     try:
         app()
     except SystemExit as end:
