@@ -62,24 +62,26 @@ def motion(discrete: DiscreteModel, settings: SimulateSettings) -> Run:
     options = discrete.options
     if options.resume and options.folder is None:
         raise InputError("resume: give the folder of the run that is to go on")
+    labels = discrete.attributes | {"settings": json.dumps(settings.to_dict())}
     if options.folder is None:
-        return _motion(discrete, settings, None)
-    stream = Stream(folder=options.folder, about=_labels(discrete, settings), resuming=options.resume)
+        return _motion(discrete, settings, labels, None)
+    stream = Stream(folder=options.folder, about=labels, resuming=options.resume)
     try:
-        return _motion(discrete, settings, stream)
+        return _motion(discrete, settings, labels, stream)
     finally:
         stream.journal.close()
 
 
-def _labels(discrete: DiscreteModel, settings: SimulateSettings) -> dict[str, Any]:
-    """Return the attributes of a motion that are known before it begins."""
-    return discrete.attributes | {"settings": json.dumps(settings.to_dict())}
+def _motion(
+    discrete: DiscreteModel, settings: SimulateSettings, labels: dict[str, str], stream: Stream | None
+) -> Run:
+    """Compute a motion, whose states go to a stream as they come; without one they stay in memory.
 
-
-def _motion(discrete: DiscreteModel, settings: SimulateSettings, stream: Stream | None) -> Run:
-    """Compute a motion, whose states go to a stream as they come; without one they stay in memory."""
+    Args:
+        labels: attributes that are known before it begins.
+    """
     discrete.require_independent()
-    options, labels = discrete.options, _labels(discrete, settings)
+    options = discrete.options
     state = initial_state(discrete, settings)
     integrator, control, chosen = stepping(discrete, settings, state)
     transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)
