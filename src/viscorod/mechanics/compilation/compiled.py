@@ -11,6 +11,7 @@ import functools
 import hashlib
 import logging
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -29,6 +30,9 @@ Kernel = TypeVar("Kernel", bound=Callable[..., object])
 _ASIDE = "VISCOROD_COMPILES_ASIDE"
 """Set in the process that compiles aside."""
 
+_MARK = re.compile(rb"^@(kernel|part|lane_kernel)$", re.MULTILINE)
+_IMPORTED = re.compile(rb"^\s*(?:from|import) viscorod\.([\w.]+)", re.MULTILINE)
+
 _helpers: list[subprocess.Popen[bytes]] = []
 
 _CONSTRUCTORS = {"empty", "zeros", "dot"}
@@ -44,6 +48,24 @@ KERNELS: list[Any] = []
 """All kernels that have been imported, as Numba's dispatchers; none in pure Python."""
 
 
+def _kernel_sources(package: Path) -> list[bytes]:
+    """Return the sources that machine code depends on: modules with kernels, and what these import of the package."""
+    sources = {
+        path: path.read_bytes()
+        for part_of in ("mechanics", "solve")
+        for path in sorted((package / part_of).rglob("*.py"))
+    }
+    found: set[Path] = set()
+    sought = {path for path, text in sources.items() if _MARK.search(text)}
+    while sought:
+        found |= sought
+        names = {name.decode() for path in sought for name in _IMPORTED.findall(sources[path])}
+        places = {package.joinpath(*name.split(".")) for name in names}
+        files = {place.with_suffix(".py") for place in places} | {place / "__init__.py" for place in places}
+        sought = (files & sources.keys()) - found
+    return [sources[path] for path in sorted(found)]
+
+
 @functools.lru_cache
 def cache_folder() -> Path | None:
     """Return the folder of the machine code of exactly this version of all kernels; None if none is writable.
@@ -53,9 +75,8 @@ def cache_folder() -> Path | None:
     """
     package = Path(__file__).parents[2]
     content = hashlib.sha1(usedforsecurity=False)
-    for part_of in ("mechanics", "solve"):
-        for path in sorted((package / part_of).rglob("*.py")):
-            content.update(path.read_bytes())
+    for source in _kernel_sources(package):
+        content.update(source)
     family = f"viscorod-{hashlib.sha1(str(package).encode(), usedforsecurity=False).hexdigest()[:8]}-"
     given = _config.CACHE_DIR
     user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
