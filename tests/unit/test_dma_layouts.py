@@ -271,6 +271,29 @@ def test_a_table_for_every_sweep(tmp_path):
         read_dma_table(path)
 
 
+def test_sweeps_without_temperatures_are_not_mixed(tmp_path):
+    head = "Frequency (Hz),E' (MPa),E'' (MPa)\n"
+    with pytest.raises(
+        InputError, match="the file has 2 sweeps, and no column of temperatures to choose one by"
+    ):
+        read_dma_table(
+            written(tmp_path, head + lines("{f},{s},{l}\n") + head + lines("{f},{s},{l}\n", 0.9e6))
+        )
+    path = written(
+        tmp_path, head.replace("\n", ",Set\n") + lines("{f},{s},{l},0\n") + lines("{f},{s},{l},1\n", 0.9e6)
+    )
+    with pytest.raises(InputError, match="the file has 2 sweeps"):
+        read_dma_table(path)
+    # a table on two pages
+    rows = lines("{f},{s},{l}\n").splitlines(keepends=True)
+    assert_the_rows(read_dma_table(written(tmp_path, head + "".join(rows[:2]) + head + "".join(rows[2:]))))
+    # a row without its temperature is none of a sweep
+    text = head.replace("\n", ",T\n") + lines("{f},{s},{l},20\n") + "10,2.9,0.4,\n"
+    table = read_dma_table(written(tmp_path, text))
+    assert_the_rows(table)
+    assert any("left out: line 6" in note for note in table.notes)
+
+
 def test_the_set_temperature_names_a_sweep_that_drifts(tmp_path):
     text = "Ts   f   Tr   E'   E\"\n[°C]   [Hz]   [°C]   [MPa]   [MPa]\n" + "".join(
         f"{-0.6 - 0.5 * k}   {f}   0.0   {s / 1e6}   {loss / 1e6}\n" for k, (f, s, loss) in enumerate(ROWS)

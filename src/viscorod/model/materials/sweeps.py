@@ -96,6 +96,9 @@ def one_sweep(parts: list[Points], temperature: float | None = None) -> DmaTable
     points = _joined(parts)
     notes = list(points.notes)
     usable = (points.omega > 1.0 / LARGEST) & (points.storage > 1.0 / LARGEST) & (points.loss >= 0.0)
+    known = np.isfinite(points.degrees)
+    if known.sum() > 0.5 * len(known):
+        usable &= known
     usable &= (points.omega < LARGEST) & (points.storage < LARGEST) & (points.loss < LARGEST)
     if not usable.any():
         raise RefusedError(
@@ -213,7 +216,7 @@ def _sweeps(points: Points) -> list[Points]:
     runs = [np.arange(a, b) for a, b in pairwise([*starts, count])]
     degrees = points.degrees
     if not np.isfinite(degrees).all():
-        return [points]
+        return _by_number(points)
     if np.median([len(run) for run in runs]) < 2 and len(np.unique(points.omega)) > 1:
         order = np.argsort(degrees, kind="stable")
         gaps = np.flatnonzero(np.diff(degrees[order]) > _ISOTHERM) + 1
@@ -228,6 +231,18 @@ def _sweeps(points: Points) -> list[Points]:
             last = means[k]
         sweeps[-1].extend(runs[k].tolist())
     return [points.at(np.array(sorted(sweep))) for sweep in sweeps]
+
+
+def _by_number(points: Points) -> list[Points]:
+    """Divide rows without temperatures by the numbers of their sweeps, or of their tables in the file.
+
+    A table that is printed on several pages goes on from one to the next, and no frequency comes again.
+    """
+    if len(np.unique(points.omega)) == len(points.omega):
+        return [points]
+    numbers = np.column_stack([points.block, np.nan_to_num(points.group, nan=-1.0)])
+    _, member = np.unique(numbers, axis=0, return_inverse=True)
+    return [points.at(member == k) for k in range(int(member.max()) + 1)]
 
 
 def _with_frequencies(sweeps: list[Points], notes: list[str]) -> list[Points]:
@@ -255,6 +270,11 @@ def _chosen(sweeps: list[Points], temperature: float | None, notes: list[str]) -
     measured = bool(np.isfinite(degrees).all())
     if temperature is None and len(sweeps) == 1:
         (sweep,) = sweeps
+    elif not measured and len(sweeps) > 1:
+        raise RefusedError(
+            f"the file has {len(sweeps)} sweeps, and no column of temperatures to choose one by",
+            "keep one sweep in the file",
+        )
     elif temperature is None:
         raise RefusedError(
             f"the file has sweeps at {len(sweeps)} temperatures: {_listed('', degrees, 30)} C",
