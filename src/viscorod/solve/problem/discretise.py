@@ -18,6 +18,7 @@ from viscorod.solve.constraints.strain_multipliers import held_strains, multipli
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem.joint_set import joint_set
 from viscorod.solve.problem.load_placing import place_loads
+from viscorod.solve.problem.massless_turns import refuse_massless_turns
 from viscorod.solve.problem.mesh import Mesh, divide, element_nodes, element_sets, join, stations_of
 from viscorod.solve.problem.placement import Placement
 from viscorod.solve.problem.problem import Problem, SupportSet
@@ -53,6 +54,7 @@ def discretise(model: ModelDescription, *, validated: bool = False) -> Problem:
     multipliers = joints.blocks + held_rows
     pattern = Pattern.of(nodes + multipliers, [*elements, *joints.cliques(nodes), *held_members])
     sets, mass, relaxation_times = element_sets(mesh, pattern)
+    refuse_massless_turns(model.bodies, mesh, mass)
     supports = _supports(model, places)
     nodal_loads, station_loads = place_loads(model, places)
     motions = [motion for _, _, motion in supports.motions] + [motion for _, motion in joints.motions]
@@ -204,7 +206,7 @@ def _initial_twist(model: ModelDescription, places: Placement) -> Callable[[Floa
             if velocity.rod in model.bodies:
                 spot = places.spot(BodyPlace(velocity.rod, None))
                 assert spot is not None
-                give(spot.node, spot.arm, *velocity.at(0.0, r[spot.node]))
+                give(spot.node, spot.arm, *velocity.at(0.0, r[spot.node] + R[spot.node] @ spot.arm))
                 continue
             rod = mesh.rod_index(velocity.rod)
             for k, s in enumerate(mesh.rods[rod].s):

@@ -43,14 +43,17 @@ class RodMesh:
 class Mesh:
     """All rods divided and joined.
 
-    ``shared[i][k]`` is the node of station k of rod i and ``links[i][k]`` its attachment (or -1), see ``ElementSet``.
-    The first nodes are those of the rigid bodies.
+    ``shared[i][k]`` is the node of station k of rod i and ``links[i][k]`` its attachment (or -1), see ``ElementSet``;
+    ``body_nodes`` and ``body_links`` are those of the rigid bodies, whose nodes are the first. Of several bodies that
+    are attached to each other, the first one has the node.
     """
 
     rods: tuple[RodMesh, ...]
     bodies: tuple[AnyBody, ...]
     shared: tuple[Integers, ...]
     links: tuple[Integers, ...]
+    body_nodes: Integers
+    body_links: Integers
     positions: Floats
     quaternions: Floats
     link_positions: Floats
@@ -167,6 +170,8 @@ def join(rods: list[RodMesh], bodies: list[AnyBody], attachments: list[tuple[int
         bodies=tuple(bodies),
         shared=tuple(np.ascontiguousarray(number[first[i] : first[i + 1]]) for i in range(len(rods))),
         links=tuple(np.ascontiguousarray(links[first[i] : first[i + 1]]) for i in range(len(rods))),
+        body_nodes=number[: len(bodies)],
+        body_links=links[: len(bodies)],
         positions=np.ascontiguousarray(positions[keep]),
         quaternions=np.ascontiguousarray(quaternions[keep]),
         link_positions=np.ascontiguousarray((matrices(back) @ arms[:, :, None])[:, :, 0]),
@@ -243,8 +248,9 @@ class SectionTable:
 def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], Floats, Floats]:
     """Return element arrays by order, nodal masses ``(n, 6, 6)`` lumped at Gauss-Lobatto nodes, relaxation times."""
     mass = np.zeros((len(mesh.positions), 6, 6))
-    for node, body in enumerate(mesh.bodies):
-        mass[node] = body.mass_matrix()
+    for body, node, link in zip(mesh.bodies, mesh.body_nodes, mesh.body_links, strict=True):
+        own = body.mass_matrix()
+        mass[node] += own if link < 0 else _moved(own, mesh, int(link))
     sets = []
     tables: list[SectionTable] = []
     for order in sorted({m.order for m in mesh.rods}):
