@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,12 +14,13 @@ import numpy as np
 from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.modal_damping import with_known_times
 from viscorod.analyses.provenance import material_record, provenance
-from viscorod.errors import InputError
+from viscorod.errors import Fault, InputError
 from viscorod.mechanics.compilation.compiled import announce_compilation, announce_formulation
 from viscorod.mechanics.elements import geometric_element as geometric
 from viscorod.mechanics.elements.held_strains import add_held_strains
 from viscorod.mechanics.elements.maxwell_branches import remember
 from viscorod.mechanics.joints.joint_forces import joint_forces
+from viscorod.model.actions.initial_strain import RestStrain
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
 from viscorod.results.result_places import ResultPlace, ResultPlaces
@@ -31,7 +33,7 @@ from viscorod.solve.history import History
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.settings import AnySettings, SimulateSettings
+from viscorod.solve.settings import AnySettings, EquilibriumSettings, PathSettings, SimulateSettings
 from viscorod.solve.settings_checks import require_fit
 from viscorod.solve.statics.newton import NewtonReport
 from viscorod.solve.statics.static_solver import StaticSolver
@@ -41,6 +43,35 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["DiscreteModel"]
+
+IMPOSED = (
+    "the initial strains (strain, [[strains]]) are imposed as rest strains, at which rods are free of stress; write "
+    "rest_strain, [[rest_strains]], for what stays in motions and modes too"
+)
+
+
+def with_strains_at_rest(model: ModelDescription) -> ModelDescription:
+    """Return the model with its initial strains as rest strains: nothing else could keep them in statics.
+
+    Raises:
+        InputError: a rod has both.
+    """
+    taken = {strain.rod for strain in model.rest_strains}
+    faults = [
+        Fault(
+            f"strains[{index}].rod",
+            repr(strain.rod),
+            "in statics an initial strain is imposed as a rest strain, and the rod has one already",
+            "leave one of them out",
+        )
+        for index, strain in enumerate(model.strains)
+        if strain.rod in taken
+    ]
+    if faults:
+        raise InputError(faults)
+    rest = [*model.rest_strains, *(RestStrain(strain.rod, strain.value) for strain in model.strains)]
+    parts: dict[str, Any] = model.parts() | {"strains": [], "rest_strains": rest}
+    return type(model).of(**parts)
 
 
 @dataclass(frozen=True)
@@ -95,8 +126,12 @@ class DiscreteModel:
         if isinstance(settings, SimulateSettings):
             require_fit(model, settings)
             formulation = formulation or (settings.formulation, settings.damping)
+        notes: dict[str, str] = {}
+        if isinstance(settings, EquilibriumSettings | PathSettings) and model.strains:
+            model = with_strains_at_rest(model)
+            notes["warnings"] = json.dumps([IMPOSED])
         known = with_known_times(model)
-        attributes = provenance(model, options.title, options.attributes) | material_record(known)
+        attributes = provenance(model, options.title, options.attributes) | material_record(known) | notes
         problem = discretise(known, validated=validated)
         announce_compilation(geometric.assemble)
         if problem.constrained:

@@ -7,7 +7,7 @@ import time
 from typing import Any
 
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.errors import SolveError
+from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.run import Equilibrium
 from viscorod.solve.constraints.rigid_motions import free_motions
 from viscorod.solve.formulations.system import State
@@ -17,7 +17,7 @@ from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.static_solver import StaticPath
 from viscorod.solve.statics.tangent import negative_eigenvalues
 
-__all__ = ["equilibrium", "find_initial_equilibrium"]
+__all__ = ["equilibrium", "find_initial_equilibrium", "require_no_initial_strain"]
 
 PATIENCE = 10.0
 """Seconds between two lines about an initial equilibrium: a motion shows no progress before it has begun."""
@@ -61,16 +61,36 @@ def equilibrium(discrete: DiscreteModel, settings: EquilibriumSettings) -> Equil
     return Equilibrium.later(discrete.data_set("equilibrium", history, attrs))
 
 
+def require_no_initial_strain(discrete: DiscreteModel) -> None:
+    """Refuse initial strains where no motion begins with them.
+
+    Raises:
+        InputError: the model has initial strains.
+    """
+    if discrete.problem.initial_strain:
+        raise InputError(
+            Fault(
+                "strains",
+                str(len(discrete.problem.initial_strain)),
+                "initial strains are those of a motion at t = 0, and no equilibrium",
+                "give a rest strain (rest_strain, [[rest_strains]]) if rods are free of stress at it, leave them out, "
+                "or take the reference shape (about = 'reference' of modes)",
+            )
+        )
+
+
 def find_initial_equilibrium(discrete: DiscreteModel, state: State, *, before: bool = True) -> None:
     """Move ``state`` to the equilibrium just before or after t = 0; the reference shape itself if nothing acts.
 
     Raises:
         InputError: nothing holds the model. SolveError: there is no such equilibrium.
     """
+    require_no_initial_strain(discrete)
     discrete.supports.update(0.0, before)
     loads = discrete.static.loads.at(0.0, before)
     strained = discrete.system.constraints.is_strained(state, 0.0, before=before)
-    if loads.none and not discrete.supports.target.any() and not strained:
+    resting = not discrete.problem.rest_strain
+    if resting and loads.none and not discrete.supports.target.any() and not strained:
         return
     discrete.require_held(loads)
     last = time.perf_counter()

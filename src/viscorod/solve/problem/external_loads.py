@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -24,7 +24,10 @@ class ActiveStation:
 
 @dataclass
 class LoadState:
-    """All loads at one time; ``nodes`` lists those that carry any nodal load; ``levers`` as in ``add_nodal_loads``."""
+    """All loads at one time; ``nodes`` lists those that carry any nodal load; ``levers`` as in ``add_nodal_loads``.
+
+    ``rest`` is the part of the rest strains that is imposed.
+    """
 
     nodes: Integers
     dead: Floats
@@ -32,6 +35,7 @@ class LoadState:
     gravity: Floats
     levers: Floats
     stations: list[ActiveStation] = field(default_factory=list)
+    rest: float = 1.0
 
     @property
     def none(self) -> bool:
@@ -50,7 +54,7 @@ class ExternalLoads:
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.offset = any(load.arms.any() for load in problem.nodal_loads)
-        self._factors: tuple[float, ...] | None = None
+        self._factors: tuple[float, tuple[float, ...]] | None = None
         self._state: LoadState | None = None
         self.last: LoadState = NO_LOADS
 
@@ -58,9 +62,9 @@ class ExternalLoads:
         """Return the loads at time ``t`` [s] times ``scale``; ``before`` takes the limit from the left at jumps."""
         problem = self.problem
         factors = tuple(scale * load.factor(t, before) for load in problem.nodal_loads)
-        if factors != self._factors or self._state is None:
-            self._factors = factors
-            self._state = self._nodal(factors)
+        if (scale, factors) != self._factors or self._state is None:
+            self._factors = scale, factors
+            self._state = replace(self._nodal(factors), rest=scale)
         state = self._state
         self.last = state
         if not problem.station_loads:
@@ -73,7 +77,7 @@ class ExternalLoads:
                 continue
             part, element, shape = self.locate(load.rod, s)
             stations.append(ActiveStation(part, element, shape, factor * load.dead, factor * load.following))
-        self.last = LoadState(state.nodes, state.dead, state.following, state.gravity, state.levers, stations)
+        self.last = replace(state, stations=stations)
         return self.last
 
     def _nodal(self, factors: tuple[float, ...]) -> LoadState:
