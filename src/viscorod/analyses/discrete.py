@@ -25,7 +25,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
 from viscorod.results.result_places import ResultPlace, ResultPlaces
 from viscorod.solve.constraints.redundancy import require_independent
-from viscorod.solve.constraints.rigid_motions import free_motions, undetermined
+from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions, undetermined
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State, System
@@ -42,12 +42,28 @@ from viscorod.solve.transient.integrators.contract import StepReport
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["DiscreteModel"]
+__all__ = ["DiscreteModel", "unheld"]
 
 IMPOSED = (
     "the initial strains (strain, [[strains]]) are imposed as rest strains, at which rods are free of stress; write "
     "rest_strain, [[rest_strains]], for what stays in motions and modes too"
 )
+
+
+MOST_NAMED = 6
+"""Free motions that a message names."""
+
+
+def unheld(motions: list[FreeMotion], why: str = "") -> InputError:
+    """Return the refusal of a static solution that leaves motions free."""
+    named = "; ".join(motion.text for motion in motions[:MOST_NAMED])
+    more = len(motions) - MOST_NAMED
+    return InputError(
+        f"no static equilibrium: nothing holds the model against {named}"
+        f"{f' and {more} more motions' if more > 0 else ''}{f' ({why})' if why else ''}. "
+        "Add supports, or take the reference shape (initial = 'reference' of a simulation, "
+        "about = 'reference' of modes)"
+    )
 
 
 def with_strains_at_rest(model: ModelDescription) -> ModelDescription:
@@ -171,26 +187,31 @@ class DiscreteModel:
         """
         require_independent(self.system, self.supports)
 
-    def require_held(self, loads: LoadState) -> None:
+    def require_held(self, loads: LoadState, *, searching: bool = False) -> list[FreeMotion]:
         """Refuse a static solution if supports and loads leave a rigid motion undetermined.
+
+        Args:
+            loads: that act.
+            searching: let rotations and mechanisms pass that loads may hold in another position.
+
+        Returns:
+            These motions.
 
         Raises:
             InputError: they do; it names the motion.
         """
         motions = free_motions(self.problem)
         if not motions:
-            return
+            return []
         self.system.assemble(State.reference(self.problem), loads, None, tangent=True, moving=False)
         size = 6 * self.problem.size
         stiffness = self.system.matrix.sparse()[:size, :size]
         loose = undetermined(self.problem, self.system.external, stiffness, motions)
+        if searching and self.system.external.any() and not any(motion.translation for motion in loose):
+            return loose
         if loose:
-            raise InputError(
-                "no static equilibrium: nothing holds the model against "
-                f"{'; '.join(motion.text for motion in loose)}. "
-                "Add supports, or take the reference shape (initial = 'reference' of a simulation, "
-                "about = 'reference' of modes)"
-            )
+            raise unheld(loose)
+        return []
 
     def place(self, name: str) -> ResultPlace:
         """Return a place by its name, before there is a data set.
