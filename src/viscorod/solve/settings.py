@@ -362,6 +362,10 @@ class ModesSettings(Definition):
         'just after t = 0, or the "reference" shape (as if free of load)',
         default="equilibrium",
     )
+    near: OptionalPositive = Key(
+        "those whose natural frequencies are nearest to this one, in place of the slowest", "Hz", default=None
+    )
+    oscillating: bool = Key("leave out rigid motions and overdamped modes", default=False)
 
 
 LONGEST_COUPLING = 1e6
