@@ -110,10 +110,11 @@ class Model(ModelDescription):
 
     @takes(ModesSettings)
     def modes(self, settings: ModesSettings) -> Modes:
-        """Find the slowest small damped vibrations about an equilibrium or the reference shape.
+        """Find small vibrations about an equilibrium or the reference shape: the slowest, or those near a frequency.
 
         Returns:
-            eigenvalues [1/s], frequencies [Hz], damping ratios, shapes, and the positions about which they swing [m].
+            eigenvalues [1/s], frequencies [Hz], damping ratios, shapes, the positions about which they swing [m], and
+            their names; each with its residual, and whether it is proven that none is missing.
 
         Raises:
             InputError: the model is inconsistent, nothing holds it there, or about or count is wrong.

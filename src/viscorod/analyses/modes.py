@@ -13,11 +13,18 @@ __all__ = ["modes"]
 
 
 def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
-    """Find the slowest small vibrations; see ``Model.modes``."""
+    """Find small vibrations, the slowest or those near a frequency; see ``Model.modes``."""
     discrete.require_independent()
     state = State.reference(discrete.problem)
     before, loaded = settings.about != "released", settings.about != "reference"
     if loaded:
         find_initial_equilibrium(discrete, state, before=before)
     linear = vibrations.linearise(discrete.static, state, before=before, scale=1.0 if loaded else 0.0)
-    return vibrations.complex_modes(discrete.static, state, linear, settings.count)
+    return vibrations.complex_modes(
+        discrete.static,
+        state,
+        linear,
+        settings.count,
+        near=settings.near,
+        oscillating=settings.oscillating,
+    )

@@ -27,9 +27,9 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
     discrete.require_independent()
     loads = discrete.static.loads.at(0.0, True, 1.0)
     discrete.supports.update(0.0, True)
-    if loads.none and not discrete.supports.target.any():
+    if loads.none and not discrete.supports.target.any() and not discrete.problem.rest_strain:
         raise InputError(
-            "no path to follow: no load and no prescribed motion acts at t = 0; add a load without until"
+            "no path to follow: no load, prescribed motion or rest strain acts at t = 0; add a load without until"
         )
     discrete.require_held(loads)
     history = History()

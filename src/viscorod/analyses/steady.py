@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.equilibrium import require_no_initial_strain
 from viscorod.errors import InputError, SolveError
 from viscorod.results.result import Result
 from viscorod.results.steady_result import Steady
@@ -30,6 +31,7 @@ def steady_rotation(discrete: DiscreteModel, settings: SteadySettings) -> Steady
     """Find a steady rotation; see ``Model.steady``."""
     discrete.static.stop = discrete.options.stop
     discrete.require_independent()
+    require_no_initial_strain(discrete)
     problem, start = discrete.problem, discrete.options.start
     require_steady(discrete.model, problem, settings)
     first = None if start is None else last_state(problem, start)

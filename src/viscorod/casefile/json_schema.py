@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 from viscorod.casefile.case_reader import ANALYSES, ROD_KEYS
 from viscorod.model.actions.event import EVENTS
-from viscorod.model.actions.initial_strain import InitialStrain
+from viscorod.model.actions.initial_strain import InitialStrain, RestStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import LOADS
 from viscorod.model.actions.time_table import TIME_FUNCTIONS
@@ -61,6 +61,7 @@ SINGLE: dict[str, type[Definition]] = {
     "attachments": Attachment,
     "velocities": InitialVelocity,
     "strains": InitialStrain,
+    "rest_strains": RestStrain,
     **ANALYSES,
 }
 
@@ -149,7 +150,7 @@ def _forms(kinds: tuple[tuple[str, type[Definition]], ...], methods: tuple[objec
     properties["rods"]["minProperties"] = 1
     for key in ("supports", "loads", "joints", "springs"):
         properties[key] = listed(of_kind(key.removesuffix("s")))
-    for key in ("attachments", "velocities", "strains"):
+    for key in ("attachments", "velocities", "strains", "rest_strains"):
         properties[key] = listed(of_kind(key))
     properties |= {key: of_kind(key) for key in ANALYSES}
     return {

@@ -302,6 +302,8 @@ def _stability(equilibrium: Equilibrium) -> str:
             if negative
             else "Stable: the tangent stiffness has no negative eigenvalue"
         )
+    if equilibrium.found_by:
+        lines.append(f"Found by {equilibrium.found_by}")
     return "\n".join(lines)
 
 

@@ -278,6 +278,11 @@ class Equilibrium(Result):
         return int(self.data.attrs.get("negative_eigenvalues", 0))
 
     @property
+    def found_by(self) -> str:
+        """How it was found, in words: load steps, or settling where these fail or end at an unstable equilibrium."""
+        return str(self.data.attrs.get("found_by", ""))
+
+    @property
     def is_path(self) -> bool:
         """True if the states are the points of a path."""
         return "limit_points" in self.data.attrs

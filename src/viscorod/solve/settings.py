@@ -15,6 +15,7 @@ from viscorod.model.fields.forms import POSITIVE, TEXT, listed, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
 from viscorod.model.fields.values import (
     TRIPLE,
+    Flag,
     Number,
     OneOfRegistry,
     OptionalDirection,
@@ -192,6 +193,11 @@ class EquilibriumSettings(Definition):
         "number of equal load steps to start with, 1 to 10 000; they are halved where needed", default=None
     )
     load_factor: Number = Key("multiple of all loads and prescribed motions", default=1.0)
+    search: Flag = Key(
+        "whether the search goes on by itself to a stable equilibrium where load steps fail or end at an unstable "
+        "one; false keeps to the equilibrium that load steps lead to, such as that of a straight strut",
+        default=True,
+    )
 
 
 class PathSettings(Definition):
@@ -356,6 +362,10 @@ class ModesSettings(Definition):
         'just after t = 0, or the "reference" shape (as if free of load)',
         default="equilibrium",
     )
+    near: OptionalPositive = Key(
+        "those whose natural frequencies are nearest to this one, in place of the slowest", "Hz", default=None
+    )
+    oscillating: bool = Key("leave out rigid motions and overdamped modes", default=False)
 
 
 LONGEST_COUPLING = 1e6

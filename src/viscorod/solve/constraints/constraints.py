@@ -47,6 +47,7 @@ class Constraints:
         target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
         near: values ``(c,)`` that angles are to be near.
         pace: rate [1/s] with the square of which inertia counts in the present matrix.
+        stage: values of held coordinates at the start of a stage of statics, and parts of motors at its end ``(c,)``.
         gap: gaps that multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
     """
 
@@ -73,6 +74,7 @@ class Constraints:
         taken[self.held.place] = True
         self.idle: Integers = np.flatnonzero(~taken)
         self.used: Integers = np.flatnonzero(taken)
+        self.stage: tuple[Floats, Floats] = self._first_gap, np.ones(c)
         self.target[:] = self._first_gap
         self.unit = np.ones(places)
         self.unit[self.arrays.place[self.is_held]] = self.joints.unit[self.is_held]
@@ -170,9 +172,10 @@ class Constraints:
         """Evaluate motors at time ``t`` [s]; ``scale`` below 1 leaves gaps of the reference shape open in part."""
         if self.joints.count == 0:
             return
-        self.target[:] = (1.0 - scale) * self._first_gap
+        first, part = self.stage
+        self.target[:] = (1.0 - scale) * first
         for c, motion in self.joints.motions:
-            self.target[c] = scale * motion.value(t, before)
+            self.target[c] += scale * part[c] * motion.value(t, before)
             self.target_rate[c] = scale * motion.rate(t, before)
         self.near[self.is_held] = self.target[self.is_held]
 

@@ -37,6 +37,7 @@ class SupportState:
         self.complete = s.complete
         self.partial = s.partial
         self.moving = bool(s.motions)
+        self.stage: tuple[Floats, Floats] | None = None  # motions at the start (m, 6), parts of them at the end
         self.twist: Floats = np.zeros((len(self.complete), 6))
         self.twist_rate: Floats = np.zeros((len(self.complete), 6))
 
@@ -47,7 +48,7 @@ class SupportState:
             InputError: a partly held node is to turn by a full turn.
         """
         for k, component, motion in self.set.motions:
-            self.target[k, component] = scale * motion.value(t, before)
+            self.target[k, component] = self.staged(k, component, motion.value(t, before), scale)
             self.rate[k, component] = scale * motion.rate(t, before)
             self.acceleration[k, component] = scale * motion.acceleration(t, before)
         for k in self.partial if self.moving else ():
@@ -58,6 +59,13 @@ class SupportState:
                     "vector of a place that is not held completely cannot pass a full turn; hold all six motions "
                     "there (clamp with motion), which allows any number of turns"
                 )
+
+    def staged(self, k: int, component: int, value: float, scale: float) -> float:
+        """Return a prescribed motion at ``scale``, between what it is at the start of a stage of statics and its end."""
+        if self.stage is None:
+            return scale * value
+        first, part = (float(array[k, component]) for array in self.stage)
+        return first + scale * (part * value - first)
 
     def prescribe(self, state: State) -> None:
         """Put fully supported nodes at their prescribed pose and twist."""

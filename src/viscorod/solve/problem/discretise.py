@@ -80,6 +80,7 @@ def discretise(model: ModelDescription, *, validated: bool = False) -> Problem:
         station_loads=station_loads,
         stations=stations_of(mesh),
         initial_strain={mesh.rod_index(strain.rod): strain.at for strain in model.strains},
+        rest_strain={mesh.rod_index(strain.rod): strain.at for strain in model.rest_strains},
         initial_twist=_initial_twist(model, places),
         relaxation_times=relaxation_times,
         length=length,

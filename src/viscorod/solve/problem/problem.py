@@ -152,6 +152,7 @@ class Problem:
         multipliers: block rows of multipliers, after those of the nodes; first those of joints.
         interiors: nodes within elements, element by element, that couple with nothing outside.
         initial_strain: strains ``(6,)`` at t = 0 by arc length [m], of the rods (by index) that have any.
+        rest_strain: strains ``(6,)`` at which rods (by index) are free of stress, by arc length [m].
         initial_twist: body twists at t = 0 for given poses, ``(r, q) -> (n, 6)``.
         length: size of the model [m], the measure of "small" for displacements.
         breakpoints, jumps: times [s] at which loads or motions are not smooth / an integrator must start anew.
@@ -178,6 +179,7 @@ class Problem:
     station_loads: tuple[StationLoad, ...]
     stations: Stations
     initial_strain: Mapping[int, Callable[[float], Floats]]
+    rest_strain: Mapping[int, Callable[[float], Floats]]
     initial_twist: Callable[[Floats, Floats], Floats]
     relaxation_times: Floats
     length: float

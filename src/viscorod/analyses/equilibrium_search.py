@@ -1,0 +1,149 @@
+"""The search for an equilibrium: load steps first, then settling where they fail or end at an unstable one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from viscorod.analyses.discrete import DiscreteModel, unheld
+from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions
+from viscorod.solve.formulations.system import State
+from viscorod.solve.statics.newton import Outcome, interruption
+from viscorod.solve.statics.settling import Settling, SettlingReport, have_potential
+from viscorod.solve.statics.static_solver import StaticPath
+from viscorod.solve.statics.tangent import negative_eigenvalues
+
+__all__ = ["Search"]
+
+OnStep = Callable[[float, State, int], None]
+
+
+@dataclass
+class Search:
+    """One search, and how it went.
+
+    Attributes:
+        discrete: the model. factor: multiple of loads and motions; before: time t = 0-, else 0+.
+        allowed: whether it may go on by settling. loose: motions that nothing but loads may hold, elsewhere.
+        steps: the load steps; settling: what came after them, None if it was not needed.
+        unstable: negative eigenvalues of the tangent stiffness at the end.
+    """
+
+    discrete: DiscreteModel
+    factor: float = 1.0
+    before: bool = True
+    allowed: bool = True
+    loose: list[FreeMotion] = field(default_factory=list)
+    steps: StaticPath = field(default_factory=StaticPath)
+    settling: SettlingReport | None = None
+    unstable: int = 0
+
+    def run(self, state: State, *, first_step: float = 1.0, on_step: OnStep | None = None) -> bool:
+        """Move ``state`` to an equilibrium; returns whether it was found.
+
+        Args:
+            state: start; overwritten by the last equilibrium that was found.
+            first_step: of the load steps; on_step: called after each of them.
+
+        Raises:
+            InputError: nothing holds the model.
+        """
+        start = state.copy()
+        if not self.loose:
+            self.steps = self.discrete.static.solve(
+                state, before=self.before, factor=self.factor, first_step=first_step, on_step=on_step
+            )
+            if self.steps.outcome is Outcome.INTERRUPTED:
+                return False
+            if self.steps.outcome is Outcome.COMPLETED:
+                tangent = self.discrete.static.tangent(state, before=self.before, scale=self.factor)
+                self.unstable = negative_eigenvalues(tangent)
+                loads = self.discrete.static.loads.at(0.0, self.before, self.factor)
+                if self.unstable == 0 or not self.allowed or not have_potential(loads):
+                    self._restore(state)
+                    return True
+        return self.allowed and self._settle(start, state)
+
+    def _settle(self, start: State, state: State) -> bool:
+        """Settle from ``start``; without success ``state`` stays where load steps led."""
+        static = self.discrete.static
+        settling = Settling(static, before=self.before, factor=self.factor)
+        self.settling = settling.report
+        led = bool(self.steps.factors) and self.steps.outcome is Outcome.COMPLETED
+        try:
+            settling.run(start)
+        except KeyboardInterrupt as asked:
+            self.steps.outcome, self.steps.reason = Outcome.INTERRUPTED, interruption(asked)
+            return False
+        if settling.report.found:
+            state.set(start)
+            self.unstable = settling.report.unstable
+            self._restore(state)
+            return True
+        if settling.report.falls:
+            raise unheld(self.loose or free_motions(self.discrete.problem), settling.report.reason)
+        if led:
+            self._restore(state)
+        return led
+
+    def _restore(self, state: State) -> None:
+        self.discrete.static.restore(state, 0.0, before=self.before, scale=self.factor)
+
+    @property
+    def settled(self) -> bool:
+        """Whether it was found by settling."""
+        return self.settling is not None and self.settling.found
+
+    @property
+    def found_by(self) -> str:
+        """How the equilibrium was found, in words."""
+        if not self.settled:
+            count = len(self.steps.factors)
+            return f"{count} load step{'s' if count != 1 else ''}"
+        assert self.settling is not None
+        if self.loose:
+            why = "the reference shape is none that loads hold"
+        elif self.steps.outcome is Outcome.COMPLETED:
+            why = "load steps ended at an unstable equilibrium"
+        else:
+            why = f"load steps found none beyond {self._reached:.4g} of the loads"
+        count = self.settling.steps
+        text = f"settling from the start ({why}): pseudo-transient continuation, {count} steps"
+        if self.settling.knocks:
+            text += f", past {self.settling.knocks} unstable"
+        return f"{text}; where several equilibria are stable, this is one of them"
+
+    @property
+    def doubts(self) -> list[str]:
+        """Warnings about an equilibrium that was found."""
+        if self.settling is None or self.settling.found:
+            return []
+        return [
+            f"the equilibrium is unstable ({self.unstable} negative eigenvalues), and the search for a stable one "
+            f"ended without any: {self.settling.reason}"
+        ]
+
+    @property
+    def _reached(self) -> float:
+        return self.steps.factors[-1] if self.steps.factors else 0.0
+
+    def failure(self) -> str:
+        """Say why none was found, and what to try."""
+        path, discrete, reached = self.steps, self.discrete, self._reached
+        if path.outcome is Outcome.INTERRUPTED:
+            return f"Stopped at {reached:.6g} of the loads (trying {path.load_level:.6g}): {path.reason}"
+        text = ""
+        if path.report is not None:
+            text = (
+                f"No equilibrium beyond {reached:.6g} of the loads (tried {path.load_level:.6g}): {path.outcome.value}."
+                f"{discrete.where(path.report)} What to try: {path.outcome.advice(static=True)}."
+            )
+        if self.settling is not None:
+            text += f" Settling from the start found no stable equilibrium either: {self.settling.reason}."
+        gaps = discrete.system.constraints.open_joints(1.0 - reached)
+        if gaps:
+            text += f" Joints that are open in the reference shape could not be closed; still open: {', '.join(gaps)}."
+        free = free_motions(discrete.problem)
+        if free:
+            text += f" Free rigid motions: {', '.join(motion.text for motion in free[:6])}."
+        return text.strip()
