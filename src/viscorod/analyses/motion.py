@@ -11,14 +11,16 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
-from viscorod.errors import InputError, SolveError
+from viscorod.errors import InputError, SolveError, warn
 from viscorod.mechanics.compilation.compiled import announce_formulation
 from viscorod.mechanics.elements import intrinsic_element as intrinsic
 from viscorod.model.actions.event import Crossing, Decayed
 from viscorod.results.data_schema import AXES, annotated
 from viscorod.results.dataset import dataset
+from viscorod.results.files.journal import contents
 from viscorod.results.files.storage import read
 from viscorod.results.files.stream import Stream
+from viscorod.results.result_warnings import energy_doubt
 from viscorod.results.run import Run
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot, StationReader
@@ -113,13 +115,22 @@ def _motion(
     attrs["message"] = message = failure(discrete, transient)
     if stream is None:
         run = Run(discrete.data_set("simulate", result.history, attrs)())
+        _tell(run.data.attrs, energy_doubt(run.data))
     else:
         # a motion that was streamed is a file then, with a journal beside it where it can still go on
         stream.flush(build)
+        _tell(attrs, energy_doubt(contents(stream.journal.folder).assign_attrs(attrs)))
         run = Run(read(stream.finish(discrete.complete(attrs), keep=interrupted)))
     if message:
         raise SolveError(message, run)
     return run
+
+
+def _tell(attrs: dict[str, Any], doubt: str) -> None:
+    """Keep a doubt among the warnings of a result, and show it."""
+    if doubt:
+        attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), doubt])
+        warn(doubt)
 
 
 def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> State:
