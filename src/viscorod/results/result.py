@@ -72,6 +72,13 @@ class Result(ABC):
         """The word "completed", or what stopped the solution."""
         return str(self.data.attrs.get("outcome", "completed"))
 
+    @property
+    def warnings(self) -> list[str]:
+        """What the result says against itself, in sentences; they stand in its report, its file and its page too."""
+        from viscorod.results.result_warnings import warnings_of
+
+        return warnings_of(self)
+
     def history(self, place: str | int, quantity: Quantity = "position") -> xr.DataArray:
         """Return how a vector at a place changes, in global axes.
 
