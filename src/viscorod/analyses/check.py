@@ -165,7 +165,7 @@ def _assumptions(model: ModelDescription) -> list[str]:
     """Return what was assumed of the damping; the same of several rods once."""
     rods: dict[str, list[str]] = {}
     for name, rod in model.rods.items():
-        for text in rod.material.assumptions if rod.material is not None else ():
+        for text in rod.assumptions:
             rods.setdefault(text, []).append(name)
     return [
         f"{'rod' if len(names) == 1 else 'rods'} {some_of(names)}: {text}" for text, names in rods.items()

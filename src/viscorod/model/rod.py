@@ -42,6 +42,12 @@ DEFAULT_ORDER = 5
 TURN_PER_NODE = 2.0 * math.pi / 15.0
 """Bending and twisting of the reference shape from node to node: an element of the default order, which turns by a
 third of a circle then, follows it to 4e-7 of its length."""
+SLACK = 1e-12
+"""Bending stiffness of a cable over axial stiffness times the square of its length: what leaves its sections a direction.
+Its influence on the shape is of this order over the strain of the cable."""
+GYRATION = 1e-5
+"""Radius of gyration of a cable over its length, against rotation and twist: twist waves are as fast as those of stretch,
+or each cable had slow vibrations of twist that mean nothing."""
 NODES_PER_ROD = 10
 SAMPLES, MOST_SAMPLES = 64, 4096
 """Pieces of a rod in which it is measured how far the reference shape turns."""
@@ -72,6 +78,19 @@ def _whole_or_auto(high: int) -> Check[int | None]:
             raise RefusedError(error.why, f"{error.instead}, or 'auto'") from None
 
     return parse
+
+
+def _with_direction(stiffness: Floats, inertia: Floats, length: float) -> tuple[Floats, Floats]:
+    """Return stiffness and inertia of a section of a rod; those of a cable with what gives its sections a direction."""
+    if stiffness[3:].any():
+        return stiffness, inertia
+    bending, turning = SLACK * length**2, (GYRATION * length) ** 2
+    inertia = inertia.copy()
+    inertia[3:], inertia[:, 3:] = 0.0, 0.0
+    return (
+        stiffness + stiffness[2, 2] * np.diag([0, 0, 0, bending, bending, turning]),
+        inertia + inertia[2, 2] * np.diag([0, 0, 0, turning, turning, turning]),
+    )
 
 
 class Rod(Definition):
@@ -264,7 +283,29 @@ class Rod(Definition):
     def matrices_at(self, s: float) -> Matrices:
         """Return stiffness C, damping D and inertia M per length (6, 6) of the section at the arc length `s`."""
         section = self.section_at(s)
-        return section.matrices(self.material if section.needs_material else None)
+        stiffness, damping, inertia = section.matrices(self.material if section.needs_material else None)
+        stiffness, inertia = _with_direction(stiffness, inertia, self.length)
+        return stiffness, damping, inertia
+
+    @property
+    def assumptions(self) -> list[str]:
+        """What is assumed of its sections and material, one sentence each."""
+        found = [] if self.material is None else list(self.material.assumptions)
+        if self.is_cable:
+            found.append(
+                f"a cable, which bends and twists at no cost: {SLACK:g} of its axial stiffness times its length squared "
+                f"gives its sections a direction, {GYRATION**2:g} one about its axis, and their radius of gyration is "
+                f"{GYRATION:g} of its length"
+            )
+        return found
+
+    @property
+    def is_cable(self) -> bool:
+        """Whether a section bends and twists at no cost."""
+        return any(
+            not section.matrices(self.material if section.needs_material else None)[0][3:].any()
+            for _, section in self._sections()
+        )
 
     def branches_at(self, s: float) -> Branches:
         """Return Maxwell branches of the section at the arc length `s`: times (n,), s, and stiffnesses (n, 6, 6)."""
@@ -376,6 +417,7 @@ class Rod(Definition):
             stiffness = damping = inertia = np.full((6, 6), math.nan)
         except InputError as error:
             raise RefusedError(str(error)) from None
+        stiffness, inertia = _with_direction(stiffness, inertia, self.length)
         diagonal = np.concatenate([np.diag(stiffness), np.diag(inertia)])
         if not np.isfinite(damping).all() or not (np.isfinite(diagonal) & (diagonal > 0.0)).all():
             entry = int(np.argmin(np.where(np.isfinite(diagonal), diagonal, -math.inf)))

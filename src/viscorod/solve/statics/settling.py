@@ -37,8 +37,8 @@ NEUTRAL = 1e-5
 """Drag, as a part of the first, that neutral motions have at the end: a rod that hangs on a ball may spin."""
 WANTED = 0.3
 """Size of step that is aimed at."""
-CAREFUL = 0.1
-"""Size of step below which an unstable equilibrium may be near, on which a long step would end."""
+NEAR = 0.3
+"""Distance from an unstable equilibrium below which a step is not to be so long that it leads back there."""
 STILL = 1e-2
 """Size of a step below which Newton's method is tried on the equilibrium itself."""
 ITERATIONS = 12
@@ -48,7 +48,7 @@ INVERSE = 15
 """Inverse iterations for the fastest way off an unstable equilibrium."""
 CREEP = 30
 """Steps at most with hardly any drag."""
-STEPS = 2000
+STEPS = 500
 FAR = 100.0
 """Displacement over the size of the model beyond which nothing holds it."""
 KNOCK = 0.05
@@ -99,6 +99,7 @@ class Settling:
         self._downhill = have_potential(static.loads.at(t, before, factor))
         self.report = SettlingReport()
         self.motion = 0.0
+        self._saddle: State | None = None
 
     def run(self, state: State, *, motion: float = 0.0) -> SettlingReport:
         """Move ``state`` to an equilibrium.
@@ -115,7 +116,7 @@ class Settling:
         mu = self._first(x)
         self._mu = 0.0
         self._neutral, least = NEUTRAL * mu, 1e-14 * mu
-        first, tried = x.r.copy(), STILL
+        first, tried, floor = x.r.copy(), STILL, 0.0
         while report.steps + report.rejected < STEPS:
             self.static.check_interrupt()
             goal = min(1.0, self.motion + growth)
@@ -123,7 +124,9 @@ class Settling:
             report.iterations += iterations
             if trial is None:
                 report.rejected += 1
-                mu *= 4.0
+                if size:
+                    floor = 1.5 * mu
+                mu *= 2.0 if size else 4.0
                 growth = max(0.5 * growth, 1e-4)
                 if not mu < 1e30 * max(least, 1e-300):
                     report.reason = "no step was small enough"
@@ -133,7 +136,8 @@ class Settling:
             x, self.motion = trial, goal
             growth = min(2.0 * growth, 0.1)
             easy = 0.1 if iterations <= 4 else 0.5
-            mu = max(mu * min(max(easy, size / WANTED), 2.0), least)
+            mu = max(mu * min(max(easy, size / WANTED), 2.0), floor, least)
+            floor *= 0.7
             if np.abs(x.r - first).max() > FAR * self.span:
                 report.reason, report.falls = "it falls without end", True
                 return report
@@ -220,8 +224,9 @@ class Settling:
         if moved > LARGEST:
             return None, moved, count
         self._begin(x)
-        if self._downhill and moved < CAREFUL and negative_eigenvalues(self._tangent(x, mu)):
-            return None, moved, count
+        if self._saddle is not None and self._downhill and distance(x, self._saddle, self.span) < NEAR:
+            if negative_eigenvalues(self._tangent(x, mu)):
+                return None, moved, count
         return x, moved, count
 
     def _assemble(self, x: State, mu: float) -> Floats:
@@ -299,6 +304,7 @@ class Settling:
         ways = [self._fastest(x, mu, axis) for axis in range(4)]
         fastest = min(rate for rate, _ in ways)
         way = next(way for rate, way in ways if rate <= fastest + 1e-3 * abs(fastest))
+        self._saddle = x.copy()
         retract(x.r, x.q, KNOCK * way, x.r, x.q)
         self._mu = 4.0 * mu
 
@@ -326,6 +332,12 @@ class Settling:
             rate = before / gain - mu if gain else np.inf
             way = new / increment_size(new, self.span)
         return rate, way
+
+
+def distance(a: State, b: State, length: float) -> float:
+    """Return the largest displacement over ``length``, or rotation [rad], between two states."""
+    cosine = np.minimum(np.abs(np.sum(a.q * b.q, axis=1)), 1.0)
+    return max(float(np.abs(a.r - b.r).max()) / length, float(2.0 * np.arccos(cosine).max()))
 
 
 def drag(static: StaticSolver) -> Floats:
