@@ -14,6 +14,7 @@ from viscorod.analyses.equilibrium import equilibrium
 from viscorod.analyses.model import Model
 from viscorod.analyses.motion import motion
 from viscorod.analyses.path import equilibrium_path
+from viscorod.analyses.refinement import refined
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
@@ -77,7 +78,7 @@ def run_case(
         stop=stop,
     )
     discrete = discrete.renewed(options, {"doubts": json.dumps(list(doubts))})
-    return ANALYSES[type(case.settings)](discrete, case.settings)
+    return refined(ANALYSES[type(case.settings)], discrete, case.settings)
 
 
 def as_model(description: ModelDescription) -> Model:

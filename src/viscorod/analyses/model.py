@@ -42,8 +42,9 @@ class Model(ModelDescription):
         """
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.equilibrium import equilibrium
+        from viscorod.analyses.refinement import refined
 
-        return equilibrium(DiscreteModel.of(self, call, call.options), call)
+        return refined(equilibrium, DiscreteModel.of(self, call, call.options), call)
 
     @takes(PathArguments)
     def path(self, call: PathArguments) -> Equilibrium:
