@@ -56,7 +56,7 @@ def equilibrium(discrete: DiscreteModel, settings: EquilibriumSettings) -> Equil
         attrs["message"] = _failure(discrete, path)
         found = Equilibrium.later(discrete.data_set("equilibrium", history, attrs)) if path.factors else None
         raise SolveError(attrs["message"], found)
-    discrete.watch.see(state, scale=factor)
+    discrete.watch.see(history.snapshots[-1], factor)
     attrs |= discrete.watch.attributes
     tangent = discrete.static.tangent(state, scale=factor)
     attrs["negative_eigenvalues"] = negative_eigenvalues(tangent)

@@ -122,8 +122,9 @@ class Model(ModelDescription):
         """
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.modes import modes
+        from viscorod.analyses.refinement import refined_modes
 
-        return modes(DiscreteModel.of(self), settings)
+        return refined_modes(modes, DiscreteModel.of(self), settings)
 
     def draw(self, path: str | Path, title: str = "") -> Path:
         """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.

@@ -1,17 +1,29 @@
-"""Analyses on meshes that the program chooses: repeated on finer ones until the estimated error is as small as wanted."""
+"""Analyses on meshes that the program chooses: repeated on finer ones until the estimated error is as wanted."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TypeVar
 
-from viscorod.analyses.discrete import DiscreteModel
-from viscorod.solve.settings import Meshed
+import numpy as np
 
-__all__ = ["refined"]
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.errors import SolveError
+from viscorod.solve.modes.vibrations import Modes
+from viscorod.solve.problem.division import divisions_of
+from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES
+from viscorod.solve.settings import Meshed, ModesSettings
+from viscorod.typing import Floats
+
+__all__ = ["frequency_errors", "refined", "refined_modes"]
 
 MOST_MESHES = 12
 """Meshes that are tried at most."""
+RIGID = 1e-6
+"""Part of the highest listed frequency below which one is a rigid motion."""
+GAIN = 0.7
+"""Part of the error before that refinement leaves at most, where it is the mesh that makes the error."""
 
 S = TypeVar("S", bound=Meshed)
 R = TypeVar("R")
@@ -30,3 +42,58 @@ def refined(analysis: Callable[[DiscreteModel, S], R], discrete: DiscreteModel, 
         discrete = discrete.on_mesh(divisions)
         result = analysis(discrete, settings)
     return result
+
+
+def refined_modes(
+    analysis: Callable[[DiscreteModel, ModesSettings], Modes],
+    discrete: DiscreteModel,
+    settings: ModesSettings,
+) -> Modes:
+    """Find modes on a mesh and on the one with all elements halved; their differences are the estimated errors.
+
+    While a frequency differs by more than ``accuracy``, and the program may choose the mesh of a rod, the finer mesh
+    becomes the coarser one.
+    """
+    found, before = analysis(discrete, settings), np.inf
+    if not discrete.watch.feasible:
+        return found
+    free = {name for name, rod in discrete.model.rods.items() if rod.elements is None}
+    for _ in range(MOST_MESHES):
+        coarse = divisions_of(discrete.problem)
+        finer = discrete.on_mesh({name: division.halved() for name, division in coarse.items()})
+        try:
+            other = analysis(finer, settings)
+        except SolveError:
+            return found
+        errors = frequency_errors(found, other)
+        worst = float(errors.max(initial=0.0))
+        found = replace(found, frequency_errors=errors)
+        stuck, before = worst > GAIN * before, worst
+        if worst <= settings.accuracy or not free or stuck or finer.problem.size > MOST_CHOSEN_NODES:
+            return found
+        if len(free) == len(coarse):
+            discrete, found = finer, other
+        else:
+            halved = {name: d.halved() if name in free else d for name, d in coarse.items()}
+            discrete = discrete.on_mesh(halved)
+            found = analysis(discrete, settings)
+    return found
+
+
+def frequency_errors(found: Modes, other: Modes) -> Floats:
+    """Return how far each frequency is from that of the ``other`` modes, in parts of it.
+
+    Oscillating modes are compared in their order, so that a missing or an invented one shows. Overdamped ones crowd,
+    the more the finer the mesh is: each is compared with the nearest.
+    """
+    s, better = found.eigenvalues, other.eigenvalues
+    highest = max(np.abs(s).max(initial=0.0), np.abs(better).max(initial=0.0))
+    floor = max(RIGID * highest, np.finfo(float).tiny)
+    oscillating, theirs = (np.flatnonzero(np.abs(x.imag) > RIGID * np.abs(x)) for x in (s, better))
+    nearest = np.abs(s[:, None] - better[None, :]).min(axis=1, initial=np.inf)
+    errors = nearest / np.maximum(np.abs(s), floor)
+    paired = min(len(oscillating), len(theirs))
+    mine, theirs = oscillating[:paired], theirs[:paired]
+    size = np.maximum(np.abs(better[theirs]), floor)
+    errors[mine] = np.abs(np.abs(s[mine]) - np.abs(better[theirs])) / size
+    return np.asarray(errors)

@@ -18,7 +18,7 @@ def mesh_errors(result: Result) -> dict[str, float]:
     over the states that were compared.
 
     Returns:
-        Rod -> estimated error of the positions of element ends over its length; empty if it was not estimated.
+        Rod -> estimated error of positions, anywhere on it, over its length; empty if it was not estimated.
     """
     return {
         str(rod): float(error)

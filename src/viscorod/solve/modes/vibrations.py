@@ -7,7 +7,7 @@ however stiff the fast ones are.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -91,6 +91,7 @@ class Modes:
         shapes: displacement of every station ``(modes, stations, 3)``, global axes, complex, largest component 1.
         rotations: rotation of every station (body axes), same scaling.
         positions: of the stations about which they swing ``(stations, 3)`` [m].
+        frequency_errors: estimated errors of the frequencies by the mesh, in parts of them; none where not estimated.
     """
 
     eigenvalues: np.ndarray
@@ -99,6 +100,7 @@ class Modes:
     shapes: np.ndarray
     rotations: np.ndarray
     positions: Floats
+    frequency_errors: Floats = field(default_factory=lambda: np.zeros(0))
 
 
 def linearise(

@@ -88,7 +88,7 @@ class FinerMesh:
     Attributes:
         problem, system, supports, static: of the finer mesh.
         divisions: of the coarse one.
-        coarse_reference: positions of its stations in the reference shape ``(stations, 3)`` [m].
+        reference: positions of the finer stations in the reference shape ``(stations, 3)`` [m].
     """
 
     def __init__(self, model: ModelDescription, coarse: Problem) -> None:
@@ -97,10 +97,11 @@ class FinerMesh:
         finer = {name: division.halved() for name, division in self.divisions.items()}
         self.problem = discretise(model, validated=True, divisions=finer)
         self.system = GeometricSystem(self.problem)
+        self.system.relaxation = None  # what branches hold is given with the state
         self.supports = SupportState(self.problem)
         self.static = StaticSolver(self.system, self.supports)
         self.reader, self._coarse_reader = StationReader(self.problem), StationReader(coarse)
-        self.coarse_reference = self.coarse_stations(State.reference(coarse))[0]
+        self.reference = self.stations(State.reference(self.problem))[0]
 
     def stations(self, state: State) -> tuple[Floats, Floats]:
         """Return positions ``(stations, 3)`` [m] and unit quaternions of the rods' stations in a finer state."""
@@ -116,59 +117,84 @@ class FinerMesh:
         count = len(problem.stations.nodes)
         return r[:count], q[:count]
 
+    def interpolated(self, state: State) -> tuple[Floats, Floats]:
+        """Return positions [m] and unit quaternions at the finer stations in a state of the coarse mesh."""
+        r, q = self.coarse_stations(state)
+        for rod in range(len(self.sizes)):
+            mine = self.coarse.stations.rod == rod
+            q[mine] = _aligned(q[mine])
+        mixed = self.at_stations(q)
+        return self.at_stations(r), mixed / np.linalg.norm(mixed, axis=1, keepdims=True)
+
+    def at_stations(self, field: Floats) -> Floats:
+        """Return a field at the coarse stations of the rods ``(stations, k)`` at the finer ones."""
+        pieces, first = [], 0
+        for order, count in self.sizes:
+            last = first + order * count + 1
+            pieces.append(_refined(field[first:last], order, count))
+            first = last
+        return np.concatenate(pieces)
+
+    @property
+    def bodies(self) -> int:
+        """Number of nodes that are rigid bodies, the first ones of both meshes."""
+        stations = self.problem.stations
+        return int(stations.nodes[stations.links < 0].min(initial=self.problem.size))
+
     def take_over(self, shape: Shape) -> State:
         """Return a state of the coarse mesh as the finer one has it; its section forces become the stress iterate."""
         problem, stations = self.problem, self.problem.stations
-        r, q = self.coarse_stations(shape.state)
         state = State.reference(problem)
-        fine_r, fine_q = np.empty((len(stations.nodes), 3)), np.empty((len(stations.nodes), 4))
-        first = first_coarse = 0
-        for order, count in self._sizes():
-            here = slice(first_coarse, first_coarse + order * count + 1)
-            there = slice(first, first + 2 * order * count + 1)
-            fine_r[there] = _refined(r[here], order, count)
-            mixed = _refined(_aligned(q[here]), order, count)
-            fine_q[there] = mixed / np.linalg.norm(mixed, axis=1, keepdims=True)
-            first, first_coarse = there.stop, here.stop
+        fine_r, fine_q = self.interpolated(shape.state)
         own = stations.links < 0
-        bodies = int(stations.nodes[own].min(initial=problem.size))
+        bodies = self.bodies
         state.r[:bodies], state.q[:bodies] = shape.state.r[:bodies], shape.state.q[:bodies]
         state.r[stations.nodes[own]], state.q[stations.nodes[own]] = fine_r[own], fine_q[own]
         joints = 6 * problem.joints.blocks
         state.multiplier[:joints] = shape.state.multiplier[:joints]
-        self.system.constraints.near[:] = shape.near
+        if len(shape.near):
+            self.system.constraints.near[:] = shape.near
         self._set_stress(self.spread(shape.section_force), state)
         return state
 
     def spread(self, field: Floats) -> Floats:
         """Return a field at the coarse Gauss points ``(m, 6)`` at those of the finer mesh, in the order of results."""
         pieces, first = [], 0
-        for order, count in self._sizes():
+        for order, count in self.sizes:
             mine = field[first : first + order * count].reshape(count, order, -1)
             pieces.append(np.einsum("gk,ekc->egc", halves(order).points, mine).reshape(-1, field.shape[1]))
             first += order * count
         return np.concatenate(pieces)
 
+    def set_prestress(self, field: Floats) -> None:
+        """Take section forces beside the elastic ones at the coarse Gauss points ``(m, 6)``."""
+        for part, values in zip(
+            self.system.parts, self.by_part(self.spread(field), self.system), strict=True
+        ):
+            part.prestress = values
+
     def _set_stress(self, field: Floats, state: State) -> None:
-        for part, values in zip(self.system.parts, self.by_part(field), strict=True):
+        for part, values in zip(self.system.parts, self.by_part(field, self.system), strict=True):
             part.stress[:] = values
             state.multiplier[part.place] = part.weight * part.stress[part.held_at]
 
-    def by_part(self, field: Floats) -> list[Floats]:
-        """Return a field at the finer Gauss points in the order of results as arrays of the element sets."""
-        elements = self.system.elements()
+    @staticmethod
+    def by_part(field: Floats, system: GeometricSystem) -> list[Floats]:
+        """Return a field at the Gauss points of a system in the order of results as arrays of its element sets."""
+        elements = system.elements()
         top, whole = elements.section.shape[1], np.zeros((elements.section.size, 6))
-        whole[self.system.gauss_indices()] = field
-        whole = whole.reshape(-1, top, 6)
+        whole[system.gauss_indices()] = field
+        arranged = whole.reshape(-1, top, 6)
         found, first = [], 0
-        for part in self.system.parts:
+        for part in system.parts:
             count = len(part.elements.nodes)
-            found.append(whole[first : first + count, : part.points].copy())
+            found.append(arranged[first : first + count, : part.points].copy())
             first += count
         return found
 
-    def _sizes(self) -> list[tuple[int, int]]:
-        """Return order and number of coarse elements of every rod."""
+    @property
+    def sizes(self) -> list[tuple[int, int]]:
+        """Order and number of the coarse elements of every rod."""
         return [(division.order, division.count) for division in self.divisions.values()]
 
 

@@ -10,10 +10,13 @@ import numpy as np
 
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.rod import DEFAULT_ORDER
-from viscorod.solve.formulations.system import State, System
+from viscorod.solve.formulations.system import System
+from viscorod.solve.history import History, Snapshot
 from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.refinement.correction import Balance, corrected
 from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
+from viscorod.solve.refinement.inertial_forces import CoarseMotion, other_stress
 from viscorod.solve.refinement.mesh_estimate import MeshEstimate, difference
 
 __all__ = ["MeshWatch"]
@@ -23,11 +26,15 @@ MOST_NODES = 20_000
 MOST_CHOSEN_NODES = 4_000
 """Nodes beyond which the program refines no mesh that it chose."""
 SHARE = 0.5
-"""Part of its share of the accuracy beyond which an element is too large."""
+"""Part of the accuracy beyond which an element is too large."""
+ANCHOR = 0.01
+"""Part of the squared rate of a motion by which inertia resists errors, which change about as fast as it does."""
+INSTANTS = 6
+"""States of a path or a motion that are looked at, about evenly chosen."""
 
 
 class MeshWatch:
-    """Estimates the errors that the mesh of one problem leaves in its equilibria.
+    """Estimates the errors that the mesh of one problem leaves in its solutions.
 
     Args:
         model: that was discretised; problem: what came of it; system: that solves it.
@@ -35,41 +42,91 @@ class MeshWatch:
     Attributes:
         estimate: the largest errors of all solutions seen, None before the first.
         lost: how many solutions had no counterpart on a finer mesh.
+        noted: states that a motion passed, with their times [s].
     """
 
     def __init__(self, model: ModelDescription, problem: Problem, system: System) -> None:
         self.model, self.problem, self.system = model, problem, system
         self.estimate: MeshEstimate | None = None
         self.lost = 0
+        self.noted: list[tuple[float, Snapshot]] = []
+        self._stride, self._count = 1, 0
 
     @cached_property
     def finer(self) -> FinerMesh:
         """The problem on elements half as long."""
         return FinerMesh(self.model, self.problem)
 
+    @cached_property
+    def _moving(self) -> CoarseMotion:
+        return CoarseMotion(self.finer)
+
     @property
     def feasible(self) -> bool:
         """Whether the problem is small enough for a finer one beside it."""
         return self.problem.size <= MOST_NODES
 
-    def see(self, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0) -> None:
-        """Estimate the errors of an equilibrium, which the system evaluated last.
+    # --- what is seen
 
-        Args:
-            state: of it; t, before, scale: time [s] of the loads, whether from the left, their multiple.
+    def see(self, equilibrium: Snapshot, factor: float = 1.0, t: float = 0.0, *, before: bool = True) -> None:
+        """Estimate the errors of an equilibrium under a multiple of the loads at a time [s]."""
+        if self.feasible:
+            self._compare(equilibrium, Balance(self.finer, t, before=before, factor=factor))
+
+    def see_path(self, history: History, unit: float) -> None:
+        """Estimate the errors of a path, orthogonally to it; ``unit`` is that of the load factor.
+
+        Looked at are some of its points, the last one and that with the largest load.
         """
-        if not self.feasible:
+        if not self.feasible or not history.instant:
             return
-        force, near = self.system.gauss_points().section_force, self.system.constraints.near
-        shape = Shape(state, force, near.copy())
-        finer = self.finer
-        other = finer.take_over(shape)
-        report = finer.static.newton(other, t, before=before, scale=scale)
-        if not report.converged:
+        last = len(history.instant) - 1
+        chosen = {int(k) for k in np.linspace(0, last, INSTANTS).round()} - {0}
+        chosen |= {int(np.argmax(np.abs(history.instant)))}
+        for k in sorted(chosen):
+            self._compare(history.snapshots[k], Balance(self.finer, factor=history.instant[k], unit=unit))
+
+    def note(self, history: History) -> None:
+        """Keep the last recorded state of a motion for :meth:`see_motion`, or some of all evenly."""
+        if not history.instant or (self.noted and self.noted[-1][0] == history.instant[-1]):
+            return
+        self._count += 1
+        if self._count % self._stride == 0:
+            self.noted.append((history.instant[-1], history.snapshots[-1]))
+            if len(self.noted) == 2 * INSTANTS:  # half as many, twice as far apart
+                self.noted, self._stride = self.noted[1::2], 2 * self._stride
+
+    def see_motion(self, duration: float) -> None:
+        """Estimate the errors of the noted states of a motion: of their balance with inertia and viscosity."""
+        if self.feasible:
+            for t, snapshot in self.noted:
+                self._compare_moving(snapshot, t, before=True, anchor=(np.pi / duration) ** 2)
+
+    def see_steady(self, rotation: Snapshot, spin: float) -> None:
+        """Estimate the errors of a steady rotation at an angular speed [rad/s]."""
+        if self.feasible:
+            self._compare_moving(rotation, 0.0, before=False, anchor=1e-4 * spin**2)
+
+    def _compare_moving(self, snapshot: Snapshot, t: float, *, before: bool, anchor: float) -> None:
+        """Compare a state whose inertial forces are those that the coarse mesh leaves unbalanced."""
+        points = self.system.gauss_positions()
+        held = (np.einsum("mii->mi", points.stiffness) == 0.0).astype(float)
+        stress = other_stress(points, held, snapshot.strain, snapshot.section_force)
+        inertia, rate = self._moving.inertia(snapshot.state, stress, _angles(snapshot), t, before=before)
+        self.finer.set_prestress(stress)
+        anchor = max(anchor, ANCHOR * rate)
+        self._compare(snapshot, Balance(self.finer, t, before=before, inertia=inertia, anchor=anchor))
+
+    def _compare(self, snapshot: Snapshot, balance: Balance) -> None:
+        shape = Shape(snapshot.state, snapshot.section_force, _angles(snapshot))
+        other = corrected(balance, self.finer.take_over(shape))
+        if other is None:
             self.lost += 1
             return
-        found = Shape(other, finer.system.gauss_points().section_force, shape.near)
-        self.estimate = difference(finer, shape, found).joined(self.estimate)
+        found = Shape(other, self.finer.system.gauss_points().section_force, shape.near)
+        self.estimate = difference(self.finer, shape, found).joined(self.estimate)
+
+    # --- what is said
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -81,6 +138,8 @@ class MeshWatch:
         if self.lost:
             found["mesh_lost"] = self.lost
         return found
+
+    # --- where to refine
 
     def too_coarse(self, accuracy: float) -> bool:
         """Whether an error is larger than wanted, or could not be estimated."""
@@ -109,10 +168,10 @@ class MeshWatch:
         """Return which elements are too large: all, where no solution on a finer mesh was found."""
         if self.estimate is None or self.lost:
             return np.ones(division.count, dtype=bool)
-        errors = self.estimate.elements[name]
+        errors = self.estimate.of_elements(name)
         too_large = np.zeros(division.count, dtype=bool)
         if self.estimate.motion > accuracy:
-            too_large |= errors[:, 0] * division.count > SHARE * accuracy
+            too_large |= errors[:, 0] > SHARE * accuracy
         if self.estimate.force > accuracy:
             too_large |= errors[:, 1] > SHARE * accuracy
         return too_large
@@ -123,3 +182,8 @@ class MeshWatch:
         if rod.order is None and division.order < DEFAULT_ORDER and marked.mean() > SHARE:
             return Division(division.order + 1, division.ends)
         return division.halved(marked)
+
+
+def _angles(snapshot: Snapshot) -> np.ndarray:
+    """Return the values of all coordinates of joints, to which those on the finer mesh are near."""
+    return np.zeros(0) if snapshot.joints is None else snapshot.joints.value
