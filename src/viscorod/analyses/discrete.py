@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -135,7 +136,9 @@ class DiscreteModel:
     def on_mesh(self, divisions: Divisions) -> DiscreteModel:
         """Return the same model with its rods divided otherwise."""
         problem = discretise(self.model, validated=True, divisions=divisions)
-        return self._begun(self.model, problem, self.formulation, self.attributes, self.options)
+        stored = {name: (division.order, division.ends.tolist()) for name, division in divisions.items()}
+        attributes = self.attributes | {"divisions": json.dumps(stored)}
+        return self._begun(self.model, problem, self.formulation, attributes, self.options)
 
     def require_independent(self) -> None:
         """Refuse conditions that others imply already: joints, held strains and supports that hold the same.

@@ -88,7 +88,8 @@ class FinerMesh:
     Attributes:
         problem, system, supports, static: of the finer mesh.
         divisions: of the coarse one.
-        reference: positions of the finer stations in the reference shape ``(stations, 3)`` [m].
+        reference: positions of the finer stations in the reference shape ``(stations, 3)`` [m]; coarse_reference: where
+            the coarse mesh has them.
     """
 
     def __init__(self, model: ModelDescription, coarse: Problem) -> None:
@@ -102,6 +103,7 @@ class FinerMesh:
         self.static = StaticSolver(self.system, self.supports)
         self.reader, self._coarse_reader = StationReader(self.problem), StationReader(coarse)
         self.reference = self.stations(State.reference(self.problem))[0]
+        self.coarse_reference = self.interpolated(State.reference(coarse))[0]
 
     def stations(self, state: State) -> tuple[Floats, Floats]:
         """Return positions ``(stations, 3)`` [m] and unit quaternions of the rods' stations in a finer state."""

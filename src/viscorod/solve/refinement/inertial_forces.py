@@ -44,11 +44,11 @@ class CoarseMotion:
 
     def inertia(
         self, state: State, stress: Floats, near: Floats, t: float, *, before: bool
-    ) -> tuple[Floats, float]:
-        """Return the inertial forces on the finer nodes, and the squared rate of the motion [1/s^2].
+    ) -> tuple[Floats, Floats]:
+        """Return the inertial forces on the finer nodes, and how large accelerations and velocities are.
 
-        They are wrenches in body axes that act beside the loads ``(n, 6)``. The rate is that of a vibration with these
-        velocities and accelerations, in the norm of the mass.
+        The former are wrenches in body axes that act beside the loads ``(n, 6)``; the latter ``(2,)`` are squares in
+        the norm of the mass, whose ratio is the squared rate of a vibration with them.
 
         Args:
             state: of the coarse mesh; stress: section forces beside the elastic ones ``(m, 6)``; near: angles of
@@ -65,8 +65,8 @@ class CoarseMotion:
         force = system.external - system.internal
         rate: Floats = np.linalg.solve(problem.mass, force[:, :, None])[:, :, 0].astype(np.float64)
         self._obey_supports(state, force, rate)
-        sizes = [float(np.einsum("ni,nij,nj", x, problem.mass, x)) for x in (rate, state.twist)]
-        return self._spread(state, rate), sizes[0] / sizes[1] if sizes[1] > 0.0 else 0.0
+        sizes = [np.einsum("ni,nij,nj", x, problem.mass, x) for x in (rate, state.twist)]
+        return self._spread(state, rate), np.array(sizes, dtype=float)
 
     def _obey_supports(self, state: State, force: Floats, rate: Floats) -> None:
         """Replace rates of twists that supports prescribe, whose reactions are not among the forces."""

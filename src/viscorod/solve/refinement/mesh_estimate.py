@@ -7,7 +7,7 @@ Int. J. Numer. Meth. Eng. 24 (1987), call the difference from a better solution 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,7 +28,7 @@ class MeshEstimate:
     """Estimated errors of a mesh in some states, and what they are measured by.
 
     Attributes:
-        rods: rod -> error of positions over its length, anywhere on it.
+        rods: rod -> error of displacements over its length, anywhere on it.
         gap: the largest error of positions [m]; moved: the largest displacement, at most the model's length [m].
         forces: the largest force [N] and moment [N m] of sections ``(2,)``.
         elements: rod -> what ``gap`` would be if all were like this element [m], and its errors of the force [N] and
@@ -75,6 +75,12 @@ class MeshEstimate:
         parts = self.elements[rod] / self.sizes
         return np.column_stack([parts[:, 0], parts[:, 1:].max(axis=1)])
 
+    def drifted(self, gap: float) -> MeshEstimate:
+        """Return the estimate with a gap in time [m], which is none of single elements, beside that in space."""
+        share = gap / max(self.gap, np.finfo(float).tiny)
+        rods = {name: error * (1.0 + share) for name, error in self.rods.items()}
+        return replace(self, gap=self.gap + gap, rods=rods)
+
     def joined(self, other: MeshEstimate | None) -> MeshEstimate:
         """Return the larger errors, and the larger sizes, of two estimates of the same mesh."""
         if other is None:
@@ -101,7 +107,7 @@ def difference(finer: FinerMesh, shape: Shape, found: Shape) -> MeshEstimate:
     first = point = 0
     for name, (p, n), length in zip(coarse.rods, finer.sizes, coarse.rod_lengths, strict=True):
         mine = slice(first, first + 2 * p * n + 1)
-        gaps = r[mine] - fine_r[mine]
+        gaps = (r - finer.coarse_reference)[mine] - (fine_r - finer.reference)[mine]
         gap = float(np.linalg.norm(gaps, axis=1).max())
         ends = first + 2 * p * np.arange(n + 1)
         turned = _relative(r[ends], q[ends], fine_r[ends], fine_q[ends], coarse.length)

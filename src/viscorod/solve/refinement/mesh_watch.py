@@ -18,6 +18,9 @@ from viscorod.solve.refinement.correction import Balance, corrected
 from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
 from viscorod.solve.refinement.inertial_forces import CoarseMotion, other_stress
 from viscorod.solve.refinement.mesh_estimate import MeshEstimate, difference
+from viscorod.solve.refinement.phase_drift import PhaseDrift
+from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.typing import Floats
 
 __all__ = ["MeshWatch"]
 
@@ -42,7 +45,7 @@ class MeshWatch:
     Attributes:
         estimate: the largest errors of all solutions seen, None before the first.
         lost: how many solutions had no counterpart on a finer mesh.
-        noted: states that a motion passed, with their times [s].
+        noted: states that a motion passed, with their times [s]; drift: tells what wrong frequencies make of them.
     """
 
     def __init__(self, model: ModelDescription, problem: Problem, system: System) -> None:
@@ -50,6 +53,7 @@ class MeshWatch:
         self.estimate: MeshEstimate | None = None
         self.lost = 0
         self.noted: list[tuple[float, Snapshot]] = []
+        self.drift: PhaseDrift | None = None
         self._stride, self._count = 1, 0
 
     @cached_property
@@ -86,6 +90,11 @@ class MeshWatch:
         for k in sorted(chosen):
             self._compare(history.snapshots[k], Balance(self.finer, factor=history.instant[k], unit=unit))
 
+    def follow_phases(self, static: StaticSolver, start: Snapshot, scale: float) -> None:
+        """Compare the slowest vibrations about a state at rest under a multiple of the loads at t = 0."""
+        shape = Shape(start.state, start.section_force, _angles(start))
+        self.drift = PhaseDrift(self.finer, static, shape, scale)
+
     def note(self, history: History) -> None:
         """Keep the last recorded state of a motion for :meth:`see_motion`, or some of all evenly."""
         if not history.instant or (self.noted and self.noted[-1][0] == history.instant[-1]):
@@ -97,25 +106,34 @@ class MeshWatch:
                 self.noted, self._stride = self.noted[1::2], 2 * self._stride
 
     def see_motion(self, duration: float) -> None:
-        """Estimate the errors of the noted states of a motion: of their balance with inertia and viscosity."""
-        if self.feasible:
-            for t, snapshot in self.noted:
-                self._compare_moving(snapshot, t, before=True, anchor=(np.pi / duration) ** 2)
+        """Estimate the errors of the noted states of a motion: of their balance with inertia and viscosity, in time."""
+        if not self.feasible:
+            return
+        anchor, sizes = (np.pi / duration) ** 2, np.zeros(2)
+        for t, snapshot in self.noted:
+            sizes += self._compare_moving(snapshot, t, before=True, anchor=anchor)
+        if self.drift is not None and self.estimate is not None:
+            self.estimate = self.estimate.drifted(self.drift.gap(self.noted, _rate(sizes)))
 
     def see_steady(self, rotation: Snapshot, spin: float) -> None:
         """Estimate the errors of a steady rotation at an angular speed [rad/s]."""
         if self.feasible:
             self._compare_moving(rotation, 0.0, before=False, anchor=1e-4 * spin**2)
 
-    def _compare_moving(self, snapshot: Snapshot, t: float, *, before: bool, anchor: float) -> None:
-        """Compare a state whose inertial forces are those that the coarse mesh leaves unbalanced."""
+    def _compare_moving(self, snapshot: Snapshot, t: float, *, before: bool, anchor: float) -> Floats:
+        """Compare a state whose inertial forces are those that the coarse mesh leaves unbalanced.
+
+        Returns:
+            how large accelerations and velocities are, see ``CoarseMotion.inertia``.
+        """
         points = self.system.gauss_positions()
         held = (np.einsum("mii->mi", points.stiffness) == 0.0).astype(float)
         stress = other_stress(points, held, snapshot.strain, snapshot.section_force)
-        inertia, rate = self._moving.inertia(snapshot.state, stress, _angles(snapshot), t, before=before)
+        inertia, sizes = self._moving.inertia(snapshot.state, stress, _angles(snapshot), t, before=before)
         self.finer.set_prestress(stress)
-        anchor = max(anchor, ANCHOR * rate)
+        anchor = max(anchor, ANCHOR * _rate(sizes) ** 2)
         self._compare(snapshot, Balance(self.finer, t, before=before, inertia=inertia, anchor=anchor))
+        return sizes
 
     def _compare(self, snapshot: Snapshot, balance: Balance) -> None:
         shape = Shape(snapshot.state, snapshot.section_force, _angles(snapshot))
@@ -141,21 +159,30 @@ class MeshWatch:
 
     # --- where to refine
 
-    def too_coarse(self, accuracy: float) -> bool:
-        """Whether an error is larger than wanted, or could not be estimated."""
-        return self.lost > 0 or (self.estimate is not None and self.estimate.largest > accuracy)
+    @property
+    def free(self) -> list[str]:
+        """The rods whose mesh the program may choose."""
+        return [name for name, rod in self.model.rods.items() if rod.elements is None]
 
-    def refined(self, accuracy: float) -> Divisions | None:
+    def too_coarse(self, accuracy: float, forces: float | None = None) -> bool:
+        """Whether an error is larger than wanted, of ``forces`` by default too, or could not be estimated."""
+        if self.estimate is None or self.lost:
+            return self.lost > 0
+        return self.estimate.motion > accuracy or self.estimate.force > (forces or accuracy)
+
+    def refined(self, accuracy: float, forces: float | None = None) -> Divisions | None:
         """Return finer divisions of the rods whose mesh the program may choose, where elements are too large.
+
+        Args:
+            accuracy: largest error of positions over the displacements; forces: of section forces, by default the same.
 
         Returns:
             None if there is nothing to refine, or the mesh would become very large.
         """
-        divisions = divisions_of(self.problem)
-        free = [name for name, rod in self.model.rods.items() if rod.elements is None]
-        if not free or not self.too_coarse(accuracy):
+        divisions, free = divisions_of(self.problem), self.free
+        if not free or not self.too_coarse(accuracy, forces):
             return None
-        marked = {name: self._marked(name, divisions[name], accuracy) for name in free}
+        marked = {name: self._marked(name, divisions[name], accuracy, forces or accuracy) for name in free}
         if not any(mask.any() for mask in marked.values()):
             marked = {name: np.ones(divisions[name].count, dtype=bool) for name in free}
         refined = {name: self._finer(name, divisions[name], mask) for name, mask in marked.items()}
@@ -164,7 +191,7 @@ class MeshWatch:
             return None
         return found
 
-    def _marked(self, name: str, division: Division, accuracy: float) -> np.ndarray:
+    def _marked(self, name: str, division: Division, accuracy: float, forces: float) -> np.ndarray:
         """Return which elements are too large: all, where no solution on a finer mesh was found."""
         if self.estimate is None or self.lost:
             return np.ones(division.count, dtype=bool)
@@ -172,9 +199,16 @@ class MeshWatch:
         too_large = np.zeros(division.count, dtype=bool)
         if self.estimate.motion > accuracy:
             too_large |= errors[:, 0] > SHARE * accuracy
-        if self.estimate.force > accuracy:
-            too_large |= errors[:, 1] > SHARE * accuracy
+        if self.estimate.force > forces:
+            too_large |= errors[:, 1] > SHARE * forces
         return too_large
+
+    def halved(self) -> Divisions | None:
+        """Return the divisions with all elements of these rods halved; None if there are none, or too many."""
+        if not self.free or 2 * self.problem.size > MOST_CHOSEN_NODES:
+            return None
+        divisions = divisions_of(self.problem)
+        return divisions | {name: divisions[name].halved() for name in self.free}
 
     def _finer(self, name: str, division: Division, marked: np.ndarray) -> Division:
         """Return a division whose marked elements are halved; many small ones of low order get a higher one instead."""
@@ -182,6 +216,11 @@ class MeshWatch:
         if rod.order is None and division.order < DEFAULT_ORDER and marked.mean() > SHARE:
             return Division(division.order + 1, division.ends)
         return division.halved(marked)
+
+
+def _rate(sizes: Floats) -> float:
+    """Return the rate [rad/s] of a vibration with these squares of accelerations and velocities ``(2,)``."""
+    return float(np.sqrt(sizes[0] / sizes[1])) if sizes[1] > 0.0 else 0.0
 
 
 def _angles(snapshot: Snapshot) -> np.ndarray:
