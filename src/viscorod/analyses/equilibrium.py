@@ -63,6 +63,8 @@ def equilibrium(discrete: DiscreteModel, settings: EquilibriumSettings) -> Equil
         history, last = History(), 0.0
         attrs["outcome"] = Outcome.COMPLETED.name.lower()
         on_step(factor, state, settling.iterations)
+    discrete.watch.see(history.snapshots[-1], factor)
+    attrs |= discrete.watch.attributes
     attrs["found_by"] = search.found_by
     attrs["negative_eigenvalues"] = search.unstable
     doubts = json.loads(discrete.attributes.get("warnings", "[]")) + search.doubts

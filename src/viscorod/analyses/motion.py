@@ -91,6 +91,7 @@ def _motion(
         return annotated(data, "simulate")
 
     def after_step() -> str:
+        discrete.watch.note(transient.result.history)
         if stream is not None:
             stream.after_step(build, transient.saved)
         return "" if options.stop is None else options.stop()
@@ -112,6 +113,9 @@ def _motion(
         stream.save(build, transient.saved)
     attrs = labels | chosen | described(discrete, transient, settings, result.outcome)
     attrs["loop_time_s"] = time.perf_counter() - began
+    if settings.dynamics == "nonlinear":
+        discrete.watch.see_motion(settings.duration)
+        attrs |= discrete.watch.attributes
     attrs["message"] = message = failure(discrete, transient)
     if stream is None:
         run = Run(discrete.data_set("simulate", result.history, attrs)())
