@@ -58,8 +58,8 @@ def discretise(
     multipliers = joints.blocks + held_rows
     pattern = Pattern.of(nodes + multipliers, [*elements, *joints.cliques(nodes), *held_members])
     sets, mass, relaxation_times = element_sets(mesh, pattern)
-    refuse_massless_turns(model.bodies, mesh, mass)
     supports = _supports(model, places)
+    refuse_massless_turns(model.bodies, mesh, mass, supports)
     nodal_loads, station_loads = place_loads(model, places)
     motions = [motion for _, _, motion in supports.motions] + [motion for _, motion in joints.motions]
     breakpoints, jumps, periods = _times(model, motions)
@@ -216,11 +216,23 @@ def _initial_twist(model: ModelDescription, places: Placement) -> Callable[[Floa
             turning = R[node].T @ angular
             twist[node, :3], twist[node, 3:] = R[node].T @ linear - np.cross(turning, arm), turning
 
-        for velocity in model.velocities:
+        given: dict[int, str] = {}
+        for index, velocity in enumerate(model.velocities):
             if velocity.rod in model.bodies:
                 spot = places.spot(BodyPlace(velocity.rod, None))
                 assert spot is not None
+                before = twist[spot.node].copy()
                 give(spot.node, spot.arm, *velocity.at(0.0, r[spot.node] + R[spot.node] @ spot.arm))
+                other = given.setdefault(spot.node, velocity.rod)
+                if other != velocity.rod and not np.allclose(before, twist[spot.node], rtol=1e-6, atol=1e-12):
+                    raise InputError(
+                        Fault(
+                            f"velocities[{index}]",
+                            velocity.rod,
+                            f"it moves as one with {other!r}, which has another velocity",
+                            "give both the same rigid motion, or one of them only",
+                        )
+                    )
                 continue
             rod = mesh.rod_index(velocity.rod)
             for k, s in enumerate(mesh.rods[rod].s):
