@@ -103,7 +103,7 @@ def complex_modes(
     while True:
         undamped = undamped_modes(linear, wanted, target)
         if 0 < undamped.first <= NUMBERED:  # few enough below: then they can be numbered
-            undamped = undamped_modes(linear, undamped.first + wanted)
+            undamped = undamped_modes(linear, undamped.first + len(undamped.squares))
         linear = undamped.linear
         energies = StrainEnergies(solver.system, state, linear)
         undamped = replace(undamped, shapes=energies.principal(undamped.shapes, undamped.squares))
