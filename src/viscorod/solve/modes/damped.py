@@ -168,17 +168,24 @@ class _Reduction:
     def residual(self, s: complex, x: np.ndarray) -> float:
         """Return what a root and its vector leave unbalanced as a part of the largest of the forces that balance.
 
-        Forces are measured by the displacements (by their kinetic energy) that they would cause. Without damping it is
-        a bound of the relative error of ``w^2``.
+        Forces are measured by the displacements (by their kinetic energy) that they would cause, or, where all modes
+        are known and that is less, by the accelerations. Without damping it is a bound of the relative error of
+        ``w^2``.
         """
-        flexibility, M = self.undamped.flexibility, self.M
+        M = self.M
         parts = np.array(
             [self.pencil.applied(s, x), s**2 * (M @ x), s * (self.D @ x) + 0.0 * x, self.K @ x]
         ).T
-        moved = flexibility(parts)
-        sizes = np.sqrt(np.maximum(np.einsum("ik,ik->k", moved.conj(), M @ moved).real, 0.0))
-        largest = float(sizes[1:].max())
-        return float(sizes[0]) / largest if largest > 0.0 else 0.0
+        measures = [self.undamped.flexibility]
+        if self.undamped.complete:
+            measures.append(self.undamped.accelerations)
+        found = []
+        for measure in measures:
+            moved = measure(parts)
+            sizes = np.sqrt(np.maximum(np.einsum("ik,ik->k", moved.conj(), M @ moved).real, 0.0))
+            largest = float(sizes[1:].max())
+            found.append(float(sizes[0]) / largest if largest > 0.0 else 0.0)
+        return min(found)
 
     def frequency(self, x: np.ndarray) -> float:
         """Return the angular frequency [rad/s] of a shape without damping (Rayleigh quotient)."""
