@@ -72,6 +72,10 @@ class Result(ABC):
         """The word "completed", or what stopped the solution."""
         return str(self.data.attrs.get("outcome", "completed"))
 
+    def at(self, level: float) -> tuple[Self, float]:
+        """Return the state at a time [s] of a motion, or at a load factor, for the ``start`` of another analysis."""
+        return self, float(level)
+
     def history(self, place: str | int, quantity: Quantity = "position") -> xr.DataArray:
         """Return how a vector at a place changes, in global axes.
 
