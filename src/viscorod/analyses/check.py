@@ -47,7 +47,9 @@ class CheckReport:
         bodies: name, mass [kg], principal inertia [kg m^2] of every rigid body.
         joints: name, kind, places, motions that are free or driven, where it is and its gap [m] in the reference shape.
         springs: name, kind, places, motions with stiffness and damping.
-        frequencies: of the first small vibrations about the unloaded shape [Hz]; damping_ratios: of the same.
+        frequencies: of the first small vibrations about the unloaded shape [Hz], rigid motions left out;
+            damping_ratios, mode_names: of the same.
+        rigid_motions: motions that nothing resists, in words.
         warnings: doubts, one sentence each.
         nodes, unknowns: size of the discretised model; conditions: number of those that joints and held strains make.
         linear_solver: how its linear systems are factorised.
@@ -63,6 +65,8 @@ class CheckReport:
     nodes: int
     unknowns: int
     linear_solver: str
+    mode_names: tuple[str, ...] = ()
+    rigid_motions: tuple[str, ...] = ()
     bodies: list[dict[str, object]] = field(default_factory=list)
     joints: list[dict[str, object]] = field(default_factory=list)
     springs: list[dict[str, object]] = field(default_factory=list)
@@ -87,18 +91,16 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
     state = State.reference(problem)
     n = problem.size
     linear = linearise(solver, state, scale=0.0)
-    undamped = natural_frequencies(linear, 4 * MODES)
-    rigid = int(np.count_nonzero(undamped == 0.0))
-    # a rigid motion is two modes of frequency 0
-    modes = complex_modes(solver, state, linear, MODES + 2 * rigid)
-    lowest = float(undamped[undamped > 0.0].min(initial=np.inf)) / (2.0 * np.pi)
-    moving = modes.frequencies > 1e-3 * lowest
-    frequencies, ratios = modes.frequencies[moving][:MODES], modes.damping_ratios[moving][:MODES]
+    modes = complex_modes(solver, state, linear, MODES + linear.rigid)
+    rigid = modes.rigid
+    frequencies = modes.frequencies[rigid:]
     return CheckReport(
         rods=[_rod_row(problem, name, rod) for name, rod in model.rods.items()],
         sections=[row for name, rod in model.rods.items() for row in _section_rows(name, rod)],
         frequencies=frequencies,
-        damping_ratios=ratios,
+        damping_ratios=modes.damping_ratios[rigid:],
+        mode_names=modes.names[rigid:],
+        rigid_motions=modes.names[:rigid],
         warnings=_doubts(model, problem, frequencies, settled=True),
         nodes=n,
         unknowns=6 * n - int(problem.supports.fixed.sum()),

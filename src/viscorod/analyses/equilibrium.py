@@ -70,9 +70,10 @@ class _Equilibrium:
                 self._last = self.history.instant[-1] if kept else 0.0
                 self._record(factor, state, search.iterations)
             self.ends.append(self.history.count - 1)
-        return self._result(
-            Outcome.COMPLETED, {"found_by": self._found_by(), "negative_eigenvalues": search.unstable}
-        )
+        watch = self.discrete.watch
+        watch.see(self.history.snapshots[-1], self.settings.load_factor)
+        found = {"found_by": self._found_by(), "negative_eigenvalues": search.unstable}
+        return self._result(Outcome.COMPLETED, found | watch.attributes)
 
     def _begin(self) -> tuple[State, bool]:
         """Return the state to begin from, and whether motions and loads go by stages."""

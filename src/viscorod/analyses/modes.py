@@ -14,7 +14,7 @@ __all__ = ["modes"]
 
 
 def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
-    """Find the slowest small vibrations; see ``Model.modes``."""
+    """Find small vibrations, the slowest or those near a frequency; see ``Model.modes``."""
     discrete.require_independent()
     if isinstance(settings.about, Start):
         near, _ = equilibrium_near(discrete, settings.about)
@@ -25,4 +25,11 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
     if loaded:
         find_initial_equilibrium(discrete, state, before=before)
     linear = vibrations.linearise(discrete.static, state, before=before, scale=1.0 if loaded else 0.0)
-    return vibrations.complex_modes(discrete.static, state, linear, settings.count)
+    return vibrations.complex_modes(
+        discrete.static,
+        state,
+        linear,
+        settings.count,
+        near=settings.near,
+        oscillating=settings.oscillating,
+    )

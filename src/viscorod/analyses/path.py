@@ -66,6 +66,8 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         "limit_points": json.dumps(path.limit_points),
         "bifurcations": json.dumps(path.bifurcations),
     }
+    discrete.watch.see_path(history, abs(settings.target or 1.0))
+    attrs |= discrete.watch.attributes
     if path.outcome is not Outcome.COMPLETED:
         attrs["message"] = _failure(discrete, path, history)
     found = None

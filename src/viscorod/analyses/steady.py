@@ -53,6 +53,7 @@ def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRo
         found.kinetic,
         found.elastic,
     )
+    discrete.watch.see_steady(snapshot, float(np.linalg.norm(found.spin)))
     account = EnergyAccount(kinetic=found.kinetic, elastic=found.elastic)
     history.record(float(np.linalg.norm(found.spin)), snapshot, account, 0.0, found.iterations)
     stability = found.stability
@@ -66,7 +67,7 @@ def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRo
         "unstable": stability.unstable,
         "neutral": stability.neutral,
         "growth_rate": stability.growth,
-    }
+    } | discrete.watch.attributes
     data = discrete.data_set("steady", history, attrs)()
     kept = s[: settings.modes]
     return data.assign(

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 __all__ = ["plot"]
 
 KINDS = ("tip", "energy", "strain", "space-time", "modes", "phase")
-_RIGID = 12
-"""Eigenvalues of the free motions of a body, two each; as many more are computed, to leave these out."""
 _TAKES = {
     "place": ("tip", "phase"),
     "axis": ("tip", "phase"),
@@ -139,4 +137,4 @@ def _modes(result: Result, count: int, about: str) -> Figure:
     except InputError as error:
         raise InputError(f"the model in this result cannot be rebuilt for its modes: {error}") from None
     model = as_model(case.description)
-    return draw_modes(result, model.modes(count + _RIGID, about=cast(Any, about)), count)
+    return draw_modes(result, model.modes(count, about=cast(Any, about)))

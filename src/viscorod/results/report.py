@@ -31,6 +31,7 @@ def run_report(run: Run) -> str:
     steps = f" in {attrs['steps']} steps" if "steps" in attrs else ""
     size = f" of {attrs['time_step']:g} s" if "time_step" in attrs else ""
     size += f" that follow the error, tolerance {attrs['tolerance']:g}" if "tolerance" in attrs else ""
+    size += f" ({100.0 * attrs['part_of_motion']:g} % of the motion)" if "part_of_motion" in attrs else ""
     method = f", {str(attrs['integrator']).replace('_', '-')}" if attrs.get("integrator") else ""
     blocks = [
         _heading(run, f"{time[-1] - time[0]:g} s simulated{steps}{size}{method}{_formulation(run)}"),

@@ -76,6 +76,13 @@ class Result(ABC):
         """Return the state at a time [s] of a motion, or at a load factor, for the ``start`` of another analysis."""
         return self, float(level)
 
+    @property
+    def warnings(self) -> list[str]:
+        """What the result says against itself, in sentences; they stand in its report, its file and its page too."""
+        from viscorod.results.result_warnings import warnings_of
+
+        return warnings_of(self)
+
     def history(self, place: str | int, quantity: Quantity = "position") -> xr.DataArray:
         """Return how a vector at a place changes, in global axes.
 

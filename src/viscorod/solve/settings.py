@@ -37,12 +37,13 @@ from viscorod.solve.stage_settings import Stages
 from viscorod.solve.start import OptionalStart, Start, as_start
 from viscorod.solve.transient.integrators import INTEGRATORS, Method, integrators_that
 
-LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-10, 0.1
+LEAST_TOLERANCE, LARGEST_TOLERANCE, LEAST_ACCURACY = 1e-10, 0.1, 1e-8
 
 __all__ = [
     "AnySettings",
     "CoSimulationSettings",
     "EquilibriumSettings",
+    "Meshed",
     "ModesSettings",
     "PathSettings",
     "SimulateSettings",
@@ -54,7 +55,27 @@ def _has(parameter: str, method: Method) -> bool:
     return parameter in method.parameters
 
 
-class SimulateSettings(Definition):
+@accepts(quantity(bounds=POSITIVE), "number from 1e-8 to 0.1")
+def _accuracy(value: Any) -> float:
+    wanted = positive(value)
+    if not LEAST_ACCURACY <= wanted <= LARGEST_TOLERANCE:
+        raise RefusedError("out of reach", f"give {LEAST_ACCURACY:g} to {LARGEST_TOLERANCE:g}")
+    return wanted
+
+
+class Meshed(Definition):
+    """What is wanted of a mesh."""
+
+    accuracy: Annotated[float, _accuracy] = Key(
+        "wanted accuracy of the mesh where a rod leaves out elements: estimated error of positions over the largest "
+        "displacement, of section forces over the largest one, of each listed frequency over itself. The mesh is "
+        "refined until it is reached",
+        default=1e-4,
+        kw_only=True,
+    )
+
+
+class SimulateSettings(Meshed):
     """How a motion is computed."""
 
     duration: Positive = Key("simulated time", "s")
@@ -204,7 +225,7 @@ class SimulateSettings(Definition):
         return self
 
 
-class EquilibriumSettings(Definition):
+class EquilibriumSettings(Meshed):
     """How a static equilibrium is computed."""
 
     load_steps: Annotated[int | None, optional(whole_number(1, 10_000))] = Key(
@@ -227,7 +248,7 @@ class EquilibriumSettings(Definition):
     )
 
 
-class PathSettings(Definition):
+class PathSettings(Meshed):
     """How a path of equilibria is followed."""
 
     renamed: ClassVar[dict[str, str]] = {"turns": "limit_point"}
@@ -297,7 +318,7 @@ def _spin(value: Any) -> float | Triple:
     return positive(value)
 
 
-class SteadySettings(Definition):
+class SteadySettings(Meshed):
     """Which steady rotation is sought.
 
     Exactly one of `spin`, `energy` and `momentum` is given.
@@ -398,7 +419,7 @@ def _about(value: Any) -> str | Start:
     return found
 
 
-class ModesSettings(Definition):
+class ModesSettings(Meshed):
     """Which small vibrations are sought."""
 
     count: Annotated[int, whole_number(1, 100_000)] = Key("number of modes, 1 to 100 000", default=6)
@@ -408,6 +429,10 @@ class ModesSettings(Definition):
         "equilibrium under the loads at t = 0- that is found from there",
         default="equilibrium",
     )
+    near: OptionalPositive = Key(
+        "those whose natural frequencies are nearest to this one, in place of the slowest", "Hz", default=None
+    )
+    oscillating: bool = Key("leave out rigid motions and overdamped modes", default=False)
 
 
 LONGEST_COUPLING = 1e6

@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, blocks, listed, of_kind, quantity
 from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts
+from viscorod.model.fields.symmetry import skew_entry
 from viscorod.model.fields.values import Positive, each, items, numbers, sequence
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
@@ -54,10 +55,8 @@ def symmetric(value: Any, words: tuple[str, ...]) -> Matrix:
         return tuple(map(tuple, np.diag(numbers(rows, count=6)).tolist()))
     full = each(rows, lambda row: numbers(row, count=6))
     matrix = np.array(full)
-    size = np.abs(matrix) + np.abs(matrix.T)
-    skew = np.abs(matrix - matrix.T) > 1e-9 * size
-    if skew.any():
-        i, j = (int(k) for k in np.argwhere(skew)[0])
+    if (skew := skew_entry(matrix)) is not None:
+        i, j = skew
         raise RefusedError(
             "the matrix must be symmetric",
             f"give the same number twice for {words[i]} and {words[j]}, in row {i + 1}, column {j + 1} "

@@ -190,6 +190,10 @@ class SupportState:
             out[k] = self.set.fixed[k] * self._directions(int(k), state)[0]
         return out
 
+    def free_directions(self, k: int, state: State) -> Floats:
+        """Return the body increments of a support's node, one column for each motion along its axes ``(6, 6)``."""
+        return self._directions(k, state)[2]
+
     def free_rows(self) -> np.ndarray:
         """Return the indices of the balance rows that remain after :meth:`impose`."""
         free = np.ones((self.problem.size, 6), dtype=bool)

@@ -126,11 +126,16 @@ class Stations:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Mass centres and named points of rigid bodies: names, nodes ``(k,)``, arms in node axes ``(k, 3)`` [m]."""
+    """Mass centres and named points of rigid bodies: names, nodes ``(k,)``, arms in node axes ``(k, 3)`` [m].
+
+    ``turns (k, 4)`` are quaternions from the body's axes to the node's; those of the first of the bodies that share a
+    node are no turn.
+    """
 
     names: tuple[str, ...]
     nodes: Integers
     arms: Floats
+    turns: Floats
 
 
 @dataclass(frozen=True)

@@ -102,6 +102,7 @@ class GeneralizedAlpha:
         self.supports = supports
         self.loads = ExternalLoads(system.problem)
         self.coefficients = Coefficients.of(spectral_radius)
+        self.tolerance = tolerance
         self.step_tolerance = None if tolerance is None else STEP_FACTOR * tolerance**1.5
         self.newton_tolerance = newton_tolerance
         self.iterations = iterations
