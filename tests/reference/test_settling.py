@@ -21,7 +21,9 @@ def settled(found: vr.Equilibrium) -> bool:
 def tube() -> vr.Model:
     model = vr.Model()
     rubber = vr.Material(3.0e6, 0.49, 1100.0)
-    model.add("tube", vr.Rod.straight((0, 0, 0), (0.6, 0, 0), section=vr.Annulus(0.004, 0.003), material=rubber))
+    model.add(
+        "tube", vr.Rod.straight((0, 0, 0), (0.6, 0, 0), section=vr.Annulus(0.004, 0.003), material=rubber)
+    )
     model.clamp("tube.start")
     model.clamp("tube.end", motion={"ux": -0.25, "uz": 0.1})
     model.gravity()
@@ -151,7 +153,9 @@ def test_chain_hangs_straight_down(ball: bool) -> None:
     model.gravity()
     found = model.equilibrium()
     # weak springs bend the top by about k pi/2 over the moment of the weight below it
-    assert found.position(f"link{count - 1}.end") == pytest.approx([0, 0, -count * length], abs=1e-6 if ball else 2e-3)
+    assert found.position(f"link{count - 1}.end") == pytest.approx(
+        [0, 0, -count * length], abs=1e-6 if ball else 2e-3
+    )
     assert settled(found)
 
 
@@ -160,7 +164,9 @@ def test_heavy_chain_with_springs_balances_moments() -> None:
     stiffness, length = 2.0, 0.5
     model = vr.Model()
     for k in range(2):
-        line = vr.Rod.straight((k * length, 0, 0), ((k + 1) * length, 0, 0), section=vr.Circle(0.01), material=STEEL)
+        line = vr.Rod.straight(
+            (k * length, 0, 0), ((k + 1) * length, 0, 0), section=vr.Circle(0.01), material=STEEL
+        )
         model.add(f"link{k}", line)
         before = f"link{k - 1}.end" if k else "ground"
         model.revolute(f"link{k}.start", before, (0, 1, 0))
@@ -250,7 +256,9 @@ def test_what_falls_without_end_is_refused() -> None:
     model = vr.Model()
     model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Circle(0.005), material=STEEL))
     model.gravity()
-    with pytest.raises(vr.InputError, match="no static equilibrium: nothing holds the model against translation"):
+    with pytest.raises(
+        vr.InputError, match="no static equilibrium: nothing holds the model against translation"
+    ):
         model.equilibrium()
 
 

@@ -127,7 +127,9 @@ def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
     """
     linear = linearise(discrete.static, State.reference(discrete.problem), scale=0.0)
     frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
-    flies = isinstance(settings, SimulateSettings) and settings.initial == "reference"
+    flies = isinstance(settings, SimulateSettings) and (
+        settings.initial == "reference" or settings.start is not None
+    )
     settled = not (flies or isinstance(settings, SteadySettings))
     return _doubts(discrete.model, discrete.problem, frequencies[frequencies > 0.0], settled=settled)
 

@@ -23,8 +23,10 @@ class Search:
     """One search, and how it went.
 
     Attributes:
-        discrete: the model. factor: multiple of loads and motions; before: time t = 0-, else 0+.
-        allowed: whether it may go on by settling. loose: motions that nothing but loads may hold, elsewhere.
+        discrete: the model, whose stage is begun.
+        factor: multiple of loads and motions, or of what the stage changes; before: time t = 0-, else 0+.
+        allowed: whether it may go on by settling. loose: motions that loads hold elsewhere only.
+        origin: where it begins, in words.
         steps: the load steps; settling: what came after them, None if it was not needed.
         unstable: negative eigenvalues of the tangent stiffness at the end.
     """
@@ -34,6 +36,7 @@ class Search:
     before: bool = True
     allowed: bool = True
     loose: list[FreeMotion] = field(default_factory=list)
+    origin: str = "the reference shape"
     steps: StaticPath = field(default_factory=StaticPath)
     settling: SettlingReport | None = None
     unstable: int = 0
@@ -48,17 +51,19 @@ class Search:
         Raises:
             InputError: nothing holds the model.
         """
-        start = state.copy()
+        static, start = self.discrete.static, state.copy()
         if not self.loose:
-            self.steps = self.discrete.static.solve(
+            static.restore(state, 0.0, before=self.before, scale=0.0)
+            self.steps = static.solve(
                 state, before=self.before, factor=self.factor, first_step=first_step, on_step=on_step
             )
             if self.steps.outcome is Outcome.INTERRUPTED:
                 return False
             if self.steps.outcome is Outcome.COMPLETED:
-                tangent = self.discrete.static.tangent(state, before=self.before, scale=self.factor)
-                self.unstable = negative_eigenvalues(tangent)
-                loads = self.discrete.static.loads.at(0.0, self.before, self.factor)
+                self.unstable = negative_eigenvalues(
+                    static.tangent(state, before=self.before, scale=self.factor)
+                )
+                loads = static.loads.at(0.0, self.before, self.factor)
                 if self.unstable == 0 or not self.allowed or not have_potential(loads):
                     self._restore(state)
                     return True
@@ -66,8 +71,7 @@ class Search:
 
     def _settle(self, start: State, state: State) -> bool:
         """Settle from ``start``; without success ``state`` stays where load steps led."""
-        static = self.discrete.static
-        settling = Settling(static, before=self.before, factor=self.factor)
+        settling = Settling(self.discrete.static, before=self.before, factor=self.factor)
         self.settling = settling.report
         led = bool(self.steps.factors) and self.steps.outcome is Outcome.COMPLETED
         try:
@@ -95,22 +99,34 @@ class Search:
         return self.settling is not None and self.settling.found
 
     @property
+    def count(self) -> int:
+        """Steps that were taken."""
+        return len(self.steps.factors) + (0 if self.settling is None else self.settling.steps)
+
+    @property
+    def iterations(self) -> int:
+        """Newton iterations that were taken."""
+        done = sum(self.steps.iterations) + self.steps.wasted
+        return done + (0 if self.settling is None else self.settling.iterations)
+
+    @property
     def found_by(self) -> str:
         """How the equilibrium was found, in words."""
         if not self.settled:
             count = len(self.steps.factors)
-            return f"{count} load step{'s' if count != 1 else ''}"
+            return f"{count} load step{'s' if count != 1 else ''} from {self.origin}"
         assert self.settling is not None
         if self.loose:
-            why = "the reference shape is none that loads hold"
+            why = "loads hold the model in another position only"
         elif self.steps.outcome is Outcome.COMPLETED:
             why = "load steps ended at an unstable equilibrium"
         else:
             why = f"load steps found none beyond {self._reached:.4g} of the loads"
-        count = self.settling.steps
-        text = f"settling from the start ({why}): pseudo-transient continuation, {count} steps"
+        text = (
+            f"settling from {self.origin} ({why}): pseudo-transient continuation, {self.settling.steps} steps"
+        )
         if self.settling.knocks:
-            text += f", past {self.settling.knocks} unstable"
+            text += f", off {self.settling.knocks} unstable"
         return f"{text}; where several equilibria are stable, this is one of them"
 
     @property
@@ -139,7 +155,9 @@ class Search:
                 f"{discrete.where(path.report)} What to try: {path.outcome.advice(static=True)}."
             )
         if self.settling is not None:
-            text += f" Settling from the start found no stable equilibrium either: {self.settling.reason}."
+            text += (
+                f" Settling from {self.origin} found no stable equilibrium either: {self.settling.reason}."
+            )
         gaps = discrete.system.constraints.open_joints(1.0 - reached)
         if gaps:
             text += f" Joints that are open in the reference shape could not be closed; still open: {', '.join(gaps)}."

@@ -11,6 +11,7 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
+from viscorod.analyses.start_state import StartState
 from viscorod.errors import InputError, SolveError, warn
 from viscorod.mechanics.compilation.compiled import announce_formulation
 from viscorod.mechanics.elements import intrinsic_element as intrinsic
@@ -50,6 +51,8 @@ if TYPE_CHECKING:
 
 __all__ = ["described", "failure", "initial_state", "motion", "stepping"]
 
+REACHED = 1e-6
+"""Distance over the size of the model, or angle, by which a start may miss what supports and joints prescribe."""
 LEAST_STEPS = 10
 """Steps of a run at least, when steps follow the error."""
 STEPS_PER_PERIOD = 6
@@ -81,7 +84,7 @@ def _motion(
     """
     discrete.require_independent()
     options = discrete.options
-    state = initial_state(discrete, settings)
+    state, began_from = initial_state(discrete, settings)
     integrator, control, chosen = stepping(discrete, settings, state)
     transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)
     began = time.perf_counter()
@@ -111,7 +114,12 @@ def _motion(
         if stream.broken:
             raise InputError(result.reason)
         stream.save(build, transient.saved)
-    attrs = labels | chosen | described(discrete, transient, settings, result.outcome)
+    attrs = (
+        labels
+        | chosen
+        | {"began_from": began_from}
+        | described(discrete, transient, settings, result.outcome)
+    )
     attrs["loop_time_s"] = time.perf_counter() - began
     if settings.dynamics == "nonlinear":
         discrete.watch.see_motion(settings.duration)
@@ -137,19 +145,61 @@ def _tell(attrs: dict[str, Any], doubt: str) -> None:
         warn(doubt)
 
 
-def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> State:
-    """Return the state that a motion starts from."""
-    state = State.reference(discrete.problem)
-    if discrete.problem.initial_strain:
+def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[State, str]:
+    """Return the state that a motion starts from, and what it is in words."""
+    state, text = State.reference(discrete.problem), "the reference shape"
+    if settings.start is not None:
+        found = StartState(discrete, settings.start)
+        state, text = found.state, found.label
+        for note in found.notes:
+            discrete.attributes["doubts"] = json.dumps(
+                [*json.loads(discrete.attributes.get("doubts", "[]")), note]
+            )
+        _require_reached(discrete, state)
+    elif discrete.problem.initial_strain:
         discrete.system.given_strain = strain_rods(discrete.system, state)
+        text = "the initial strains"
     elif settings.initial == "equilibrium":
-        find_initial_equilibrium(discrete, state)
+        search = find_initial_equilibrium(discrete, state)
+        text = "the equilibrium" if search is None else f"the equilibrium, found by {search.found_by}"
     else:
         _require_closed(discrete)
-    state.twist[:] = discrete.problem.initial_twist(state.r, state.q)
+    given = discrete.problem.initial_twist(state.r, state.q)
+    if settings.start is None:
+        state.twist[:] = given
+    elif given.any():
+        raise InputError(
+            "velocities: the motion starts with the velocities of an earlier result; leave the initial velocities out, "
+            "or start"
+        )
     if settings.formulation == "intrinsic":
         announce_formulation(intrinsic.forces_at)
-    return state
+    return state, text
+
+
+def _require_reached(discrete: DiscreteModel, state: State) -> None:
+    """Refuse a start in which supports or motors are not where their motions begin."""
+    supports, constraints, length = discrete.supports, discrete.system.constraints, discrete.problem.length
+    supports.update(0.0)
+    constraints.update(0.0)
+    gaps = np.abs(supports.set.fixed * (supports.measured(state) - supports.target))
+    gaps[supports.set.in_body] = 0.0
+    apart = {
+        name: float(max(gap[:3].max() / length, gap[3:].max()))
+        for name, gap in zip(supports.set.names, gaps, strict=True)
+    }
+    value, _, _ = constraints.measure(state)
+    for c in np.flatnonzero(constraints.is_held):
+        apart[constraints.joints.label(int(c))] = float(
+            abs(value[c] - constraints.target[c]) / constraints.joints.unit[c]
+        )
+    wrong = [name for name, gap in apart.items() if gap > REACHED]
+    if wrong:
+        raise InputError(
+            f"start: {', '.join(wrong[:6])} {'is' if len(wrong) == 1 else 'are'} elsewhere in the earlier result than "
+            "this model prescribes at t = 0; let its motions begin at what they are there, or find the equilibrium "
+            "from there first (equilibrium with start)"
+        )
 
 
 def _require_closed(discrete: DiscreteModel) -> None:
@@ -257,7 +307,7 @@ def _small_motions(
     discrete: DiscreteModel, settings: SimulateSettings, state: State
 ) -> small_motion.Linearisation:
     """Return small motions about the state that a motion starts from."""
-    scale = 1.0 if settings.initial == "equilibrium" else 0.0
+    scale = 1.0 if settings.initial == "equilibrium" or settings.start is not None else 0.0
     return small_motion.linearise(discrete.static, state, scale=scale)
 
 

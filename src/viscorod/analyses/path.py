@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.equilibrium import equilibrium_near
 from viscorod.errors import InputError, SolveError
 from viscorod.results.data_schema import AXES
 from viscorod.results.run import Equilibrium
@@ -31,7 +32,11 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         raise InputError(
             "no path to follow: no load, prescribed motion or rest strain acts at t = 0; add a load without until"
         )
-    discrete.require_held(loads)
+    if settings.start is None:
+        discrete.require_held(loads)
+        state, first = State.reference(discrete.problem), 0.0
+    else:
+        state, first = equilibrium_near(discrete, settings.start, own_factor=True)
     history = History()
 
     def on_point(point: PathPoint) -> None:
@@ -44,7 +49,8 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
             discrete.options.progress(point.factor, step)
 
     path = PathFollower(discrete.static, abs(settings.target or 1.0)).follow(
-        State.reference(discrete.problem),
+        state,
+        first=first,
         load_factor=settings.target,
         endings=[_displacement(discrete, settings)] if settings.place is not None else [],
         largest=settings.arc_length,

@@ -45,11 +45,11 @@ TURN_PER_NODE = 2.0 * math.pi / 15.0
 """Bending and twisting of the reference shape from node to node: an element of the default order, which turns by a
 third of a circle then, follows it to 4e-7 of its length."""
 SLACK = 1e-12
-"""Bending stiffness of a cable over axial stiffness times the square of its length: what leaves its sections a direction.
+"""Bending stiffness of a cable over axial stiffness times the square of its length: its sections need a direction.
 Its influence on the shape is of this order over the strain of the cable."""
 GYRATION = 1e-5
-"""Radius of gyration of a cable over its length, against rotation and twist: twist waves are as fast as those of stretch,
-or each cable had slow vibrations of twist that mean nothing."""
+"""Radius of gyration of a cable over its length, against rotation and twist: twist waves are as fast as those of
+stretch, or each cable had slow vibrations of twist that mean nothing."""
 NODES_PER_ROD = 10
 SAMPLES, MOST_SAMPLES = 64, 4096
 """Pieces of a rod in which it is measured how far the reference shape turns."""
@@ -324,7 +324,7 @@ class Rod(Definition):
         found = [] if self.material is None else list(self.material.assumptions)
         if self.is_cable:
             found.append(
-                f"a cable, which bends and twists at no cost: {SLACK:g} of its axial stiffness times its length squared "
+                f"a cable, which bends and twists at no cost: {SLACK:g} of its axial stiffness times length squared "
                 f"gives its sections a direction, {GYRATION**2:g} one about its axis, and their radius of gyration is "
                 f"{GYRATION:g} of its length"
             )

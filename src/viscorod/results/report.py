@@ -35,6 +35,7 @@ def run_report(run: Run) -> str:
     method = f", {str(attrs['integrator']).replace('_', '-')}" if attrs.get("integrator") else ""
     blocks = [
         _heading(run, f"{time[-1] - time[0]:g} s simulated{steps}{size}{method}{_formulation(run)}"),
+        _began(run),
         _ends(run, *_shown_state(run)),
         _decay(run),
         str(run.energy),
@@ -45,6 +46,12 @@ def run_report(run: Run) -> str:
         _warnings(run),
     ]
     return "\n\n".join(block for block in blocks if block)
+
+
+def _began(run: Run) -> str:
+    """Report what the motion started from, unless it is the reference shape or the plain equilibrium."""
+    text = str(run.data.attrs.get("began_from", ""))
+    return f"Started from {text}" if "settling" in text or " at " in text else ""
 
 
 def _events(run: Run) -> str:

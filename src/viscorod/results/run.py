@@ -283,6 +283,12 @@ class Equilibrium(Result):
         return str(self.data.attrs.get("found_by", ""))
 
     @property
+    def stage_ends(self) -> Integers:
+        """Numbers of the states at the ends of its stages; the last one without stages."""
+        ends = json.loads(self.data.attrs.get("stage_ends", "null"))
+        return np.array([len(self.load_factor) - 1] if ends is None else ends, dtype=np.int64)
+
+    @property
     def is_path(self) -> bool:
         """True if the states are the points of a path."""
         return "limit_points" in self.data.attrs

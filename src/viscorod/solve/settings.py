@@ -33,6 +33,8 @@ from viscorod.model.fields.values import (
     word,
 )
 from viscorod.solve.formulations.registry import FORMULATIONS, damping_words, dampings, formulation_words
+from viscorod.solve.stage_settings import Stages
+from viscorod.solve.start import OptionalStart, Start, as_start
 from viscorod.solve.transient.integrators import INTEGRATORS, Method, integrators_that
 
 LEAST_TOLERANCE, LARGEST_TOLERANCE, LEAST_ACCURACY = 1e-10, 0.1, 1e-8
@@ -124,6 +126,22 @@ class SimulateSettings(Meshed):
         "what is watched for and recorded, and may end the run: `Crossing`, `Decayed`, `SteadyState`",
         default=(),
     )
+    start: OptionalStart = Key(
+        "state of an earlier result that the motion starts from instead of `initial`, with its velocities; its own "
+        "time begins at 0",
+        default=None,
+    )
+
+    @model_validator(mode="after")
+    def _one_start(self) -> Self:
+        if self.start is not None and "initial" in self.model_fields_set:
+            raise RefusedError(
+                "the motion starts from an earlier result",
+                "leave initial out, or start",
+                found=show(self.initial),
+                at=("initial",),
+            )
+        return self
 
     @model_validator(mode="after")
     def _fits_formulation(self) -> Self:
@@ -219,6 +237,15 @@ class EquilibriumSettings(Meshed):
         "one; false keeps to the equilibrium that load steps lead to, such as that of a straight strut",
         default=True,
     )
+    start: OptionalStart = Key(
+        "state of an earlier result from which the search begins instead of the reference shape; loads act in full "
+        "from there on, prescribed motions grow from what they are in it",
+        default=None,
+    )
+    stages: Stages = Key(
+        "stages, each from the equilibrium at the end of the one before: which loads and motions grow in it",
+        default=(),
+    )
 
 
 class PathSettings(Meshed):
@@ -246,6 +273,11 @@ class PathSettings(Meshed):
         "largest distance between two points, in which a change of the load factor by its unit (load_factor, or 1), a "
         "displacement by the model's length and a rotation by 1 rad count alike",
         default=0.1,
+    )
+    start: OptionalStart = Key(
+        "state of an earlier result near which the path begins, at its load factor (1 for a motion), instead of the "
+        "reference shape without loads",
+        default=None,
     )
 
     @property
@@ -327,6 +359,9 @@ class SteadySettings(Meshed):
     modes: Annotated[int, whole_number(1, 1000)] = Key(
         "number of small motions about the rotation to report, 1 to 1000", default=6
     )
+    start: OptionalStart = Key(
+        "state of an earlier result, a motion that turns, as first guess", default=None
+    )
 
     @property
     def measure(self) -> Literal["spin", "energy", "momentum"]:
@@ -372,15 +407,26 @@ class SteadySettings(Meshed):
         return self
 
 
+ABOUT = ("equilibrium", "released", "reference")
+
+
+@accepts(None, '"equilibrium", "released" or "reference"', "a result, or one with a time: `(run, 1.5)`")
+def _about(value: Any) -> str | Start:
+    if isinstance(value, str) and (value in ABOUT or not value.endswith(".nc")):
+        return one_of(*ABOUT)(value)
+    found = as_start(value)
+    assert found is not None
+    return found
+
+
 class ModesSettings(Meshed):
     """Which small vibrations are sought."""
 
     count: Annotated[int, whole_number(1, 100_000)] = Key("number of modes, 1 to 100 000", default=6)
-    about: Annotated[
-        Literal["equilibrium", "released", "reference"], one_of("equilibrium", "released", "reference")
-    ] = Key(
+    about: Annotated[str | Start, _about] = Key(
         '"equilibrium" under the loads at t = 0- (just before t = 0), the equilibrium once "released", under those '
-        'just after t = 0, or the "reference" shape (as if free of load)',
+        'just after t = 0, or the "reference" shape (as if free of load); a state of an earlier result: about the '
+        "equilibrium under the loads at t = 0- that is found from there",
         default="equilibrium",
     )
     near: OptionalPositive = Key(

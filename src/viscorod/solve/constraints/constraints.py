@@ -47,6 +47,7 @@ class Constraints:
         target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
         near: values ``(c,)`` that angles are to be near.
         pace: rate [1/s] with the square of which inertia counts in the present matrix.
+        reference_gaps: values of held coordinates in the reference shape ``(c,)``.
         stage: values of held coordinates at the start of a stage of statics, and parts of motors at its end ``(c,)``.
         gap: gaps that multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
     """
@@ -68,14 +69,14 @@ class Constraints:
         self._stiffness, self._damping = self.arrays.stiffness.copy(), self.arrays.damping.copy()
         self._earlier = np.zeros(c)
         self.is_held = self.arrays.place >= 0
-        self._first_gap = self._gaps_of_reference()
+        self.reference_gaps = self._gaps_of_reference()
         taken = np.zeros(places, dtype=bool)
         taken[self.arrays.place[self.is_held]] = True
         taken[self.held.place] = True
         self.idle: Integers = np.flatnonzero(~taken)
         self.used: Integers = np.flatnonzero(taken)
-        self.stage: tuple[Floats, Floats] = self._first_gap, np.ones(c)
-        self.target[:] = self._first_gap
+        self.stage: tuple[Floats, Floats] = self.reference_gaps, np.ones(c)
+        self.target[:] = self.reference_gaps
         self.unit = np.ones(places)
         self.unit[self.arrays.place[self.is_held]] = self.joints.unit[self.is_held]
 
@@ -153,7 +154,7 @@ class Constraints:
         Args:
             part: of the gaps that is left; driven: where motors are to be instead of 0 ``(c,)``.
         """
-        gaps = part * self._first_gap - (0.0 if driven is None else driven)
+        gaps = part * self.reference_gaps - (0.0 if driven is None else driven)
         lengths = np.isin(self.arrays.kind, (TRANSLATION, DISTANCE))
         return [
             f"{self.joints.label(int(c))} by {abs(gaps[c]):.6g} {'m' if lengths[c] else 'rad'}"

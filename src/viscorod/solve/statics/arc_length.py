@@ -112,6 +112,7 @@ class PathFollower:
         self,
         state: State,
         *,
+        first: float = 0.0,
         load_factor: float | None = None,
         endings: Sequence[Ending] = (),
         largest: float = 0.1,
@@ -119,10 +120,10 @@ class PathFollower:
         limit_point: int | None = None,
         on_point: Callable[[PathPoint], None],
     ) -> Path:
-        """Follow the path from ``state``, the equilibrium without loads.
+        """Follow the path from an equilibrium, by default the one without loads.
 
         Args:
-            state: start.
+            state: start, the equilibrium at the load factor ``first``.
             load_factor: the path begins towards it, and ends where it is reached.
             endings: other places to end.
             largest: distance of two points at most; points: number of points at most.
@@ -131,7 +132,7 @@ class PathFollower:
         """
         path = self.path = Path()
         try:
-            self._follow(state, load_factor, endings, largest, points, limit_point, on_point)
+            self._follow(state, first, load_factor, endings, largest, points, limit_point, on_point)
         except KeyboardInterrupt as asked:
             path.outcome, path.reason = Outcome.INTERRUPTED, interruption(asked)
         return path
@@ -139,6 +140,7 @@ class PathFollower:
     def _follow(
         self,
         state: State,
+        first: float,
         load_factor: float | None,
         endings: Sequence[Ending],
         largest: float,
@@ -149,8 +151,8 @@ class PathFollower:
         path = self.path
         if load_factor is not None:
             endings = [*endings, lambda point: point.factor - load_factor]
-        begin = -1.0 if load_factor is not None and load_factor < 0.0 else 1.0
-        start = self._point(state, 0.0, Direction(np.zeros_like(state.twist), begin), 0)
+        begin = -1.0 if load_factor is not None and load_factor < first else 1.0
+        start = self._point(state, first, Direction(np.zeros_like(state.twist), begin), 0)
         if start is None:
             path.outcome = Outcome.SINGULAR
             return
