@@ -14,8 +14,8 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.history import EnergyAccount, History, Snapshot
 from viscorod.solve.settings import EquilibriumSettings
 from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.statics.stability import stability_attributes, stability_of
 from viscorod.solve.statics.static_solver import StaticPath
-from viscorod.solve.statics.tangent import negative_eigenvalues
 
 __all__ = ["equilibrium", "find_initial_equilibrium"]
 
@@ -27,23 +27,31 @@ def equilibrium(discrete: DiscreteModel, settings: EquilibriumSettings) -> Equil
     """Find the equilibrium at ``load_factor`` times the loads just before t = 0; see ``Model.equilibrium``."""
     discrete.static.stop = discrete.options.stop
     discrete.require_independent()
-    factor, options = settings.load_factor, discrete.options
+    stops, options = settings.stops, discrete.options
+    factor, chosen = stops[-1], bool(settings.load_factors or settings.load_steps)
     discrete.require_held(discrete.static.loads.at(0.0, True, factor))
     state = State.reference(discrete.problem)
     history = History()
     last = 0.0
 
-    def on_step(reached: float, state: State, iterations: int) -> None:
-        nonlocal last
+    def record(reached: float, iterations: int) -> None:
         account = EnergyAccount(elastic=discrete.system.elastic_energy())
         snapshot = Snapshot.of(state, discrete.system, discrete.supports)
-        history.record(reached, snapshot, account, reached - last, iterations)
+        step = reached - (history.instant[-1] if history.instant else 0.0)
+        history.record(reached, snapshot, account, step, iterations)
+
+    def on_step(reached: float, state: State, iterations: int) -> None:
+        del state
+        nonlocal last
+        if not chosen or reached in stops:
+            record(reached, iterations)
         if options.progress is not None:
             options.progress(reached, reached - last)
         last = reached
 
-    first_step = 1.0 / (settings.load_steps or 1)
-    path = discrete.static.solve(state, factor=factor, first_step=first_step, on_step=on_step)
+    path = discrete.static.solve(state, factor=factor, stops=stops[:-1], on_step=on_step)
+    if path.factors and (not history.instant or history.instant[-1] != path.factors[-1]):
+        record(path.factors[-1], path.iterations[-1])
     attrs: dict[str, Any] = {
         "outcome": path.outcome.name.lower(),
         "steps": len(path.factors),
@@ -56,8 +64,7 @@ def equilibrium(discrete: DiscreteModel, settings: EquilibriumSettings) -> Equil
         attrs["message"] = _failure(discrete, path)
         found = Equilibrium.later(discrete.data_set("equilibrium", history, attrs)) if path.factors else None
         raise SolveError(attrs["message"], found)
-    tangent = discrete.static.tangent(state, scale=factor)
-    attrs["negative_eigenvalues"] = negative_eigenvalues(tangent)
+    attrs |= stability_attributes(stability_of(discrete.static, state, scale=factor))
     return Equilibrium.later(discrete.data_set("equilibrium", history, attrs))
 
 

@@ -20,6 +20,7 @@ from viscorod.solve.problem.joint_set import joint_set
 from viscorod.solve.problem.load_placing import place_loads
 from viscorod.solve.problem.mesh import Mesh, divide, element_nodes, element_sets, join, stations_of
 from viscorod.solve.problem.placement import Placement
+from viscorod.solve.problem.prescribed_turns import prescribed_turn
 from viscorod.solve.problem.problem import Problem, SupportSet
 from viscorod.typing import Floats, Integers
 
@@ -96,7 +97,8 @@ def _mesh(model: ModelDescription) -> Mesh:
     for load in model.loads:
         for place in load.breaks(model):
             wishes[place.rod].append(place.s)
-    rods = [divide(name, rod, breaks[name], wishes[name]) for name, rod in model.rods.items()]
+    turn = prescribed_turn(model)
+    rods = [divide(name, rod, breaks[name], wishes[name], turn) for name, rod in model.rods.items()]
     bodies = {name: i for i, name in enumerate(model.bodies)}
     first = len(bodies) + np.cumsum([0, *(len(rod.s) for rod in rods)])
     index = {rod.name: i for i, rod in enumerate(rods)}

@@ -14,7 +14,7 @@ from viscorod.mechanics.elements.basis import gauss, gauss_table, lobatto
 from viscorod.mechanics.nodes.attached_poses import link_map
 from viscorod.mechanics.rotations.quaternion import conjugate, from_matrices, matrices, product
 from viscorod.model.bodies.body_base import AnyBody
-from viscorod.model.rod import DEFAULT_ORDER, Rod
+from viscorod.model.rod import DEFAULT_ORDER, TURN_PER_NODE, Rod
 from viscorod.model.sections.section_base import AnySection
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem.problem import ElementSet, Stations
@@ -65,12 +65,13 @@ class Mesh:
         return self._index[name]
 
 
-def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> RodMesh:
+def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float], turn: float = 0.0) -> RodMesh:
     """Divide a rod into elements.
 
     Elements end at ``breaks`` (sections change, supports, attachments); if the program chooses their number, at
     ``wishes``
-    (point loads) too. The chosen mesh turns by a fifteenth of a circle from node to node, on average.
+    (point loads) too. The chosen mesh turns by a fifteenth of a circle from node to node, on average, in the
+    reference shape and when its ends are turned against each other by ``turn`` [rad].
 
     Raises:
         InputError: there are too few elements for the breaks, or for the turns of the reference shape.
@@ -83,6 +84,9 @@ def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> Rod
         counts = np.array([rod.chosen_elements(a, b) for a, b in pairwise(corners)])
         if len(counts) == 1:
             counts[0] = max(counts[0], 2)
+        if turn > 0.0:
+            turns = np.diff(rod.turned(corners)) + turn * spans / length
+            counts = np.maximum(counts, np.ceil(turns / (order * TURN_PER_NODE)).astype(np.int64))
     elif rod.elements < len(spans):
         raise InputError(
             Fault(
