@@ -22,6 +22,7 @@ from viscorod.solve.problem.load_placing import place_loads
 from viscorod.solve.problem.massless_turns import refuse_massless_turns
 from viscorod.solve.problem.mesh import Mesh, divide, element_nodes, element_sets, join, stations_of
 from viscorod.solve.problem.placement import Placement
+from viscorod.solve.problem.prescribed_turns import prescribed_turn
 from viscorod.solve.problem.problem import Problem, SupportSet
 from viscorod.typing import Floats, Integers
 
@@ -107,7 +108,8 @@ def chosen_divisions(model: ModelDescription) -> Divisions:
     for load in model.loads:
         for place in load.breaks(model):
             wishes[place.rod].append(place.s)
-    return {name: divided(name, rod, breaks[name], wishes[name]) for name, rod in model.rods.items()}
+    turn = prescribed_turn(model)
+    return {name: divided(name, rod, breaks[name], wishes[name], turn) for name, rod in model.rods.items()}
 
 
 def _mesh(model: ModelDescription, divisions: Divisions) -> Mesh:
