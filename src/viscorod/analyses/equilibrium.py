@@ -71,7 +71,9 @@ class _Equilibrium:
                 self._record(factor, state, search.iterations)
             self.ends.append(self.history.count - 1)
         watch = self.discrete.watch
-        watch.see(self.history.snapshots[-1], self.settings.load_factor)
+        if staged and watch.feasible:
+            begin_stage(watch.finer.static, self.stages[-1], None, 0.0, True)
+        watch.see(self.history.snapshots[-1], factor)
         found = {"found_by": self._found_by(), "negative_eigenvalues": search.unstable}
         return self._result(Outcome.COMPLETED, found | watch.attributes)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from viscorod.analyses.discrete import DiscreteModel, unheld
+from viscorod.analyses.discrete import DiscreteModel, named, unheld
 from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions
 from viscorod.solve.formulations.system import State
 from viscorod.solve.statics.newton import Outcome, interruption
@@ -163,5 +163,5 @@ class Search:
             text += f" Joints that are open in the reference shape could not be closed; still open: {', '.join(gaps)}."
         free = free_motions(discrete.problem)
         if free:
-            text += f" Free rigid motions: {', '.join(motion.text for motion in free[:6])}."
+            text += f" Free rigid motions: {named(free)}."
         return text.strip()
