@@ -280,6 +280,12 @@ def _rod_warnings(name: str, rod: Rod) -> list[str]:
                 f"rod {name}: half width times curvature of the reference shape is {worst:.2g}; "
                 "a rod model is meant for values much smaller than 1"
             )
+        twist = float(half * np.abs(np.gradient(rod.centreline.twisted(s, rod.twist), s)).max())
+        if twist > THICK:
+            warnings.append(
+                f"rod {name}: half width times twist of the reference shape is {twist:.2g}; "
+                "a rod model is meant for values much smaller than 1"
+            )
         if half > 0.1 * rod.length:
             warnings.append(
                 f"rod {name}: its half width is {half / rod.length:.2g} of its length; "

@@ -18,6 +18,7 @@ from viscorod.solve.history import EnergyAccount, History, Snapshot
 from viscorod.solve.settings import EquilibriumSettings
 from viscorod.solve.start import Start
 from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.statics.stability import stability_attributes
 from viscorod.solve.statics.stage import Stage, begin_at, begin_stage, end_stages
 
 __all__ = ["equilibrium", "equilibrium_near", "find_initial_equilibrium", "require_no_initial_strain"]
@@ -52,30 +53,42 @@ class _Equilibrium:
             InputError: nothing holds the model. SolveError: none was found.
         """
         state, staged = self._begin()
-        factor = 1.0 if staged else self.settings.load_factor
+        steps = self.settings.load_steps or 1
+        stops = tuple(k / steps for k in range(1, steps + 1)) if staged else self.settings.stops
+        self._kept = stops if self.settings.load_steps or self.settings.load_factors else None
+        factor = stops[-1]
         for number, stage in enumerate(self.stages):
             if staged and number > 0:
                 begin_stage(self.discrete.static, stage, self.stages[number - 1], 0.0, True)
             search = self._search(factor, number)
             kept = self.history.count
-            done = search.run(
-                state,
-                first_step=1.0 / (self.settings.load_steps or 1),
-                on_step=self._record,
-            )
+            done = search.run(state, stops=stops[:-1], on_step=self._on_step)
             if not done:
                 raise SolveError(search.failure(), self._part(search))
             if search.settled:
-                self.history.truncate(kept)
-                self._last = self.history.instant[-1] if kept else 0.0
+                self._forget(kept, stops)
                 self._record(factor, state, search.iterations)
             self.ends.append(self.history.count - 1)
         watch = self.discrete.watch
         if staged and watch.feasible:
             begin_stage(watch.finer.static, self.stages[-1], None, 0.0, True)
         watch.see(self.history.snapshots[-1], factor)
-        found = {"found_by": self._found_by(), "negative_eigenvalues": search.unstable}
+        found = {"found_by": self._found_by()} | stability_attributes(search.stability)
         return self._result(Outcome.COMPLETED, found | watch.attributes)
+
+    def _forget(self, kept: int, stops: tuple[float, ...]) -> None:
+        """Forget the load steps to an equilibrium that is not the result; those that were asked for stay."""
+        if self._kept is not None:
+            wanted = len(stops) - 1
+            there = self.history.count - kept
+            if there < wanted:
+                passed = ", ".join(f"{stop:g}" for stop in stops[there:-1])
+                self.notes.append(
+                    f"no load steps led to the load factors {passed}: they are not among the states"
+                )
+            kept += min(there, wanted)
+        self.history.truncate(kept)
+        self._last = self.history.instant[-1] if kept else 0.0
 
     def _begin(self) -> tuple[State, bool]:
         """Return the state to begin from, and whether motions and loads go by stages."""
@@ -102,6 +115,12 @@ class _Equilibrium:
             search.loose = loose if from_reference else []
         self.searches.append(search)
         return search
+
+    def _on_step(self, reached: float, state: State, iterations: int) -> None:
+        """Keep a load step, or only those that were asked for."""
+        self._reached = reached, iterations
+        if self._kept is None or reached in self._kept:
+            self._record(reached, state, iterations)
 
     def _record(self, reached: float, state: State, iterations: int) -> None:
         discrete, progress = self.discrete, self.discrete.options.progress

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from viscorod.analyses.discrete import DiscreteModel, named, unheld
 from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions
 from viscorod.solve.formulations.system import State
 from viscorod.solve.statics.newton import Outcome, interruption
-from viscorod.solve.statics.settling import Settling, SettlingReport, have_potential
+from viscorod.solve.statics.settling import Settling, SettlingReport
+from viscorod.solve.statics.stability import Stability, circulatory, stability_of
 from viscorod.solve.statics.static_solver import StaticPath
-from viscorod.solve.statics.tangent import negative_eigenvalues
 
 __all__ = ["Search"]
 
@@ -28,7 +28,7 @@ class Search:
         allowed: whether it may go on by settling. loose: motions that loads hold elsewhere only.
         origin: where it begins, in words.
         steps: the load steps; settling: what came after them, None if it was not needed.
-        unstable: negative eigenvalues of the tangent stiffness at the end.
+        stability: of the equilibrium at the end.
     """
 
     discrete: DiscreteModel
@@ -39,14 +39,14 @@ class Search:
     origin: str = "the reference shape"
     steps: StaticPath = field(default_factory=StaticPath)
     settling: SettlingReport | None = None
-    unstable: int = 0
+    stability: Stability = field(default_factory=lambda: Stability(0, 0, False))
 
-    def run(self, state: State, *, first_step: float = 1.0, on_step: OnStep | None = None) -> bool:
+    def run(self, state: State, *, stops: Sequence[float] = (), on_step: OnStep | None = None) -> bool:
         """Move ``state`` to an equilibrium; returns whether it was found.
 
         Args:
             state: start; overwritten by the last equilibrium that was found.
-            first_step: of the load steps; on_step: called after each of them.
+            stops: load factors at which steps end, before the last one; on_step: called after each of them.
 
         Raises:
             InputError: nothing holds the model.
@@ -55,16 +55,14 @@ class Search:
         if not self.loose:
             static.restore(state, 0.0, before=self.before, scale=0.0)
             self.steps = static.solve(
-                state, before=self.before, factor=self.factor, first_step=first_step, on_step=on_step
+                state, before=self.before, factor=self.factor, stops=stops, on_step=on_step
             )
             if self.steps.outcome is Outcome.INTERRUPTED:
                 return False
             if self.steps.outcome is Outcome.COMPLETED:
-                self.unstable = negative_eigenvalues(
-                    static.tangent(state, before=self.before, scale=self.factor)
-                )
+                self.stability = stability_of(static, state, before=self.before, scale=self.factor)
                 loads = static.loads.at(0.0, self.before, self.factor)
-                if self.unstable == 0 or not self.allowed or not have_potential(loads):
+                if self.stability.unstable == 0 or not self.allowed or circulatory(loads):
                     self._restore(state)
                     return True
         return self.allowed and self._settle(start, state)
@@ -81,7 +79,12 @@ class Search:
             return False
         if settling.report.found:
             state.set(start)
-            self.unstable = settling.report.unstable
+            if settling.downhill:  # neutral motions are none that leave
+                self.stability = Stability(settling.report.unstable, settling.report.unstable, False)
+            else:
+                self.stability = stability_of(
+                    self.discrete.static, state, before=self.before, scale=self.factor
+                )
             self._restore(state)
             return True
         if settling.report.falls:
@@ -135,8 +138,8 @@ class Search:
         if self.settling is None or self.settling.found:
             return []
         return [
-            f"the equilibrium is unstable ({self.unstable} negative eigenvalues), and the search for a stable one "
-            f"ended without any: {self.settling.reason}"
+            f"the equilibrium is unstable ({self.stability.unstable} negative eigenvalues), and the search for a "
+            f"stable one ended without any: {self.settling.reason}"
         ]
 
     @property

@@ -26,7 +26,7 @@ def warnings_of(result: Result) -> list[str]:
 
     Stored ones are the JSON list of texts in the attribute ``warnings``. Added are: a remainder of the energy
     account above 1 % of the energy that moved, steps that had to be halved, a mesh whose error is estimated as more
-    than 1 % of a rod's length, and shear, stretch or bending strain
+    than 1 % of a rod's length, and shear, stretch, or bending and twist
     times half width beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang and Tuganov,
     section 2.2) is doubtful.
     """
@@ -76,12 +76,19 @@ def energy_doubt(data: xr.Dataset) -> str:
 
 
 def _strain_warnings(result: Result) -> list[str]:
-    """Return one warning each for shear or stretch and for bending that are too large for small strains."""
+    """Return one warning each for crushed sections, for shear or stretch, and for bending or twist that are large."""
     data = result.data
     if "strain" not in data or not data.sizes.get("point", 0):
         return []
-    strain = np.maximum(*map(np.abs, extremes(result, "strain")))
+    low, high = extremes(result, "strain")
+    strain = np.maximum(np.abs(low), np.abs(high))
     texts = []
+    crushed, _, where = _largest(data, -low[:, 2:3])
+    if crushed >= 1.0:
+        texts.append(
+            f"sections are pressed through each other{where}: the stretch is {-crushed:.3g}, below -1; "
+            "no material does that, and results from there on mean nothing"
+        )
     value, component, where = _largest(data, strain[:, :3])
     if value > _STRAIN:
         name = ("shear 1", "shear 2", "stretch")[component]
@@ -90,10 +97,11 @@ def _strain_warnings(result: Result) -> list[str]:
         )
     if "half_width" in data:
         half = np.asarray(data["half_width"].values, dtype=float)
-        value, component, where = _largest(data, strain[:, 3:5] * half[:, None])
+        value, component, where = _largest(data, strain[:, 3:] * half[:, None])
         if value > _STRAIN:
+            name = ("bend 1", "bend 2", "twist")[component]
             texts.append(
-                f"bend {component + 1} times the half width of the section reaches {value:.2g}{where}; "
+                f"{name} times the half width of the section reaches {value:.2g}{where}; "
                 "the material law is meant for strains well below 1"
             )
     return texts

@@ -10,7 +10,7 @@ import numpy as np
 
 from viscorod.mechanics.elements.held_strains import add_held_strains
 from viscorod.mechanics.elements.internal_force import Elements, ElementWork, GaussStates, internal_forces
-from viscorod.mechanics.joints.joint_coordinates import DISTANCE, TRANSLATION
+from viscorod.mechanics.joints.joint_coordinates import ANGLE, DISTANCE, ROTATION, TRANSLATION
 from viscorod.mechanics.joints.joint_forces import joint_forces
 from viscorod.mechanics.joints.joint_tangent import add_joint_tangent
 from viscorod.solve.linear.matrix import unit_of
@@ -179,6 +179,18 @@ class Constraints:
             self.target[c] += scale * part[c] * motion.value(t, before)
             self.target_rate[c] = scale * motion.rate(t, before)
         self.near[self.is_held] = self.target[self.is_held]
+
+    @property
+    def largest_turn(self) -> float:
+        """Largest rotation [rad] of a motor at the time of the last update, along one coordinate."""
+        return max(
+            (
+                abs(float(self.target[c]))
+                for c, _ in self.joints.motions
+                if self.arrays.kind[c] in (ANGLE, ROTATION)
+            ),
+            default=0.0,
+        )
 
     def add_forces(self, state: State, internal: Floats) -> None:
         """Add the forces of joints and springs in a state to ``internal (n, 6)``; measure all coordinates."""

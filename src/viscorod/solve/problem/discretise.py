@@ -22,6 +22,7 @@ from viscorod.solve.problem.load_placing import place_loads
 from viscorod.solve.problem.massless_turns import refuse_massless_turns
 from viscorod.solve.problem.mesh import Mesh, divide, element_nodes, element_sets, join, stations_of
 from viscorod.solve.problem.placement import Placement
+from viscorod.solve.problem.prescribed_turns import prescribed_turn
 from viscorod.solve.problem.problem import Problem, SupportSet
 from viscorod.typing import Floats, Integers
 
@@ -58,8 +59,8 @@ def discretise(
     multipliers = joints.blocks + held_rows
     pattern = Pattern.of(nodes + multipliers, [*elements, *joints.cliques(nodes), *held_members])
     sets, mass, relaxation_times = element_sets(mesh, pattern)
-    refuse_massless_turns(model.bodies, mesh, mass)
     supports = _supports(model, places)
+    refuse_massless_turns(model.bodies, mesh, mass, supports)
     nodal_loads, station_loads = place_loads(model, places)
     motions = [motion for _, _, motion in supports.motions] + [motion for _, motion in joints.motions]
     breakpoints, jumps, periods = _times(model, motions)
@@ -107,7 +108,8 @@ def chosen_divisions(model: ModelDescription) -> Divisions:
     for load in model.loads:
         for place in load.breaks(model):
             wishes[place.rod].append(place.s)
-    return {name: divided(name, rod, breaks[name], wishes[name]) for name, rod in model.rods.items()}
+    turn = prescribed_turn(model)
+    return {name: divided(name, rod, breaks[name], wishes[name], turn) for name, rod in model.rods.items()}
 
 
 def _mesh(model: ModelDescription, divisions: Divisions) -> Mesh:
@@ -216,11 +218,23 @@ def _initial_twist(model: ModelDescription, places: Placement) -> Callable[[Floa
             turning = R[node].T @ angular
             twist[node, :3], twist[node, 3:] = R[node].T @ linear - np.cross(turning, arm), turning
 
-        for velocity in model.velocities:
+        given: dict[int, str] = {}
+        for index, velocity in enumerate(model.velocities):
             if velocity.rod in model.bodies:
                 spot = places.spot(BodyPlace(velocity.rod, None))
                 assert spot is not None
+                before = twist[spot.node].copy()
                 give(spot.node, spot.arm, *velocity.at(0.0, r[spot.node] + R[spot.node] @ spot.arm))
+                other = given.setdefault(spot.node, velocity.rod)
+                if other != velocity.rod and not np.allclose(before, twist[spot.node], rtol=1e-6, atol=1e-12):
+                    raise InputError(
+                        Fault(
+                            f"velocities[{index}]",
+                            velocity.rod,
+                            f"it moves as one with {other!r}, which has another velocity",
+                            "give both the same rigid motion, or one of them only",
+                        )
+                    )
                 continue
             rod = mesh.rod_index(velocity.rod)
             for k, s in enumerate(mesh.rods[rod].s):

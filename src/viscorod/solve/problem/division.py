@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 from viscorod.errors import Fault, InputError
-from viscorod.model.rod import DEFAULT_ORDER, NODES_PER_ROD, Rod
+from viscorod.model.rod import DEFAULT_ORDER, NODES_PER_ROD, TURN_PER_NODE, Rod
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
@@ -55,12 +55,12 @@ def divisions_of(problem: Problem) -> dict[str, Division]:
     return found
 
 
-def divided(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> Division:
+def divided(name: str, rod: Rod, breaks: list[float], wishes: list[float], turn: float = 0.0) -> Division:
     """Divide a rod into elements.
 
     Elements end at ``breaks`` (sections change, supports, attachments); if the program chooses their number, at
     ``wishes`` (point loads) and at the kinks of sections too. The chosen mesh turns by a fifteenth of a circle from
-    node to node, on average.
+    node to node, on average, in the reference shape and when its ends are turned against each other by ``turn`` [rad].
 
     Raises:
         InputError: there are too few elements for the breaks.
@@ -73,6 +73,9 @@ def divided(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> Di
         counts = np.array([rod.chosen_elements(a, b, order) for a, b in pairwise(corners)])
         if len(counts) == 1:
             counts[0] = max(counts[0], 2)
+        if turn > 0.0:
+            turns = np.diff(rod.turned(corners)) + turn * np.diff(corners) / length
+            counts = np.maximum(counts, np.ceil(turns / (order * TURN_PER_NODE)).astype(np.int64))
         return Division(order, _filled(corners, counts))
     corners = _distinct([0.0, *breaks, length], length)
     spans = np.diff(corners)

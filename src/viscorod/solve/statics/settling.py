@@ -27,11 +27,12 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.problem.external_loads import LoadState
+from viscorod.solve.statics.stability import circulatory
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
 from viscorod.typing import Floats
 
-__all__ = ["Settling", "SettlingReport", "have_potential"]
+__all__ = ["Settling", "SettlingReport"]
 
 LARGEST = 0.5
 """Largest step: displacement over the length of the model, or rotation in rad."""
@@ -80,17 +81,14 @@ class SettlingReport:
     unstable: int = 0
 
 
-def have_potential(loads: LoadState) -> bool:
-    """Return whether forces derive from a potential: none follows a section, and no couple acts in space."""
-    stations = any(load.following.any() or load.dead[3:].any() for load in loads.stations)
-    return not (stations or loads.following.any() or loads.dead[:, 3:].any())
-
-
 class Settling:
     """Follows the flow of one static problem.
 
     Args:
         static: solves it. t, before: time at which loads and motions are taken; factor: their multiple.
+
+    Attributes:
+        downhill: loads have a potential, in which the flow runs downhill.
     """
 
     def __init__(
@@ -102,7 +100,7 @@ class Settling:
         self.span = max(self.problem.length, float(np.ptp(self.problem.positions, axis=0).max()))
         self.drag = drag(static)
         self._swapped = np.ascontiguousarray(np.swapaxes(self.drag, 1, 2))
-        self._downhill = have_potential(static.loads.at(t, before, factor))
+        self.downhill = not circulatory(static.loads.at(t, before, factor))
         self.report = SettlingReport()
         self.motion = 0.0
         self._saddle: State | None = None
@@ -238,7 +236,7 @@ class Settling:
         return x, moved, count
 
     def _near_saddle(self, x: State) -> bool:
-        if self._saddle is None or not self._downhill:
+        if self._saddle is None or not self.downhill:
             return False
         return distance(x, self._saddle, self.span) < NEAR
 
@@ -283,7 +281,7 @@ class Settling:
         self._place(1.0)
         self._begin(x)
         report.unstable = negative_eigenvalues(self._tangent(x, self._neutral))
-        if not self._downhill or report.unstable == 0:
+        if not self.downhill or report.unstable == 0:
             static.restore(x, self.t, before=self.before, scale=self.factor)
             return True
         self._knock(x)

@@ -261,7 +261,7 @@ class GeneralizedAlpha:
     def _work_rate(self) -> float:
         """Return the present power of loads and moving supports [W]."""
         loads = float(np.sum(self.system.external * self.state.twist))
-        return loads + self.supports.power() + self.system.constraints.motor_power()
+        return loads + self.supports.power(self.state) + self.system.constraints.motor_power()
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
