@@ -69,16 +69,24 @@ class Search:
 
     def _settle(self, start: State, state: State) -> bool:
         """Settle from ``start``; without success ``state`` stays where load steps led."""
-        settling = Settling(self.discrete.static, before=self.before, factor=self.factor)
-        self.settling = settling.report
-        led = bool(self.steps.factors) and self.steps.outcome is Outcome.COMPLETED
-        try:
-            settling.run(start)
-        except KeyboardInterrupt as asked:
-            self.steps.outcome, self.steps.reason = Outcome.INTERRUPTED, interruption(asked)
-            return False
+        static, led = (
+            self.discrete.static,
+            self.steps.outcome is Outcome.COMPLETED and bool(self.steps.factors),
+        )
+        unloaded = static.loads.at(0.0, self.before, self.factor).none
+        for careful in (True,) if unloaded else (False, True):
+            settling = Settling(static, before=self.before, factor=self.factor, careful=careful)
+            self.settling = settling.report
+            at = start.copy()
+            try:
+                settling.run(at)
+            except KeyboardInterrupt as asked:
+                self.steps.outcome, self.steps.reason = Outcome.INTERRUPTED, interruption(asked)
+                return False
+            if settling.report.found or settling.report.falls or not settling.moving:
+                break
         if settling.report.found:
-            state.set(start)
+            state.set(at)
             if settling.downhill:  # neutral motions are none that leave
                 self.stability = Stability(settling.report.unstable, settling.report.unstable, False)
             else:

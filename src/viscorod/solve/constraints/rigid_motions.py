@@ -169,7 +169,8 @@ class _Parts:
         moves = motion.reshape(-1, 6)
         of_part = np.zeros((self.count, 6))
         of_part[group] = moves
-        nodes = np.flatnonzero(of_part.any(axis=1)[labels])
+        moved = np.asarray(of_part.any(axis=1))
+        nodes = np.flatnonzero(moved[labels])
         mine = labels[nodes]
         w = of_part[mine, 3:] / problem.length
         velocity = of_part[mine, :3] + np.cross(w, self.r[nodes] - centres[mine])
