@@ -87,7 +87,10 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "centre": ("m", "point on the axis of rotation"),
     "momentum": ("N m s", "angular momentum about the centre, global axes"),
     "eigenvalue": ("1/s", "real and imaginary part of s, small motions exp(s t) about the rotation"),
-    "negative_eigenvalues": ("1", "number of negative eigenvalues of the tangent stiffness"),
+    "negative_eigenvalues": (
+        "1",
+        "number of negative eigenvalues of the tangent stiffness, or of growing motions if it is not symmetric",
+    ),
     "iterations": ("1", "Newton iterations of the step that ended here"),
 }
 """Name -> (unit, long name), written into the attributes of every data set."""

@@ -8,6 +8,7 @@ roots in closed form. Every pair is judged by its residual in the whole model, a
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
@@ -19,8 +20,9 @@ from viscorod.typing import Floats
 
 CLASSICAL = 1e-8
 """Coupling of two undamped modes by damping, as a part of their own, that is round-off."""
-GOOD, ENOUGH = 1e-9, 1e-5
-"""Residuals that need no refinement, and that it can start from."""
+GOOD, NOISE, ENOUGH = 1e-9, 5.0, 1e-4
+"""Residuals that need no refinement, by themselves and over those of undamped modes, which are round-off; and those
+that it can start from."""
 MOST, EXTRA = 400, 4
 """Unknowns of the small problem, and undamped modes in it beside those that are asked for."""
 ROUNDS = 4
@@ -71,8 +73,9 @@ def damped_modes(pencil: Pencil, undamped: Undamped, count: int, near: float | N
     for _ in range(ROUNDS):
         found = reduction.solve()
         wanted = _nearest(found, count, near)
-        poor = [k for k in wanted if found.residuals[k] > GOOD]
-        if not poor or reduction.complete:
+        poor = [k for k in wanted if found.residuals[k] > reduction.good]
+        close = not poor or max(found.residuals[k] for k in poor) < ENOUGH
+        if close or reduction.complete:
             break
         if not reduction.extend(found, poor):
             break
@@ -90,7 +93,7 @@ def _refined(reduction: _Reduction, found: DampedModes, wanted: np.ndarray) -> D
     """Return the same with better roots where residuals are not good."""
     roots, vectors, residuals = found.roots.copy(), found.vectors.copy(), found.residuals.copy()
     for k in wanted:
-        if not GOOD < residuals[k]:
+        if not reduction.good < residuals[k]:
             continue
         better = reduction.pencil.refined(complex(roots[k]), vectors[:, k])
         if better is None:
@@ -153,20 +156,36 @@ class _Reduction:
         self.complete = undamped.complete and len(kept) == len(natural)
         self.W, self.squares = undamped.shapes[:, kept], undamped.squares[kept]
 
+    @cached_property
+    def good(self) -> float:
+        """Largest residual that needs no refinement."""
+        W, squares = self.W, self.squares
+        left = 0.5 * (self.K + self.K.T) @ W - squares * (self.M @ W)
+        moved = self.undamped.flexibility(left)
+        left_over = np.sqrt(np.maximum(np.einsum("ik,ik->k", moved, self.M @ moved), 0.0))
+        return max(GOOD, NOISE * float(left_over.max(initial=0.0)))
+
     def residual(self, s: complex, x: np.ndarray) -> float:
         """Return what a root and its vector leave unbalanced as a part of the largest of the forces that balance.
 
-        Forces are measured by the displacements (by their kinetic energy) that they would cause. Without damping it is
-        a bound of the relative error of ``w^2``.
+        Forces are measured by the displacements (by their kinetic energy) that they would cause, or, where all modes
+        are known and that is less, by the accelerations. Without damping it is a bound of the relative error of
+        ``w^2``.
         """
-        flexibility, M = self.undamped.flexibility, self.M
+        M = self.M
         parts = np.array(
             [self.pencil.applied(s, x), s**2 * (M @ x), s * (self.D @ x) + 0.0 * x, self.K @ x]
         ).T
-        moved = flexibility(parts)
-        sizes = np.sqrt(np.maximum(np.einsum("ik,ik->k", moved.conj(), M @ moved).real, 0.0))
-        largest = float(sizes[1:].max())
-        return float(sizes[0]) / largest if largest > 0.0 else 0.0
+        measures = [self.undamped.flexibility]
+        if self.undamped.complete:
+            measures.append(self.undamped.accelerations)
+        found = []
+        for measure in measures:
+            moved = measure(parts)
+            sizes = np.sqrt(np.maximum(np.einsum("ik,ik->k", moved.conj(), M @ moved).real, 0.0))
+            largest = float(sizes[1:].max())
+            found.append(float(sizes[0]) / largest if largest > 0.0 else 0.0)
+        return min(found)
 
     def frequency(self, x: np.ndarray) -> float:
         """Return the angular frequency [rad/s] of a shape without damping (Rayleigh quotient)."""
@@ -189,9 +208,10 @@ class _Reduction:
             roots, vectors = _single_roots(np.diag(D), self.squares, W)
         else:
             K[p:] += np.diag(self.squares)
-            roots, states = (
-                _inverse_roots(D, K, own) if not self.pencil.branches else self._branch_roots(D, K, own)
-            )
+            if self.pencil.branches:
+                roots, states = self._branch_roots(D, K, own)
+            else:
+                roots, states = _inverse_roots(D, K, own) if D.any() else _undamped_roots(K, own)
             displacements = np.vstack([states[:p] / roots, states[p:]])
             vectors = V @ displacements
         residuals = np.array([self.residual(s, x) for s, x in zip(roots, vectors.T, strict=True)])
@@ -278,3 +298,18 @@ def _inverse_roots(D: Floats, K: Floats, own: Floats) -> tuple[np.ndarray, np.nd
     s, z = 1.0 / theta[kept], z[:, kept]
     s = np.where(np.abs(s.imag) <= REAL * np.abs(s), s.real, s)
     return s, np.vstack([z[:p], z[n:] / own[:, None]])
+
+
+def _undamped_roots(K: Floats, own: Floats) -> tuple[np.ndarray, np.ndarray]:
+    """Return the roots of ``s^2 + K`` with their displacements: exactly imaginary, real or in pairs that flutter."""
+    inverse, y = np.linalg.eig(np.linalg.inv(K / own / own[:, None]) / own / own[:, None])
+    squares = 1.0 / inverse
+    real = np.abs(squares.imag) <= CLASSICAL * np.abs(squares)
+    root = np.sqrt(-np.where(real, squares.real, squares).astype(complex))
+    root = np.where(root.imag < 0.0, -root, root)
+    # the other sign of real ones, and the mirror image of those that flutter, of which one of two squares is taken
+    other = (np.abs(root.imag) == 0.0) | ~real
+    mirrored = np.where(real, -root, -root.conj())[other & (real | (squares.imag > 0.0))]
+    kept = real | (squares.imag > 0.0)
+    vectors = np.hstack([y[:, kept], y.conj()[:, other & kept]])
+    return np.concatenate([root[kept], mirrored]), vectors

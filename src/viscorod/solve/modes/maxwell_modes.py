@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from viscorod.errors import SolveError
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.elements.maxwell_branches import add_section_stiffness
 from viscorod.solve.formulations.dashpot_memory import DashpotMemory
@@ -21,6 +22,8 @@ from viscorod.typing import Floats
 
 ITERATIONS = 12
 CONVERGED = 1e-13
+SURE = 1e-6
+"""Last relative change of an eigenvalue by which it has converged at all."""
 FAR = 0.1
 """Part of an eigenvalue by which its refinement may move it."""
 
@@ -30,8 +33,8 @@ class Pencil:
     """Small motions with Maxwell branches as a function of ``s``, beside the conditions of the linearisation."""
 
     linear: Linearisation
-    branches: tuple[sparse.csr_array, ...] = ()
-    times: Floats = ()  # type: ignore[assignment]
+    branches: tuple[sparse.csr_array, ...]
+    times: Floats
 
     @classmethod
     def of(cls, system: System, state: State, linear: Linearisation) -> Pencil:
@@ -89,10 +92,8 @@ class Pencil:
 
         None if there is none nearby.
         """
-        from viscorod.errors import SolveError
-
         start, against = s, x.conj() / np.vdot(x, x).real
-        change = np.inf
+        last = np.inf
         for _ in range(ITERATIONS):
             try:
                 better = self.solver(s)(self.slope(s, x))
@@ -105,9 +106,10 @@ class Pencil:
             x, s = better / scale, s + change
             if abs(s - start) > FAR * abs(start):
                 return None
-            if abs(change) <= CONVERGED * abs(s):
+            size, last = last, float(abs(change)) / abs(s)
+            if last <= CONVERGED or (size < 1e-6 and last > 0.1 * size):  # round-off
                 break
-        return (s, x) if abs(change) <= 1e-10 * abs(s) else None
+        return (s, x) if last <= SURE else None
 
 
 def branch_stiffness(system: System, memory: DashpotMemory, state: State) -> list[sparse.csr_array]:

@@ -86,9 +86,12 @@ class StrainEnergies:
             weighted = np.einsum("i,imn->mn", np.arange(1.0, 7.0), forms)
             _, turn = scipy.linalg.eigh(weighted, whole)
             found = shapes[:, first:last] @ turn
-            inertia = np.einsum("ik,ik->k", found.conj(), self.linear.mass @ found).real
-            turned[:, first:last] = found / np.sqrt(inertia)
+            turned[:, first:last] = found / np.sqrt(self.inertia(found))
         return turned
+
+    def inertia(self, shapes: np.ndarray) -> Floats:
+        """Return ``x.M x`` of every shape ``(m,)``."""
+        return np.asarray(np.einsum("ik,ik->k", shapes.conj(), self.linear.mass @ shapes).real)
 
     def shares(self, shapes: np.ndarray) -> Floats:
         """Return the parts of the elastic energy of the rods that all strains have ``(m, 6)``; zeros without any."""

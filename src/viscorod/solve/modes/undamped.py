@@ -52,6 +52,10 @@ class Undamped:
     flexibility: Callable[[np.ndarray], np.ndarray]
     """Displacements under forces ``(size, m)``, without rigid motions."""
 
+    def accelerations(self, forces: np.ndarray) -> np.ndarray:
+        """Return those under ``forces (size, m)``, of a ``complete`` set of modes, without rigid motions."""
+        return np.asarray(self.shapes @ (self.shapes.T @ forces))
+
 
 class _Problem:
     """``K x = w^2 M x`` without rigid motions, which are eliminated: ``R' M x = 0``."""

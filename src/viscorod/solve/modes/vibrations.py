@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -22,8 +22,6 @@ NUMBERED = 100
 """Modes below those near a frequency up to which they are all computed, to be numbered by kind."""
 MOST_TRIED = 400
 """Modes among which as many oscillating ones are sought as are asked for."""
-AT_REST = 1e-6
-"""Natural frequency, as a part of ``|s|``, of motions that only dampers resist."""
 RESIDUAL = 1e-6
 """Largest residual of a mode that counts as exact."""
 
@@ -45,8 +43,8 @@ class Modes:
         rotations: rotation of every station (body axes), same scaling.
         positions: of the stations about which they swing ``(stations, 3)`` [m].
         residuals: the forces that an eigenvalue and its shape leave unbalanced, over the largest of the elastic,
-            viscous and inertial forces, all measured by the displacements that they would cause; without damping a
-            bound of the relative error of the squared frequency of this mesh.
+            viscous and inertial forces, all measured by the displacements (or accelerations) that they would cause;
+            without damping a bound of the relative error of the squared frequency of this mesh.
         names: ``"bend_1 2"`` is the second mode whose elastic energy is mostly that of bending about d1; the words are
             those of the strains, ``"spring"`` for springs, ``"swing"`` for parts that move like rigid ones under loads
             that turn them back, ``"damper"`` for what dampers alone resist; rigid motions are described. Modes near a
@@ -59,6 +57,7 @@ class Modes:
             one of the damped ones here, or because these are all modes. False where damping couples the modes of a
             large model, or where following loads make its stiffness unsymmetric: residuals hold, but nothing proves
             that there are no others.
+        frequency_errors: estimated errors of the frequencies by the mesh, in parts of them; none where not estimated.
     """
 
     eigenvalues: np.ndarray
@@ -72,6 +71,7 @@ class Modes:
     shares: Floats
     rigid: int
     certified: bool
+    frequency_errors: Floats = field(default_factory=lambda: np.zeros(0))
 
 
 def natural_frequencies(linear: Linearisation, count: int) -> Floats:
@@ -103,7 +103,7 @@ def complex_modes(
     while True:
         undamped = undamped_modes(linear, wanted, target)
         if 0 < undamped.first <= NUMBERED:  # few enough below: then they can be numbered
-            undamped = undamped_modes(linear, undamped.first + wanted)
+            undamped = undamped_modes(linear, undamped.first + len(undamped.squares))
         linear = undamped.linear
         energies = StrainEnergies(solver.system, state, linear)
         undamped = replace(undamped, shapes=energies.principal(undamped.shapes, undamped.squares))
@@ -115,8 +115,9 @@ def complex_modes(
         wanted *= 2
     found = replace(found, vectors=energies.principal(found.vectors, found.roots))
     kinds = energies.kinds(found.vectors)
-    slow = found.natural <= AT_REST * np.abs(found.roots)
-    kinds = [DAMPER if rigid else kind for kind, rigid in zip(kinds, slow, strict=True)]
+    momenta = undamped.rigid.T @ (linear.mass @ found.vectors)
+    creeping = np.linalg.norm(momenta, axis=0) ** 2 > 0.5 * energies.inertia(found.vectors)
+    kinds = [DAMPER if rigid else kind for kind, rigid in zip(kinds, creeping, strict=True)]
     names = numbered(kinds, real, from_first=undamped.first == 0)
     # rigid motions first, as geometry has them
     rest = undamped.rigid.shape[1] if near is None and not oscillating else 0
