@@ -13,10 +13,11 @@ from viscorod.solve.modes.linearisation import Linearisation, linearise
 from viscorod.solve.modes.maxwell_modes import Pencil
 from viscorod.solve.modes.mode_names import DAMPER, StrainEnergies, numbered
 from viscorod.solve.modes.undamped import undamped_modes
+from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
-__all__ = ["Linearisation", "Modes", "complex_modes", "linearise", "natural_frequencies"]
+__all__ = ["Linearisation", "Modes", "complex_modes", "linearise", "natural_frequencies", "station_shapes"]
 
 NUMBERED = 100
 """Modes below those near a frequency up to which they are all computed, to be numbered by kind."""
@@ -129,7 +130,7 @@ def complex_modes(
     picked = found.picked(chosen)
     s = np.concatenate([np.zeros(rigid.shape[1], dtype=complex), picked.roots])
     vectors = np.hstack([rigid, picked.vectors])
-    shapes, rotations = _shapes(solver, state, linear, vectors)
+    shapes, rotations = station_shapes(solver.system.problem, state, linear.basis @ vectors)
     size = np.abs(s)
     residuals = np.concatenate([np.zeros(rigid.shape[1]), picked.residuals])
     return Modes(
@@ -147,15 +148,18 @@ def complex_modes(
     )
 
 
-def _shapes(
-    solver: StaticSolver, state: State, linear: Linearisation, vectors: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return displacements and rotations of the stations for eigenvectors in the free motions."""
-    reader = StationReader(solver.system.problem)
+def station_shapes(problem: Problem, state: State, increments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return displacements (global axes) and rotations (body axes) of the stations, the largest component 1.
+
+    Args:
+        problem: whose stations they are; state: about which it moves.
+        increments: body increments of the nodes ``(6 n, modes)``.
+    """
+    reader = StationReader(problem)
     count = len(reader.nodes)
-    shapes = np.zeros((vectors.shape[1], count, 3), dtype=complex)
+    shapes = np.zeros((increments.shape[1], count, 3), dtype=complex)
     rotations = np.zeros_like(shapes)
-    for k, vector in enumerate((linear.basis @ vectors).T):
+    for k, vector in enumerate(increments.T):
         parts = []
         for part in (vector.real, vector.imag):
             parts.append(reader.read(state.r, state.q, np.ascontiguousarray(part).reshape(-1, 6))[2:])
