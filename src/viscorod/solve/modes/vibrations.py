@@ -23,6 +23,8 @@ NUMBERED = 100
 """Modes below those near a frequency up to which they are all computed, to be numbered by kind."""
 MOST_TRIED = 400
 """Modes among which as many oscillating ones are sought as are asked for."""
+TWISTING = 1e-4
+"""Displacement over rotation and length of the model below which a shape is one of rotations."""
 RESIDUAL = 1e-6
 """Largest residual of a mode that counts as exact."""
 
@@ -40,7 +42,8 @@ class Modes:
         eigenvalues: s in ``exp(s t)`` [1/s], one of each conjugate pair (Im >= 0); overdamped modes give two real ones.
         frequencies: ``|s|/2 pi`` [Hz] (for an underdamped mode the undamped natural frequency).
         damping_ratios: ``-Re s/|s|``; 0 of rigid motions.
-        shapes: displacement of every station ``(modes, stations, 3)``, global axes, complex, largest component 1.
+        shapes: displacement of every station ``(modes, stations, 3)``, global axes, complex, largest component 1 (of
+            the rotations where they are pure twist).
         rotations: rotation of every station (body axes), same scaling.
         positions: of the stations about which they swing ``(stations, 3)`` [m].
         residuals: the forces that an eigenvalue and its shape leave unbalanced, over the largest of the elastic,
@@ -166,7 +169,7 @@ def station_shapes(problem: Problem, state: State, increments: np.ndarray) -> tu
         shape = parts[0][0] + 1j * parts[1][0]
         turn = parts[0][1] + 1j * parts[1][1]
         peak = shape.ravel()[np.argmax(np.abs(shape))]
-        if np.abs(peak) < 1e-12 * np.abs(turn).max():  # pure twisting
+        if np.abs(peak) < TWISTING * problem.length * np.abs(turn).max():
             peak = turn.ravel()[np.argmax(np.abs(turn))]
         if peak == 0.0:  # only bodies move
             peak = 1.0
