@@ -7,6 +7,7 @@ from .analyses.kelvin_voigt_fit import kelvin_voigt_fit as kelvin_voigt_fit
 from .analyses.model import Model as Model
 from .analyses.sweep import sweep as sweep
 from .casefile.case import load_case as load_case
+from .errors import AccuracyWarning as AccuracyWarning
 from .errors import InputError as InputError
 from .errors import SolveError as SolveError
 from .model.actions.event import Crossing as Crossing
@@ -84,5 +85,7 @@ from .results.run import Run as Run
 from .results.steady_result import Steady as Steady
 from .results.sweep_result import Sweep as Sweep
 from .results.sweep_result import SweepRun as SweepRun
+from .solve.stage_settings import Stage as Stage
+from .solve.start import Start as Start
 
 __version__: str

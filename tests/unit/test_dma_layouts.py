@@ -99,6 +99,25 @@ LAYOUTS = {
     "names of rows before the columns, as R writes":
     "f_Hz E_stor_MPa E_loss_MPa tan_delta\n" + lines('"{i}" {f} {s} {l} {t}\n'),
     "bars": "| f (Hz) | E' (MPa) | E'' (MPa) |\n" + lines("| {f} | {s} | {l} |\n"),
+    "a table of Markdown": "| f (Hz) | E' (MPa) | E'' (MPa) |\n|---|:--|--:|\n" + lines("| {f} | {s} | {l} |\n"),
+    "Universal Analysis": "Version   V4.5A\nNsig      3\nSig1      Frequency (Hz)\nSig2      Storage Modulus (MPa)\n"
+    "Sig3      Loss Modulus (MPa)\nDate      today\nStartOfData\n" + lines("{f}  {s}  {l}\n"),
+    "names, symbols and units in three lines": "Frequency,Storage modulus,Loss modulus\nf,G',G''\nHz,MPa,MPa\n"
+    + lines("{f},{s},{l}\n"),
+    "Kinexus":
+    "Frequency (Hz)(f),Shear modulus (elastic component)(Pa)(G'),Shear modulus (viscous component)(Pa)(G'')\n"
+    + lines("{f},{s},{l}\n", 1.0),
+    "Rheoplus in German": "Messpkt.\tKreisfrequenz\tSpeichermodul\tVerlustmodul\tDämpfungsfaktor\n"
+    "\t[1/s]\t[Pa]\t[Pa]\t[1]\n" + german(lines("{i}\t{w}\t{s}\t{l}\t{t}\n", 1.0)),
+    "Haake": "No.;t in s;f in Hz;ω in rad/s;G' in Pa;G\" in Pa;|G*| in Pa;tan(δ) in -;T in °C\n"
+    + lines("{i};1;{f};{w};{s};{l};{c};{t};20\n", 1.0),
+    "French": "Fréquence (Hz);Module de conservation (MPa);Module de perte (MPa)\n" + german(lines("{f};{s};{l}\n")),
+    "savetxt": "# f [Hz] E' [MPa] E'' [MPa]\n" + lines("{f} {s} {l}\n"),
+    "a frame with its index printed": "    f_hz  e_stor_mpa  e_loss_mpa\n"
+    "0   0.1   2.0   0.2\n1   1.0   2.3   0.26\n2   10.0   2.6   0.32\n3   100.0   3.0   0.44\n",
+    "a last column that is empty in some rows": "f [Hz]\tE' [MPa]\tE'' [MPa]\tStatus\n0.1\t2\t0.2\n1\t2.3\t.26\tok\n"
+    "10\t2.6\t.32\n100\t3\t.44\n",
+    "real and imaginary parts": "Frequency [Hz],Re(G*) [MPa],Im(G*) [MPa]\n" + lines("{f},{s},{l}\n"),
 }  # fmt: skip
 ENCODINGS = {"Proteus": "cp1252", "STARe text with a footer and a force F beside f": "latin-1"}
 
@@ -252,6 +271,29 @@ def test_a_table_for_every_sweep(tmp_path):
         read_dma_table(path)
 
 
+def test_sweeps_without_temperatures_are_not_mixed(tmp_path):
+    head = "Frequency (Hz),E' (MPa),E'' (MPa)\n"
+    with pytest.raises(
+        InputError, match="the file has 2 sweeps, and no column of temperatures to choose one by"
+    ):
+        read_dma_table(
+            written(tmp_path, head + lines("{f},{s},{l}\n") + head + lines("{f},{s},{l}\n", 0.9e6))
+        )
+    path = written(
+        tmp_path, head.replace("\n", ",Set\n") + lines("{f},{s},{l},0\n") + lines("{f},{s},{l},1\n", 0.9e6)
+    )
+    with pytest.raises(InputError, match="the file has 2 sweeps"):
+        read_dma_table(path)
+    # a table on two pages
+    rows = lines("{f},{s},{l}\n").splitlines(keepends=True)
+    assert_the_rows(read_dma_table(written(tmp_path, head + "".join(rows[:2]) + head + "".join(rows[2:]))))
+    # a row without its temperature is none of a sweep
+    text = head.replace("\n", ",T\n") + lines("{f},{s},{l},20\n") + "10,2.9,0.4,\n"
+    table = read_dma_table(written(tmp_path, text))
+    assert_the_rows(table)
+    assert any("left out: line 6" in note for note in table.notes)
+
+
 def test_the_set_temperature_names_a_sweep_that_drifts(tmp_path):
     text = "Ts   f   Tr   E'   E\"\n[°C]   [Hz]   [°C]   [MPa]   [MPa]\n" + "".join(
         f"{-0.6 - 0.5 * k}   {f}   0.0   {s / 1e6}   {loss / 1e6}\n" for k, (f, s, loss) in enumerate(ROWS)
@@ -308,4 +350,23 @@ def test_spikes_are_told_and_peaks_are_not(tmp_path):
 
 def test_tan_delta_that_may_be_percent_is_told(tmp_path):
     (note,) = read_dma_table(written(tmp_path, "f (Hz);E' (MPa);tan delta\n" + lines("{f};{s};{pc}\n"))).notes
-    assert "tan delta goes up to 14.67: if these are percent" in note
+    assert (
+        "tan delta of 11.81 is far more than the slope of the storage modulus over frequency means (0.09"
+        in note
+    )
+    assert (
+        read_dma_table(written(tmp_path, "f (Hz);E' (MPa);tan delta\n" + lines("{f};{s};{t}\n"))).notes == ()
+    )
+
+
+def test_a_modulus_of_no_material_is_told(tmp_path):
+    (note,) = read_dma_table(
+        written(tmp_path, "f (Hz);E' (GPa);E'' (GPa)\n" + lines("{f};{s};{l}\n", 1.0))
+    ).notes
+    assert "goes up to 3e+15 Pa, which no material has" in note
+
+
+@pytest.mark.parametrize("again", ["E' (MPa)", "E' (MPa).1"])
+def test_two_specimens_side_by_side_are_refused(tmp_path, again):
+    with pytest.raises(InputError, match=r"names two columns for the same: E' .MPa. and E'"):
+        read_dma_table(written(tmp_path, f"f (Hz),E' (MPa),{again},E'' (MPa)\n1,2,3,0.1\n2,2,3,0.1\n"))

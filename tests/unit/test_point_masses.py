@@ -137,6 +137,33 @@ def test_turning_without_inertia_is_refused(inertia, join, about):
     model = cantilever()
     model.add("lump", vr.Body(1.0, inertia, centre=(10, 0, 0)))
     getattr(model, join)("tube.end", "lump")
-    message = f"bodies.lump.inertia: lump: nothing gives turning{about} an inertia: .*attach the body to a rod, or give"
+    message = f"bodies.lump.inertia: lump: nothing gives turning{about} an inertia: .*attach the body to a rod, hold"
     with pytest.raises(InputError, match=message):
         model.modes(2, about="reference")
+
+
+def test_a_point_mass_whose_rotations_are_held():
+    """A mass on a spring, f = sqrt(k/m)/(2 pi)."""
+    model = cantilever()
+    model.add("lump", vr.Body(2.0, (0, 0, 0), centre=(0, 0, 1)))
+    model.support("lump", fixed=("ux", "uy", "rx", "ry", "rz"))
+    model.line_spring("lump", (0, 0, 0), stiffness=8.0)
+    assert model.modes(1, about="reference").frequencies[0] == pytest.approx(2.0 / (2.0 * np.pi), rel=1e-9)
+    run = model.simulate(duration=0.5, initial="reference")
+    assert run.outcome
+
+
+def test_bodies_that_are_one_have_one_velocity():
+    model = cantilever()
+    model.velocity("left", (0, 0, 1), angular=(1, 0, 0), point=(10, 0, 0))
+    model.velocity("right", (0, 0, 1), angular=(1, 0, 0), point=(10, 0, 0))
+    run = model.simulate(duration=1e-3, initial="reference")
+    # v + w x r, with r = (0, y, 0) and w along x: 1 + y along z
+    for name, (_, y) in MASSES.items():
+        assert run.probe(name)["velocity"].values[0, 0] == pytest.approx([0, 0, 1 + y], abs=1e-9)
+    model.velocities.pop()
+    model.velocity("right", (0, 0, 2))
+    with pytest.raises(
+        InputError, match=r"velocities\[1\]: right: it moves as one with 'left', which has another"
+    ):
+        model.simulate(duration=1e-3, initial="reference")

@@ -127,7 +127,9 @@ def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
     """
     linear = linearise(discrete.static, State.reference(discrete.problem), scale=0.0)
     frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
-    flies = isinstance(settings, SimulateSettings) and settings.initial == "reference"
+    flies = isinstance(settings, SimulateSettings) and (
+        settings.initial == "reference" or settings.start is not None
+    )
     settled = not (flies or isinstance(settings, SteadySettings))
     return _doubts(discrete.model, discrete.problem, frequencies[frequencies > 0.0], settled=settled)
 
@@ -165,7 +167,7 @@ def _assumptions(model: ModelDescription) -> list[str]:
     """Return what was assumed of the damping; the same of several rods once."""
     rods: dict[str, list[str]] = {}
     for name, rod in model.rods.items():
-        for text in rod.material.assumptions if rod.material is not None else ():
+        for text in rod.assumptions:
             rods.setdefault(text, []).append(name)
     return [
         f"{'rod' if len(names) == 1 else 'rods'} {some_of(names)}: {text}" for text, names in rods.items()
@@ -276,6 +278,12 @@ def _rod_warnings(name: str, rod: Rod) -> list[str]:
         if worst > THICK:
             warnings.append(
                 f"rod {name}: half width times curvature of the reference shape is {worst:.2g}; "
+                "a rod model is meant for values much smaller than 1"
+            )
+        twist = float(half * np.abs(np.gradient(rod.centreline.twisted(s, rod.twist), s)).max())
+        if twist > THICK:
+            warnings.append(
+                f"rod {name}: half width times twist of the reference shape is {twist:.2g}; "
                 "a rod model is meant for values much smaller than 1"
             )
         if half > 0.1 * rod.length:

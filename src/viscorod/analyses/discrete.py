@@ -31,8 +31,10 @@ from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import History
 from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.problem.division import Divisions
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.refinement.mesh_watch import MeshWatch
 from viscorod.solve.settings import AnySettings, EquilibriumSettings, PathSettings, SimulateSettings
 from viscorod.solve.settings_checks import require_fit
 from viscorod.solve.statics.newton import NewtonReport
@@ -102,6 +104,7 @@ class DiscreteModel:
         static: finds equilibria.
         attributes: of every result: where it comes from and what its materials are.
         options: of the present call.
+        watch: estimates what the mesh makes wrong.
         began: when the computation did, on the clock of ``time.perf_counter``.
     """
 
@@ -113,6 +116,7 @@ class DiscreteModel:
     static: StaticSolver
     attributes: dict[str, str]
     options: CallOptions
+    watch: MeshWatch
     began: float
 
     @classmethod
@@ -166,9 +170,9 @@ class DiscreteModel:
         options: CallOptions,
     ) -> DiscreteModel:
         system, supports = FORMULATIONS[formulation].make(problem), SupportState(problem)
-        static = StaticSolver(system, supports)
+        static, watch = StaticSolver(system, supports), MeshWatch(model, problem, system)
         began = time.perf_counter()
-        return cls(model, problem, formulation, system, supports, static, attributes, options, began)
+        return cls(model, problem, formulation, system, supports, static, attributes, options, watch, began)
 
     def renewed(self, options: CallOptions, attributes: dict[str, str]) -> DiscreteModel:
         """Return the same problem with solvers that have not been used: they keep stresses from one use to the next.
@@ -178,6 +182,13 @@ class DiscreteModel:
             attributes: of its result, beside those that are there.
         """
         return self._begun(self.model, self.problem, self.formulation, self.attributes | attributes, options)
+
+    def on_mesh(self, divisions: Divisions) -> DiscreteModel:
+        """Return the same model with its rods divided otherwise."""
+        problem = discretise(self.model, validated=True, divisions=divisions)
+        stored = {name: (division.order, division.ends.tolist()) for name, division in divisions.items()}
+        attributes = self.attributes | {"divisions": json.dumps(stored)}
+        return self._begun(self.model, problem, self.formulation, attributes, self.options)
 
     def require_independent(self) -> None:
         """Refuse conditions that others imply already: joints, held strains and supports that hold the same.

@@ -9,15 +9,19 @@ from typing import Any
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium_search import Search
+from viscorod.analyses.start_state import StartState
+from viscorod.analyses.static_stages import stages_of
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.run import Equilibrium
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import EnergyAccount, History, Snapshot
 from viscorod.solve.settings import EquilibriumSettings
+from viscorod.solve.start import Start
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.statics.settling import SettlingReport
+from viscorod.solve.statics.stability import stability_attributes
+from viscorod.solve.statics.stage import Stage, begin_at, begin_stage, end_stages
 
-__all__ = ["equilibrium", "find_initial_equilibrium", "require_no_initial_strain"]
+__all__ = ["equilibrium", "equilibrium_near", "find_initial_equilibrium", "require_no_initial_strain"]
 
 PATIENCE = 10.0
 """Seconds between two lines about an initial equilibrium: a motion shows no progress before it has begun."""
@@ -27,47 +31,120 @@ def equilibrium(discrete: DiscreteModel, settings: EquilibriumSettings) -> Equil
     """Find the equilibrium at ``load_factor`` times the loads just before t = 0; see ``Model.equilibrium``."""
     discrete.static.stop = discrete.options.stop
     discrete.require_independent()
-    factor, options = settings.load_factor, discrete.options
-    loads = discrete.static.loads.at(0.0, True, factor)
-    search = Search(discrete, factor, allowed=settings.search)
-    search.loose = discrete.require_held(loads, searching=settings.search)
-    state = State.reference(discrete.problem)
-    history = History()
-    last = 0.0
+    return _Equilibrium(discrete, settings).found()
 
-    def on_step(reached: float, state: State, iterations: int) -> None:
-        nonlocal last
+
+class _Equilibrium:
+    """Finds an equilibrium, stage by stage, and keeps the record."""
+
+    def __init__(self, discrete: DiscreteModel, settings: EquilibriumSettings) -> None:
+        self.discrete, self.settings = discrete, settings
+        self.history = History()
+        self.searches: list[Search] = []
+        self.ends: list[int] = []  # states at the ends of stages
+        self.stages = stages_of(discrete, settings)
+        self.notes: list[str] = []
+        self._last = 0.0
+
+    def found(self) -> Equilibrium:
+        """Return the equilibrium.
+
+        Raises:
+            InputError: nothing holds the model. SolveError: none was found.
+        """
+        state, staged = self._begin()
+        steps = self.settings.load_steps or 1
+        stops = tuple(k / steps for k in range(1, steps + 1)) if staged else self.settings.stops
+        self._kept = stops if self.settings.load_steps or self.settings.load_factors else None
+        factor = stops[-1]
+        for number, stage in enumerate(self.stages):
+            if staged and number > 0:
+                begin_stage(self.discrete.static, stage, self.stages[number - 1], 0.0, True)
+            search = self._search(factor, number)
+            kept = self.history.count
+            done = search.run(state, stops=stops[:-1], on_step=self._on_step)
+            if not done:
+                raise SolveError(search.failure(), self._part(search))
+            if search.settled:
+                self.history.truncate(kept)
+                self._last = self.history.instant[-1] if kept else 0.0
+                self._record(factor, state, search.iterations)
+            self.ends.append(self.history.count - 1)
+        watch = self.discrete.watch
+        watch.see(self.history.snapshots[-1], self.settings.stops[-1])
+        found = {"found_by": self._found_by()} | stability_attributes(search.stability)
+        return self._result(Outcome.COMPLETED, found | watch.attributes)
+
+    def _begin(self) -> tuple[State, bool]:
+        """Return the state to begin from, and whether motions and loads go by stages."""
+        discrete, settings = self.discrete, self.settings
+        if settings.start is not None:
+            start = StartState(discrete, settings.start)
+            self.notes, self.origin = start.notes, start.label
+            begin_at(discrete.static, self.stages[0], start.state, 0.0, True)
+            return start.state, True
+        self.origin = "the reference shape"
+        state = State.reference(discrete.problem)
+        if settings.stages:
+            begin_stage(discrete.static, self.stages[0], None, 0.0, True)
+        return state, bool(settings.stages)
+
+    def _search(self, factor: float, number: int) -> Search:
+        """Return the search of a stage; what nothing holds is refused."""
+        discrete, allowed = self.discrete, self.settings.search
+        search = Search(discrete, factor, allowed=allowed)
+        search.origin = self.origin if number == 0 else f"the end of stage {number}"
+        from_reference = number == 0 and self.settings.start is None
+        if from_reference or allowed:
+            loose = discrete.require_held(discrete.static.loads.at(0.0, True, factor), searching=allowed)
+            search.loose = loose if from_reference else []
+        self.searches.append(search)
+        return search
+
+    def _on_step(self, reached: float, state: State, iterations: int) -> None:
+        """Keep a load step, or only those that were asked for."""
+        self._reached = reached, iterations
+        if self._kept is None or reached in self._kept:
+            self._record(reached, state, iterations)
+
+    def _record(self, reached: float, state: State, iterations: int) -> None:
+        discrete, progress = self.discrete, self.discrete.options.progress
+        if len(self.stages) > 1 or self.settings.start is not None:
+            reached = self.settings.load_factor * (len(self.searches) - 1 + reached) / len(self.stages)
         account = EnergyAccount(elastic=discrete.system.elastic_energy())
         snapshot = Snapshot.of(state, discrete.system, discrete.supports)
-        history.record(reached, snapshot, account, reached - last, iterations)
-        if options.progress is not None:
-            options.progress(reached, reached - last)
-        last = reached
+        self.history.record(reached, snapshot, account, reached - self._last, iterations)
+        if progress is not None:
+            progress(reached, reached - self._last)
+        self._last = reached
 
-    found = search.run(state, first_step=1.0 / (settings.load_steps or 1), on_step=on_step)
-    path, settling = search.steps, search.settling or SettlingReport()
-    effort = sum(path.iterations) + path.wasted + settling.iterations
-    attrs: dict[str, Any] = {
-        "outcome": path.outcome.name.lower(),
-        "steps": len(path.factors) + settling.steps,
-        "iterations": effort,
-        "factorisations": effort,
-        "rejected": 0 if search.settled else path.rejected,
-        "linear_solver": discrete.problem.plan.description,
-    }
-    if not found:
-        attrs["message"] = search.failure()
-        part = Equilibrium.later(discrete.data_set("equilibrium", history, attrs)) if path.factors else None
-        raise SolveError(attrs["message"], part)
-    if search.settled:
-        history, last = History(), 0.0
-        attrs["outcome"] = Outcome.COMPLETED.name.lower()
-        on_step(factor, state, settling.iterations)
-    attrs["found_by"] = search.found_by
-    attrs["negative_eigenvalues"] = search.unstable
-    doubts = json.loads(discrete.attributes.get("warnings", "[]")) + search.doubts
-    attrs["warnings"] = json.dumps(doubts)
-    return Equilibrium.later(discrete.data_set("equilibrium", history, attrs))
+    def _found_by(self) -> str:
+        if len(self.searches) == 1:
+            return self.searches[0].found_by
+        return "; ".join(f"stage {k}: {search.found_by}" for k, search in enumerate(self.searches, 1))
+
+    def _part(self, search: Search) -> Equilibrium | None:
+        """Return what was found up to a failure."""
+        if self.history.count == 0:
+            return None
+        return self._result(search.steps.outcome, {"message": search.failure()})
+
+    def _result(self, outcome: Outcome, more: dict[str, Any]) -> Equilibrium:
+        searches, discrete = self.searches, self.discrete
+        effort = sum(search.iterations for search in searches)
+        warnings = json.loads(discrete.attributes.get("warnings", "[]")) + self.notes
+        attrs: dict[str, Any] = {
+            "outcome": outcome.name.lower(),
+            "steps": sum(search.count for search in searches),
+            "iterations": effort,
+            "factorisations": effort,
+            "rejected": sum(0 if search.settled else search.steps.rejected for search in searches),
+            "linear_solver": discrete.problem.plan.description,
+            "warnings": json.dumps(warnings + [doubt for search in searches for doubt in search.doubts]),
+        } | more
+        if len(self.stages) > 1:
+            attrs["stage_ends"] = json.dumps(self.ends)
+        return Equilibrium.later(discrete.data_set("equilibrium", self.history, attrs))
 
 
 def require_no_initial_strain(discrete: DiscreteModel) -> None:
@@ -86,6 +163,35 @@ def require_no_initial_strain(discrete: DiscreteModel) -> None:
                 "or take the reference shape (about = 'reference' of modes)",
             )
         )
+
+
+def equilibrium_near(
+    discrete: DiscreteModel, start: Start, *, own_factor: bool = False
+) -> tuple[State, float]:
+    """Return the equilibrium just before t = 0 that is found from an earlier result, and its load factor.
+
+    Args:
+        discrete: the model; start: the earlier result.
+        own_factor: loads and motions have the load factor of the earlier result (1 for a motion), else 1.
+
+    Raises:
+        InputError: it is no result of this model, or nothing holds the model.
+        SolveError: there is no such equilibrium.
+    """
+    require_no_initial_strain(discrete)
+    found = StartState(discrete, start)
+    factor = found.load_factor if own_factor else None
+    factor = 1.0 if factor is None else factor
+    whole = Stage.whole(discrete.static, len(discrete.model.loads), factor)
+    begin_at(discrete.static, whole, found.state, 0.0, True)
+    discrete.require_held(discrete.static.loads.at(0.0, True), searching=True)
+    search = Search(discrete, origin=found.label)
+    done = search.run(found.state)
+    end_stages(discrete.static)
+    if not done:
+        raise SolveError(f"No equilibrium was found from {found.label}. {search.failure()}")
+    discrete.static.restore(found.state, 0.0, before=True, scale=factor)
+    return found.state, factor
 
 
 def find_initial_equilibrium(discrete: DiscreteModel, state: State, *, before: bool = True) -> Search | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from viscorod.analyses.discrete import DiscreteModel, unheld
@@ -10,8 +10,8 @@ from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions
 from viscorod.solve.formulations.system import State
 from viscorod.solve.statics.newton import Outcome, interruption
 from viscorod.solve.statics.settling import Settling, SettlingReport, have_potential
+from viscorod.solve.statics.stability import Stability, stability_of
 from viscorod.solve.statics.static_solver import StaticPath
-from viscorod.solve.statics.tangent import negative_eigenvalues
 
 __all__ = ["Search"]
 
@@ -23,10 +23,12 @@ class Search:
     """One search, and how it went.
 
     Attributes:
-        discrete: the model. factor: multiple of loads and motions; before: time t = 0-, else 0+.
-        allowed: whether it may go on by settling. loose: motions that nothing but loads may hold, elsewhere.
+        discrete: the model, whose stage is begun.
+        factor: multiple of loads and motions, or of what the stage changes; before: time t = 0-, else 0+.
+        allowed: whether it may go on by settling. loose: motions that loads hold elsewhere only.
+        origin: where it begins, in words.
         steps: the load steps; settling: what came after them, None if it was not needed.
-        unstable: negative eigenvalues of the tangent stiffness at the end.
+        stability: of the equilibrium at the end.
     """
 
     discrete: DiscreteModel
@@ -34,40 +36,40 @@ class Search:
     before: bool = True
     allowed: bool = True
     loose: list[FreeMotion] = field(default_factory=list)
+    origin: str = "the reference shape"
     steps: StaticPath = field(default_factory=StaticPath)
     settling: SettlingReport | None = None
-    unstable: int = 0
+    stability: Stability = field(default_factory=lambda: Stability(0, 0, False))
 
-    def run(self, state: State, *, first_step: float = 1.0, on_step: OnStep | None = None) -> bool:
+    def run(self, state: State, *, stops: Sequence[float] = (), on_step: OnStep | None = None) -> bool:
         """Move ``state`` to an equilibrium; returns whether it was found.
 
         Args:
             state: start; overwritten by the last equilibrium that was found.
-            first_step: of the load steps; on_step: called after each of them.
+            stops: load factors at which steps end, before the last one; on_step: called after each of them.
 
         Raises:
             InputError: nothing holds the model.
         """
-        start = state.copy()
+        static, start = self.discrete.static, state.copy()
         if not self.loose:
-            self.steps = self.discrete.static.solve(
-                state, before=self.before, factor=self.factor, first_step=first_step, on_step=on_step
+            static.restore(state, 0.0, before=self.before, scale=0.0)
+            self.steps = static.solve(
+                state, before=self.before, factor=self.factor, stops=stops, on_step=on_step
             )
             if self.steps.outcome is Outcome.INTERRUPTED:
                 return False
             if self.steps.outcome is Outcome.COMPLETED:
-                tangent = self.discrete.static.tangent(state, before=self.before, scale=self.factor)
-                self.unstable = negative_eigenvalues(tangent)
-                loads = self.discrete.static.loads.at(0.0, self.before, self.factor)
-                if self.unstable == 0 or not self.allowed or not have_potential(loads):
+                self.stability = stability_of(static, state, before=self.before, scale=self.factor)
+                loads = static.loads.at(0.0, self.before, self.factor)
+                if self.stability.unstable == 0 or not self.allowed or not have_potential(loads):
                     self._restore(state)
                     return True
         return self.allowed and self._settle(start, state)
 
     def _settle(self, start: State, state: State) -> bool:
         """Settle from ``start``; without success ``state`` stays where load steps led."""
-        static = self.discrete.static
-        settling = Settling(static, before=self.before, factor=self.factor)
+        settling = Settling(self.discrete.static, before=self.before, factor=self.factor)
         self.settling = settling.report
         led = bool(self.steps.factors) and self.steps.outcome is Outcome.COMPLETED
         try:
@@ -77,7 +79,7 @@ class Search:
             return False
         if settling.report.found:
             state.set(start)
-            self.unstable = settling.report.unstable
+            self.stability = stability_of(self.discrete.static, state, before=self.before, scale=self.factor)
             self._restore(state)
             return True
         if settling.report.falls:
@@ -95,22 +97,34 @@ class Search:
         return self.settling is not None and self.settling.found
 
     @property
+    def count(self) -> int:
+        """Steps that were taken."""
+        return len(self.steps.factors) + (0 if self.settling is None else self.settling.steps)
+
+    @property
+    def iterations(self) -> int:
+        """Newton iterations that were taken."""
+        done = sum(self.steps.iterations) + self.steps.wasted
+        return done + (0 if self.settling is None else self.settling.iterations)
+
+    @property
     def found_by(self) -> str:
         """How the equilibrium was found, in words."""
         if not self.settled:
             count = len(self.steps.factors)
-            return f"{count} load step{'s' if count != 1 else ''}"
+            return f"{count} load step{'s' if count != 1 else ''} from {self.origin}"
         assert self.settling is not None
         if self.loose:
-            why = "the reference shape is none that loads hold"
+            why = "loads hold the model in another position only"
         elif self.steps.outcome is Outcome.COMPLETED:
             why = "load steps ended at an unstable equilibrium"
         else:
             why = f"load steps found none beyond {self._reached:.4g} of the loads"
-        count = self.settling.steps
-        text = f"settling from the start ({why}): pseudo-transient continuation, {count} steps"
+        text = (
+            f"settling from {self.origin} ({why}): pseudo-transient continuation, {self.settling.steps} steps"
+        )
         if self.settling.knocks:
-            text += f", past {self.settling.knocks} unstable"
+            text += f", off {self.settling.knocks} unstable"
         return f"{text}; where several equilibria are stable, this is one of them"
 
     @property
@@ -119,8 +133,8 @@ class Search:
         if self.settling is None or self.settling.found:
             return []
         return [
-            f"the equilibrium is unstable ({self.unstable} negative eigenvalues), and the search for a stable one "
-            f"ended without any: {self.settling.reason}"
+            f"the equilibrium is unstable ({self.stability.unstable} negative eigenvalues), and the search for a "
+            f"stable one ended without any: {self.settling.reason}"
         ]
 
     @property
@@ -139,7 +153,9 @@ class Search:
                 f"{discrete.where(path.report)} What to try: {path.outcome.advice(static=True)}."
             )
         if self.settling is not None:
-            text += f" Settling from the start found no stable equilibrium either: {self.settling.reason}."
+            text += (
+                f" Settling from {self.origin} found no stable equilibrium either: {self.settling.reason}."
+            )
         gaps = discrete.system.constraints.open_joints(1.0 - reached)
         if gaps:
             text += f" Joints that are open in the reference shape could not be closed; still open: {', '.join(gaps)}."

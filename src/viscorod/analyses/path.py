@@ -9,14 +9,17 @@ from typing import Any
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.equilibrium import equilibrium_near
 from viscorod.errors import InputError, SolveError
 from viscorod.results.data_schema import AXES
 from viscorod.results.run import Equilibrium
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import EnergyAccount, History, Snapshot, StationReader
 from viscorod.solve.settings import PathSettings
-from viscorod.solve.statics.arc_length import Path, PathFollower, PathPoint
 from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.statics.path_follower import Path, PathFollower
+from viscorod.solve.statics.special_points import PathPoint
+from viscorod.solve.statics.stability import Stability, stability_attributes
 
 __all__ = ["equilibrium_path"]
 
@@ -27,29 +30,41 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
     discrete.require_independent()
     loads = discrete.static.loads.at(0.0, True, 1.0)
     discrete.supports.update(0.0, True)
-    if loads.none and not discrete.supports.target.any() and not discrete.problem.rest_strain:
+    reference = State.reference(discrete.problem)
+    strained = discrete.problem.rest_strain or discrete.system.constraints.is_strained(reference, 0.0)
+    if loads.none and not discrete.supports.target.any() and not strained:
         raise InputError(
             "no path to follow: no load, prescribed motion or rest strain acts at t = 0; add a load without until"
         )
-    discrete.require_held(loads)
+    if settings.start is None:
+        discrete.require_held(loads)
+        state, first = reference, 0.0
+    else:
+        state, first = equilibrium_near(discrete, settings.start, own_factor=True)
     history = History()
+    last: list[Stability] = []
 
     def on_point(point: PathPoint) -> None:
         account = EnergyAccount(elastic=discrete.system.elastic_energy())
         snapshot = Snapshot.of(point.state, discrete.system, discrete.supports)
         step = point.factor - (history.instant[-1] if history.instant else 0.0)
         history.record(point.factor, snapshot, account, step, point.iterations)
-        history.unstable.append(point.unstable)
+        assert point.stability is not None
+        history.unstable.append(point.stability.unstable)
+        last.append(point.stability)
         if discrete.options.progress is not None:
             discrete.options.progress(point.factor, step)
 
-    path = PathFollower(discrete.static, abs(settings.target or 1.0)).follow(
-        State.reference(discrete.problem),
+    path = PathFollower(discrete.static).follow(
+        state,
+        first=first,
         load_factor=settings.target,
         endings=[_displacement(discrete, settings)] if settings.place is not None else [],
+        wanted=settings.load_factors,
         largest=settings.arc_length,
         points=settings.points,
         limit_point=settings.limit_point,
+        branch=settings.branch,
         on_point=on_point,
     )
     attrs: dict[str, Any] = {
@@ -59,12 +74,16 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         "rejected": path.rejected,
         "limit_points": json.dumps(path.limit_points),
         "bifurcations": json.dumps(path.bifurcations),
+        "multiplicity": json.dumps(path.multiplicity),
+        "flutter_points": json.dumps(path.flutter),
     }
+    discrete.watch.see_path(history, abs(settings.target or 1.0))
+    attrs |= discrete.watch.attributes
     if path.outcome is not Outcome.COMPLETED:
         attrs["message"] = _failure(discrete, path, history)
     found = None
     if path.count:
-        attrs["negative_eigenvalues"] = history.unstable[-1]
+        attrs |= stability_attributes(last[-1])
         found = Equilibrium.later(discrete.data_set("equilibrium", history, attrs))
     if found is None or path.outcome not in (Outcome.COMPLETED, Outcome.POINTS):
         raise SolveError(attrs["message"], found)

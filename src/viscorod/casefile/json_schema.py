@@ -30,6 +30,8 @@ from viscorod.model.sections.composite import CompositeRegion
 from viscorod.model.sections.section_profile import SECTIONS, Piece, Taper
 from viscorod.model.sections.stiffness_section import MaxwellBranch
 from viscorod.solve.formulations.registry import FORMULATIONS
+from viscorod.solve.stage_settings import Stage
+from viscorod.solve.start import Start
 from viscorod.solve.transient.integrators import INTEGRATORS
 
 __all__ = ["GROUPS", "PARTS", "case_schema", "fields_of", "forms", "is_required"]
@@ -62,6 +64,8 @@ SINGLE: dict[str, type[Definition]] = {
     "velocities": InitialVelocity,
     "strains": InitialStrain,
     "rest_strains": RestStrain,
+    "start": Start,
+    "equilibrium.stage": Stage,
     **ANALYSES,
 }
 

@@ -92,7 +92,10 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "mode_name": ("", "what most of the strain energy of a small motion is in, and its number among these"),
     "mode_share": ("1", "part of the strain energy of a small motion in every strain"),
     "mode_residual": ("1", "what a small motion leaves of its equations, as a part of what adds up to them"),
-    "negative_eigenvalues": ("1", "number of negative eigenvalues of the tangent stiffness"),
+    "negative_eigenvalues": (
+        "1",
+        "number of negative eigenvalues of the tangent stiffness, or of growing motions if it is not symmetric",
+    ),
     "iterations": ("1", "Newton iterations of the step that ended here"),
 }
 """Name -> (unit, long name), written into the attributes of every data set."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from typing import TYPE_CHECKING
 
@@ -31,9 +32,11 @@ def run_report(run: Run) -> str:
     steps = f" in {attrs['steps']} steps" if "steps" in attrs else ""
     size = f" of {attrs['time_step']:g} s" if "time_step" in attrs else ""
     size += f" that follow the error, tolerance {attrs['tolerance']:g}" if "tolerance" in attrs else ""
+    size += f" ({100.0 * attrs['part_of_motion']:g} % of the motion)" if "part_of_motion" in attrs else ""
     method = f", {str(attrs['integrator']).replace('_', '-')}" if attrs.get("integrator") else ""
     blocks = [
         _heading(run, f"{time[-1] - time[0]:g} s simulated{steps}{size}{method}{_formulation(run)}"),
+        _began(run),
         _ends(run, *_shown_state(run)),
         _decay(run),
         str(run.energy),
@@ -44,6 +47,12 @@ def run_report(run: Run) -> str:
         _warnings(run),
     ]
     return "\n\n".join(block for block in blocks if block)
+
+
+def _began(run: Run) -> str:
+    """Report what the motion started from, unless it is the reference shape or the plain equilibrium."""
+    text = str(run.data.attrs.get("began_from", ""))
+    return f"Started from {text}" if "settling" in text or " at " in text else ""
 
 
 def _events(run: Run) -> str:
@@ -284,24 +293,41 @@ def _path(equilibrium: Equilibrium) -> str:
     factors = equilibrium.load_factor
     unstable = np.asarray(equilibrium.data["negative_eigenvalues"].values)
     lines = [f"Path of {factors.size} points; load factors from {factors.min():.6g} to {factors.max():.6g}"]
-    for kind, word in (("limit_points", "limit point"), ("bifurcations", "bifurcation")):
-        for number in equilibrium.special_points(kind):
+    motions = equilibrium.stability != "tangent stiffness"
+    counted = "growing motions" if motions else "negative eigenvalues"
+    times = [f"{k}-fold bifurcation" if k > 1 else "bifurcation" for k in equilibrium.multiplicity]
+    words = {
+        "limit_points": itertools.repeat("limit point"),
+        "bifurcations": iter(times) if times else itertools.repeat("bifurcation"),
+        "flutter_points": itertools.repeat("flutter"),
+    }
+    for kind, names in words.items():
+        for number, word in zip(equilibrium.special_points(kind), names, strict=False):
             after = unstable[min(number + 1, unstable.size - 1)]
-            lines.append(
-                f"  {word} at {factors[number]:.7g} of the loads (negative eigenvalues beyond it: {after})"
-            )
+            lines.append(f"  {word} at {factors[number]:.7g} of the loads ({counted} beyond it: {after})")
     return "\n".join(lines)
 
 
 def _stability(equilibrium: Equilibrium) -> str:
     lines = [f"Elastic energy {equilibrium.elastic_energy:.6g} J"]
     if "negative_eigenvalues" in equilibrium.data.attrs:
-        negative = equilibrium.negative_eigenvalues
-        lines.append(
-            f"Unstable: the tangent stiffness has {negative} negative eigenvalue{'s' if negative > 1 else ''}"
-            if negative
-            else "Stable: the tangent stiffness has no negative eigenvalue"
-        )
+        count = equilibrium.negative_eigenvalues
+        plural = "s" if count > 1 else ""
+        if equilibrium.stability == "tangent stiffness":
+            lines.append(
+                f"Unstable: the tangent stiffness has {count} negative eigenvalue{plural}"
+                if count
+                else "Stable: the tangent stiffness has no negative eigenvalue"
+            )
+        else:
+            flutter = int(equilibrium.data.attrs["flutter"])
+            why = "following loads or moments make the tangent stiffness unsymmetric, so motions were judged"
+            lines.append(
+                f"Unstable: {count} small motion{plural} grow{'' if count > 1 else 's'}, "
+                f"{flutter} of them oscillating ({why})"
+                if count
+                else f"Stable: no small motion grows ({why})"
+            )
     if equilibrium.found_by:
         lines.append(f"Found by {equilibrium.found_by}")
     return "\n".join(lines)

@@ -26,21 +26,15 @@ def warnings_of(result: Result) -> list[str]:
 
     Stored ones are the JSON list of texts in the attribute ``warnings``. Added are: a remainder of the energy
     account above 1 % of the energy that moved, steps that had to be halved, a mesh whose error is estimated as more
-    than 1 % of a rod's length, and shear, stretch or bending strain
+    than 1 % of a rod's length, and shear, stretch, or bending and twist
     times half width beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang and Tuganov,
     section 2.2) is doubtful.
     """
     data = result.data
     texts = [str(text) for text in json.loads(data.attrs.get("warnings", "[]"))]
-    if "numerical" in data and "kinetic" in data:
-        from viscorod.results.energy import Energy
-
-        fraction = Energy.of(data).numerical_fraction
-        if fraction > _NUMERICAL:
-            texts.append(
-                f"the numerical remainder of the energy account reaches {100.0 * fraction:.2g} % "
-                f"of the energy that moved; use a smaller {'tolerance' if 'tolerance' in data.attrs else 'time_step'}"
-            )
+    lost = energy_doubt(data)
+    if lost and lost not in texts:
+        texts.append(lost)
     rejected = int(data.attrs.get("rejected", 0))
     # steps that follow the error, or a path, are rejected now and then
     if rejected and not {"tolerance", "limit_points"} & set(data.attrs):
@@ -64,13 +58,37 @@ def warnings_of(result: Result) -> list[str]:
     return texts + _strain_warnings(result)
 
 
+def energy_doubt(data: xr.Dataset) -> str:
+    """Return a warning if the remainder of the energy account is above 1 % of the energy that moved, else nothing."""
+    if not {"numerical", "kinetic"} <= set(data):
+        return ""
+    from viscorod.results.energy import Energy
+
+    fraction = Energy.of(data).numerical_fraction
+    if fraction <= _NUMERICAL:
+        return ""
+    setting = "tolerance" if "tolerance" in data.attrs else "time_step"
+    used = f" than {data.attrs[setting]:.2g}" if setting in data.attrs else ""
+    return (
+        f"the numerical remainder of the energy account reaches {100.0 * fraction:.2g} % "
+        f"of the energy that moved; use a smaller {setting}{used}"
+    )
+
+
 def _strain_warnings(result: Result) -> list[str]:
-    """Return one warning each for shear or stretch and for bending that are too large for small strains."""
+    """Return one warning each for crushed sections, for shear or stretch, and for bending or twist that are large."""
     data = result.data
     if "strain" not in data or not data.sizes.get("point", 0):
         return []
-    strain = np.maximum(*map(np.abs, extremes(result, "strain")))
+    low, high = extremes(result, "strain")
+    strain = np.maximum(np.abs(low), np.abs(high))
     texts = []
+    crushed, _, where = _largest(data, -low[:, 2:3])
+    if crushed >= 1.0:
+        texts.append(
+            f"sections are pressed through each other{where}: the stretch is {-crushed:.3g}, below -1; "
+            "no material does that, and results from there on mean nothing"
+        )
     value, component, where = _largest(data, strain[:, :3])
     if value > _STRAIN:
         name = ("shear 1", "shear 2", "stretch")[component]
@@ -79,10 +97,11 @@ def _strain_warnings(result: Result) -> list[str]:
         )
     if "half_width" in data:
         half = np.asarray(data["half_width"].values, dtype=float)
-        value, component, where = _largest(data, strain[:, 3:5] * half[:, None])
+        value, component, where = _largest(data, strain[:, 3:] * half[:, None])
         if value > _STRAIN:
+            name = ("bend 1", "bend 2", "twist")[component]
             texts.append(
-                f"bend {component + 1} times the half width of the section reaches {value:.2g}{where}; "
+                f"{name} times the half width of the section reaches {value:.2g}{where}; "
                 "the material law is meant for strains well below 1"
             )
     return texts

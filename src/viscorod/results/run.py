@@ -274,13 +274,33 @@ class Equilibrium(Result):
 
     @property
     def negative_eigenvalues(self) -> int:
-        """Number of negative eigenvalues of the tangent stiffness: 0 where the equilibrium is stable."""
+        """Number of negative eigenvalues of the tangent stiffness: 0 where the equilibrium is stable.
+
+        Where following loads or moments about fixed axes make the stiffness unsymmetric it is the number of small
+        motions that grow instead; `stability` says which it is.
+        """
         return int(self.data.attrs.get("negative_eigenvalues", 0))
 
     @property
     def found_by(self) -> str:
         """How it was found, in words: load steps, or settling where these fail or end at an unstable equilibrium."""
         return str(self.data.attrs.get("found_by", ""))
+
+    @property
+    def stage_ends(self) -> Integers:
+        """Numbers of the states at the ends of its stages; the last one without stages."""
+        ends = json.loads(self.data.attrs.get("stage_ends", "null"))
+        return np.array([len(self.load_factor) - 1] if ends is None else ends, dtype=np.int64)
+
+    @property
+    def stable(self) -> bool:
+        """True if no small motion about the equilibrium grows."""
+        return self.negative_eigenvalues == 0
+
+    @property
+    def stability(self) -> str:
+        """What stability was judged by: the "tangent stiffness", or "small motions" where that is not symmetric."""
+        return str(self.data.attrs.get("stability", "tangent stiffness"))
 
     @property
     def is_path(self) -> bool:
@@ -297,8 +317,18 @@ class Equilibrium(Result):
         """Load factors at which other paths cross this one, in its order."""
         return self._special("bifurcations")
 
+    @property
+    def multiplicity(self) -> Integers:
+        """Number of directions in which other paths leave at each bifurcation: 2 for a column as stiff both ways."""
+        return np.array(json.loads(self.data.attrs.get("multiplicity", "[]")), dtype=np.int64)
+
+    @property
+    def flutter_points(self) -> Floats:
+        """Load factors at which growing oscillations begin or end, in the order of the path."""
+        return self._special("flutter_points")
+
     def special_points(self, kind: str) -> Integers:
-        """Return the numbers of the states that are "limit_points" or "bifurcations"."""
+        """Return the numbers of the states that are "limit_points", "bifurcations" or "flutter_points"."""
         return np.array(json.loads(self.data.attrs.get(kind, "[]")), dtype=np.int64)
 
     def _special(self, kind: str) -> Floats:

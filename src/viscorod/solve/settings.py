@@ -26,6 +26,7 @@ from viscorod.model.fields.values import (
     Positive,
     Triple,
     each,
+    numbers,
     one_of,
     positive,
     vector,
@@ -33,14 +34,17 @@ from viscorod.model.fields.values import (
     word,
 )
 from viscorod.solve.formulations.registry import FORMULATIONS, damping_words, dampings, formulation_words
+from viscorod.solve.stage_settings import Stages
+from viscorod.solve.start import OptionalStart, Start, as_start
 from viscorod.solve.transient.integrators import INTEGRATORS, Method, integrators_that
 
-LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-10, 0.1
+LEAST_TOLERANCE, LARGEST_TOLERANCE, LEAST_ACCURACY = 1e-10, 0.1, 1e-8
 
 __all__ = [
     "AnySettings",
     "CoSimulationSettings",
     "EquilibriumSettings",
+    "Meshed",
     "ModesSettings",
     "PathSettings",
     "SimulateSettings",
@@ -52,7 +56,27 @@ def _has(parameter: str, method: Method) -> bool:
     return parameter in method.parameters
 
 
-class SimulateSettings(Definition):
+@accepts(quantity(bounds=POSITIVE), "number from 1e-8 to 0.1")
+def _accuracy(value: Any) -> float:
+    wanted = positive(value)
+    if not LEAST_ACCURACY <= wanted <= LARGEST_TOLERANCE:
+        raise RefusedError("out of reach", f"give {LEAST_ACCURACY:g} to {LARGEST_TOLERANCE:g}")
+    return wanted
+
+
+class Meshed(Definition):
+    """What is wanted of a mesh."""
+
+    accuracy: Annotated[float, _accuracy] = Key(
+        "wanted accuracy of the mesh where a rod leaves out elements: estimated error of positions over the largest "
+        "displacement, of section forces over the largest one, of each listed frequency over itself. The mesh is "
+        "refined until it is reached",
+        default=1e-4,
+        kw_only=True,
+    )
+
+
+class SimulateSettings(Meshed):
     """How a motion is computed."""
 
     duration: Positive = Key("simulated time", "s")
@@ -103,6 +127,22 @@ class SimulateSettings(Definition):
         "what is watched for and recorded, and may end the run: `Crossing`, `Decayed`, `SteadyState`",
         default=(),
     )
+    start: OptionalStart = Key(
+        "state of an earlier result that the motion starts from instead of `initial`, with its velocities; its own "
+        "time begins at 0",
+        default=None,
+    )
+
+    @model_validator(mode="after")
+    def _one_start(self) -> Self:
+        if self.start is not None and "initial" in self.model_fields_set:
+            raise RefusedError(
+                "the motion starts from an earlier result",
+                "leave initial out, or start",
+                found=show(self.initial),
+                at=("initial",),
+            )
+        return self
 
     @model_validator(mode="after")
     def _fits_formulation(self) -> Self:
@@ -186,11 +226,19 @@ class SimulateSettings(Definition):
         return self
 
 
-class EquilibriumSettings(Definition):
+@accepts(listed(quantity()), "list of numbers")
+def _factors(value: Any) -> tuple[float, ...]:
+    return numbers(value, at_least=0)
+
+
+class EquilibriumSettings(Meshed):
     """How a static equilibrium is computed."""
 
     load_steps: Annotated[int | None, optional(whole_number(1, 10_000))] = Key(
-        "number of equal load steps to start with, 1 to 10 000; they are halved where needed", default=None
+        "number of equal load steps, 1 to 10 000, each of which is stored, and nothing between; smaller steps are "
+        "taken where needed. Left out, all steps are stored; the first is the whole load, or a third of a turn of a "
+        "prescribed rotation",
+        default=None,
     )
     load_factor: Number = Key("multiple of all loads and prescribed motions", default=1.0)
     search: Flag = Key(
@@ -198,9 +246,59 @@ class EquilibriumSettings(Definition):
         "one; false keeps to the equilibrium that load steps lead to, such as that of a straight strut",
         default=True,
     )
+    start: OptionalStart = Key(
+        "state of an earlier result from which the search begins instead of the reference shape; loads act in full "
+        "from there on, prescribed motions grow from what they are in it",
+        default=None,
+    )
+    stages: Stages = Key(
+        "stages, each from the equilibrium at the end of the one before: which loads and motions grow in it",
+        default=(),
+    )
+    load_factors: Annotated[tuple[float, ...], _factors] = Key(
+        "multiples of all loads and prescribed motions that are wanted, in this order, in place of load_factor and "
+        "load_steps; exactly these are stored",
+        default=(),
+    )
+
+    @property
+    def stops(self) -> tuple[float, ...]:
+        """The load factors that are wanted, in their order; the last one is the end."""
+        if self.load_factors:
+            return self.load_factors
+        steps = self.load_steps or 1
+        return (*(self.load_factor * (k / steps) for k in range(1, steps)), self.load_factor)
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        if self.load_factors and (self.stages or self.start is not None):
+            raise RefusedError(
+                f"loads of {'stages' if self.stages else 'a start'} go from what they are to their full size",
+                "leave it out, or give load_steps",
+                found=show(list(self.load_factors)),
+                at=("load_factors",),
+            )
+        if self.load_factors and (self.load_steps is not None or self.load_factor != 1.0):
+            other = "load_steps" if self.load_steps is not None else "load_factor"
+            raise RefusedError(
+                f"load_factors says which states are wanted, so does {other}",
+                f"leave {other} or load_factors out",
+                found=show(list(self.load_factors)),
+                at=("load_factors",),
+            )
+        return self
 
 
-class PathSettings(Definition):
+@accepts({"type": "integer", "minimum": -1000, "maximum": 1000}, "whole number from -1000 to 1000, not 0")
+def _branch(value: Any) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or value == 0 or abs(value) > 1000:
+        raise RefusedError(
+            "the number of a bifurcation is needed here", "give 1 for the first, -1 for its other side"
+        )
+    return value
+
+
+class PathSettings(Meshed):
     """How a path of equilibria is followed."""
 
     renamed: ClassVar[dict[str, str]] = {"turns": "limit_point"}
@@ -218,20 +316,34 @@ class PathSettings(Definition):
     limit_point: Annotated[int | None, optional(whole_number(1, 1000))] = Key(
         "number of limit points at the last of which the path ends, 1 to 1000", default=None
     )
+    load_factors: Annotated[tuple[float, ...], _factors] = Key(
+        "load factors at which a point is wanted, each time the path passes one", default=()
+    )
+    branch: Annotated[int | None, optional(_branch)] = Key(
+        "number of the bifurcation at which the path goes over to the branch that crosses it there, 1 for the first; "
+        "-1 goes to its other side",
+        default=None,
+    )
     points: Annotated[int, whole_number(2, 100_000)] = Key(
         "number of points at most, 2 to 100 000", default=200
     )
-    arc_length: Positive = Key(
-        "largest distance between two points, in which a change of the load factor by its unit (load_factor, or 1), a "
-        "displacement by the model's length and a rotation by 1 rad count alike",
-        default=0.1,
+    arc_length: OptionalPositive = Key(
+        "largest distance between two points, in which a displacement by the model's length, a rotation by 1 rad and a "
+        "change of the load factor by its unit count alike. The unit is load_factor, or what moves the reference shape "
+        "by its length if that is less. Left out, 0.1, or a hundredth of prescribed motions if that is more",
+        default=None,
+    )
+    start: OptionalStart = Key(
+        "state of an earlier result near which the path begins, at its load factor (1 for a motion), instead of the "
+        "reference shape without loads",
+        default=None,
     )
 
     @property
     def target(self) -> float | None:
         """The load factor at which the path ends, None if it may have any."""
         if self.load_factor is None and self.displacement is None and self.limit_point is None:
-            return 1.0
+            return self.load_factors[-1] if self.load_factors else 1.0
         return self.load_factor
 
     @model_validator(mode="after")
@@ -265,7 +377,7 @@ def _spin(value: Any) -> float | Triple:
     return positive(value)
 
 
-class SteadySettings(Definition):
+class SteadySettings(Meshed):
     """Which steady rotation is sought.
 
     Exactly one of `spin`, `energy` and `momentum` is given.
@@ -305,6 +417,9 @@ class SteadySettings(Definition):
     )
     modes: Annotated[int, whole_number(1, 1000)] = Key(
         "number of small motions about the rotation to report, 1 to 1000", default=6
+    )
+    start: OptionalStart = Key(
+        "state of an earlier result, a motion that turns, as first guess", default=None
     )
 
     @property
@@ -351,15 +466,26 @@ class SteadySettings(Definition):
         return self
 
 
-class ModesSettings(Definition):
+ABOUT = ("equilibrium", "released", "reference")
+
+
+@accepts(None, '"equilibrium", "released" or "reference"', "a result, or one with a time: `(run, 1.5)`")
+def _about(value: Any) -> str | Start:
+    if isinstance(value, str) and (value in ABOUT or not value.endswith(".nc")):
+        return one_of(*ABOUT)(value)
+    found = as_start(value)
+    assert found is not None
+    return found
+
+
+class ModesSettings(Meshed):
     """Which small vibrations are sought."""
 
     count: Annotated[int, whole_number(1, 100_000)] = Key("number of modes, 1 to 100 000", default=6)
-    about: Annotated[
-        Literal["equilibrium", "released", "reference"], one_of("equilibrium", "released", "reference")
-    ] = Key(
+    about: Annotated[str | Start, _about] = Key(
         '"equilibrium" under the loads at t = 0- (just before t = 0), the equilibrium once "released", under those '
-        'just after t = 0, or the "reference" shape (as if free of load)',
+        'just after t = 0, or the "reference" shape (as if free of load); a state of an earlier result: about the '
+        "equilibrium under the loads at t = 0- that is found from there",
         default="equilibrium",
     )
     near: OptionalPositive = Key(

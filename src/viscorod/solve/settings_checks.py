@@ -89,12 +89,17 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
                 find(model, event.at)
             except RefusedError as error:
                 yield Fault(f"events[{index}].at", show(event.at), error.why, error.instead)
-    if model.strains and settings.initial == "equilibrium":
+    if model.strains and settings.start is None and settings.initial == "equilibrium":
         yield Fault(
             "initial",
             "'equilibrium'",
             "the model has initial strains, which are not an equilibrium",
             "give initial = 'reference' to start from the shape that they make, or remove the strains",
+        )
+
+    if model.strains and settings.start is not None:
+        yield Fault(
+            "start", "", "the model has initial strains, which are another start", "leave one of them out"
         )
 
 

@@ -1,11 +1,13 @@
 """Supports: prescribed or fixed displacements and rotations of a node, imposed exactly on the rows of the node.
 
-A support measures, along constant axes ``A = [e1 e2 e3]`` (global), the displacement ``u = A^T (r - r0)`` and the
-rotation vector ``eta = A^T R0 psi`` with ``R = R0 exp(psi)``. With ``T`` the tangent of the exponential, body
-increments change them by ``G = [A^T R, A^T R0 T^-1]``; the dual directions are ``Z = [R^T A, T R0^T A]``. Free
-components keep the balance projected on their dual direction, the others are replaced by ``G dx = target - value``;
-reactions are the residuals of the projected balance there. This is Newton's method for the saddle-point system with
-the reactions eliminated.
+A support measures, along constant axes ``A = [e1 e2 e3]`` (global), the displacement ``u = A^T (r - r0)`` and how the
+node has turned from where its held rotations alone would put it: with the prescribed rotation vector ``eta`` (zero
+along free axes) ``R_t = exp(A eta) R0`` and ``R = R_t exp(psi)``, ``A^T R_t psi`` vanishes along held axes. So the
+prescribed rotation may be of any size, and the free ones are measured from there, by less than half a turn from one
+iterate to the target. With ``T`` the tangent of the exponential, body increments change these components by
+``G = [A^T R, A^T R_t T^-1]``; the dual directions are ``Z = [R^T A, T R_t^T A]``. Free components keep the balance
+projected on their dual direction, the others are replaced by ``G dx = target - value``; reactions are the residuals of
+the projected balance there. This is Newton's method for the saddle-point system with the reactions eliminated.
 
 Axes that are all zero mean those of the moving section, along which velocities are held: then G = Z = 1, there is no
 position to measure, and the target is the error of the velocities, integrated over the step.
@@ -26,6 +28,7 @@ from viscorod.mechanics.rotations.rotation import (
     rotate,
     rotation_matrix,
     rotation_tangent,
+    turned,
 )
 from viscorod.typing import Floats, Integers
 
@@ -43,24 +46,16 @@ def in_body(axes: Floats) -> bool:
 
 
 @part
-def unwind(psi: Floats, R0: Floats, axes: Floats, fixed: Floats, target: Floats) -> None:
-    """Add the whole turns to a rotation vector that bring its prescribed components nearest to their targets."""
-    phi = np.sqrt(psi[0] ** 2 + psi[1] ** 2 + psi[2] ** 2)
-    if phi < 0.1:
-        return
-    square = 0.0
-    along = 0.0
-    for i in range(3):
-        direction = 0.0
-        for a in range(3):
+def target_frame(axes: Floats, q0: Floats, fixed: Floats, target: Floats, out: Floats) -> None:
+    """Write the quaternion of a node that has turned by the held components of its target alone."""
+    R = np.empty((3, 3))
+    rotation_matrix(q0, R)
+    theta = np.zeros(3)
+    for a in range(3):
+        for i in range(3):
             for b in range(3):
-                direction += R0[b, a] * axes[b, i] * psi[a] / phi
-        square += fixed[3 + i] * direction * direction
-        along += fixed[3 + i] * direction * target[3 + i]
-    if square > 0.01:
-        turns = np.round((along / square - phi) / (2.0 * np.pi))
-        for a in range(3):
-            psi[a] *= 1.0 + 2.0 * np.pi * turns / phi
+                theta[a] += R[b, a] * axes[b, i] * fixed[3 + i] * target[3 + i]
+    turned(q0, theta, out)
 
 
 @kernel
@@ -87,13 +82,14 @@ def support_directions(
             psi[i] = 0.0
         return
     R = np.empty((3, 3))
-    R0 = np.empty((3, 3))
+    Rt = np.empty((3, 3))
     T = np.empty((3, 3))
     Ti = np.empty((3, 3))
+    qt = np.empty(4)
+    target_frame(axes, q0, fixed, target, qt)
     rotation_matrix(q, R)
-    rotation_matrix(q0, R0)
-    relative_rotation(q0, q, psi)
-    unwind(psi, R0, axes, fixed, target)
+    rotation_matrix(qt, Rt)
+    relative_rotation(qt, q, psi)
     rotation_tangent(psi, T)
     inverse_rotation_tangent(psi, Ti)
     for i in range(6):
@@ -101,12 +97,12 @@ def support_directions(
             G[i, j] = Z[i, j] = 0.0
     for i in range(3):
         value[i] = 0.0
-        value[3 + i] = 0.0
+        value[3 + i] = fixed[3 + i] * target[3 + i]
         for a in range(3):
             value[i] += axes[a, i] * (r[a] - r0[a])
-            e = 0.0  # component a of axis i in the reference frame of the node
+            e = 0.0  # component a of axis i in the frame of the target
             for b in range(3):
-                e += R0[b, a] * axes[b, i]
+                e += Rt[b, a] * axes[b, i]
             value[3 + i] += e * psi[a]
             for j in range(3):
                 G[i, j] += axes[a, i] * R[a, j]
@@ -120,7 +116,7 @@ def reaction_stiffness(G: Floats, psi: Floats, reaction: Floats, out: Floats) ->
     """Write the derivative of ``G^T reaction`` per body increment ``(6, 6)`` at constant reaction components.
 
     The force turns with the node, ``d(R^T f) = (R^T f) x theta``; the moment is ``T^-T m`` with m constant in the
-    reference frame and ``T^-T m = m - psi x m/2 + c psi x (psi x m)``.
+    frame of the target and ``T^-T m = m - psi x m/2 + c psi x (psi x m)``.
     """
     T = np.empty((3, 3))
     Ti = np.empty((3, 3))

@@ -61,6 +61,16 @@ def mean(q: Floats, weights: Floats) -> Floats:
     return unit
 
 
+def rotation_vectors(q: Floats) -> Floats:
+    """Return the rotation vectors [rad] of unit quaternions ``(n, 4)``, the shorter way round ``(n, 3)``."""
+    sine = np.linalg.norm(q[:, 1:], axis=1)
+    sign = np.where(q[:, 0] < 0.0, -1.0, 1.0)
+    angle = 2.0 * np.arctan2(sine, np.abs(q[:, 0]))
+    factor = np.where(sine < 1e-12, 2.0, angle / np.maximum(sine, 1e-300))
+    vectors: Floats = (sign * factor)[:, None] * q[:, 1:]
+    return vectors
+
+
 def rotation_vector(q: Floats) -> Floats:
     """Return the rotation vector [rad] of a unit quaternion ``(4,)``, the shorter way round."""
     sine = float(np.linalg.norm(q[1:]))

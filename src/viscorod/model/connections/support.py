@@ -34,8 +34,8 @@ class Support(AnySupport):
     kind: Literal["support"] = Field(default="support", kw_only=True, repr=False)
     fixed: Annotated[tuple[str, ...], fixed_motions] = Key("motion words that stay zero", default=())
     motion: MotionField = Key(
-        "motion words with functions of time ({} or {}). A rotation prescribed at a place that is not held completely "
-        "must stay below a full turn",
+        "motion words with functions of time ({} or {}). Rotations may be of any size; free ones are measured from "
+        "where the prescribed ones alone would turn the place",
         "m",
         "rad",
         default={},

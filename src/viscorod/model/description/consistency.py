@@ -130,8 +130,8 @@ def _unfit_strains(model: ModelDescription) -> Iterator[Fault]:
                     f"strains[{index}].rod",
                     show(strain.rod),
                     f"initial strains move all of the rod but its start, and {path} holds {text}",
-                    "give it as a rest strain (rest_strain, [[rest_strains]]) if the rod is to be free of stress at it, or hold "
-                    "the rod at its start only",
+                    "give it as a rest strain (rest_strain, [[rest_strains]]) if the rod is to be free of stress at it,"
+                    " or hold the rod at its start only",
                 )
                 break
         constrained = model.rods[strain.rod].constraints

@@ -7,7 +7,7 @@ deviation of a modulus or a compliance, is never taken for the modulus.
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 __all__ = ["Heading", "heading", "unit_of"]
 
@@ -21,10 +21,10 @@ _UNITS: dict[str, dict[str, tuple[str, ...]]] = {
         "1/s": ("s-1", "s^-1", "1/sec"),
     },
     "modulus": {
-        "Pa": ("pa", "pascal", "n/m2", "nm-2"),
-        "kPa": ("kpa", "kn/m2"),
-        "MPa": ("mpa", "n/mm2", "mn/m2", "nmm-2"),
-        "GPa": ("gpa", "kn/mm2"),
+        "Pa": ("pa", "pascal", "pascals", "n/m2", "nm-2"),
+        "kPa": ("kpa", "kilopascal", "kn/m2"),
+        "MPa": ("mpa", "megapascal", "n/mm2", "mn/m2", "nmm-2"),
+        "GPa": ("gpa", "gigapascal", "kn/mm2"),
         "psi": ("lbf/in2", "lb/in2"),
         "ksi": (),
         "bar": (),
@@ -51,12 +51,14 @@ KINDS: dict[str, str] = {
     "frequency": rf"(test|osc|oscillation|excitation|reduced|red|shifted|set|actual|target|mess|meß|prüf|pruef|"
     rf"anregungs?|belastungs|reduzierte)?{_FREQUENCY}\(?(f)?\)?|f",
     "storage": rf"([egm]')?{_HOW}(storage|stor|speicher)(modulus|modul|mod)?{_HOW}({_SYMBOL})?|"
-    r"[egm]'|[egm](storage|stor|store|speicher|prime|p)|(elastic|real)modulus\(?[egm]'\)?|"
-    r"(storage|stor)(modulus)?[egm]",
+    rf"[egm]'|[egm](storage|stor|store|speicher|prime|p)|(elastic|real)?{_HOW}(modulus|modul)\(?[egm]'\)?|"
+    rf"(storage|stor)(modulus)?[egm]|{_HOW}modulus\(elasticcomponent\)|(re|real)\(?[egm]\*\)?|"
+    r"modulede(conservation|stockage)([egm]')?",
     "loss": rf"([egm]'')?{_HOW}(loss|verlust)(modulus|modul|mod)?{_HOW}(\(?[egm]('')?\)?)?|"
     r"[egm]''|[egm](loss|verlust|doubleprime|dprime|primeprime|dblprime|pp)|"
-    r"(viscous|imaginary)modulus\(?[egm]''\)?|loss(modulus)?[egm]",
-    "tan_delta": r"(mech|mechanical|mechanischer)?(loss|verlust|damping|dissipation)(factor|faktor|tangent)"
+    rf"(viscous|imaginary)?{_HOW}(modulus|modul)\(?[egm]''\)?|loss(modulus)?[egm]|"
+    rf"{_HOW}modulus\(viscouscomponent\)|(im|imag)\(?[egm]\*\)?|modulede(perte|pertes)([egm]'')?",
+    "tan_delta": r"(mech|mechanical|mechanischer)?(loss|verlust|damping|dämpfungs|dissipation)(factor|faktor|tangent)"
     r"(\(?tan\(?(d|delta|δ)\)?\)?|η|eta)?|tan\(?(d|delta|δ)\)?(lossfactor|\([eg]\))?|"
     r"\(?tan(d|delta|δ)\)?",
     "phase": r"(phase|loss|verlust|phasen)(angle|winkel|verschiebung|shift)?\(?(δ|delta)?\)?|δ|delta",
@@ -77,8 +79,8 @@ MEASURE = {
 """What the unit of a column measures."""
 
 STRAINS = {
-    "shear": r"g['_* ]|g$|shear|schub|scher|torsion|.*\(?\bg'",
-    "extension": r"e['_* ]|e$|tensile|tension|young|flexur|bending|zug|biege|compress|axial|extension|.*\be'",
+    "shear": r"g['_* ]|g$|shear|schub|scher|torsion|.*\bg['*]",
+    "extension": r"e['_* ]|e$|tensile|tension|young|flexur|bending|zug|biege|compress|axial|extension|.*\be['*]",
 }
 """Beginnings of the name of the storage modulus that show the strain."""
 
@@ -108,6 +110,10 @@ class Heading:
     strain: str | None = None
     logarithm: bool = False
 
+    def completed(self, other: Heading) -> Heading:
+        """Return what this and another name of the same column say together."""
+        return replace(other, unit=other.unit or self.unit, strain=other.strain or self.strain)
+
 
 def unit_of(text: str, measure: str) -> str | None:
     """Return the unit that a text means for a measure of ``_UNITS``, or None."""
@@ -127,9 +133,11 @@ def heading(cell: str) -> Heading | None:
     Units are understood in brackets, after a slash, "in" or a comma, and at the end after a blank, a dot or an
     underline.
     """
-    text = cell.strip().lstrip("#").strip().translate(_PRIMES)
+    text = cell.strip().lstrip("#%").strip().translate(_PRIMES)
     if not text or len(text) > 80:
         return None
+    if found := re.fullmatch(r"(.+[)\]])\s*\(([egmEGM]'{1,2}|f|ω)\)", text):  # a symbol behind the unit
+        text = found[1]
     for name, unit in _parts(text):
         kind, logarithm = _kind(name)
         if kind is None:

@@ -33,7 +33,7 @@ from viscorod.model.materials.nearest_kelvin_voigt import (
 )
 from viscorod.model.materials.prony import maxwell_branches
 from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
-from viscorod.model.materials.sweeps import DmaTable, averaged
+from viscorod.model.materials.sweeps import DmaTable, perhaps_percent, tidied
 from viscorod.typing import Floats
 
 __all__ = ["ComplexModuli", "ModulusTable"]
@@ -145,14 +145,11 @@ class ModulusTable(Definition):
                     raise
                 found = f"{self.file}: {error.found}" if error.found else self.file
                 raise RefusedError(error.why, error.instead, found=show(found), at=("file",)) from None
-        order = np.argsort(np.array(self.frequency))
-        storage = np.array(self.storage)
-        loss = np.array(self.loss) if self.loss is not None else np.array(self.tan_delta) * storage
-        notes: list[str] = []
-        columns = averaged(
-            2.0 * math.pi * np.array(self.frequency)[order], storage[order], loss[order], notes
-        )
-        return DmaTable(*columns, notes=tuple(notes))
+        omega, storage = 2.0 * math.pi * np.array(self.frequency), np.array(self.storage)
+        if self.loss is not None:
+            return tidied(omega, storage, np.array(self.loss))
+        tangent = np.array(self.tan_delta)
+        return tidied(omega, storage, tangent * storage, notes=perhaps_percent(omega, storage, tangent))
 
 
 @accepts(of_kind("damping.other"), "table, see below")

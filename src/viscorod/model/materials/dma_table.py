@@ -20,7 +20,7 @@ import numpy as np
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.column_names import unit_of
 from viscorod.model.materials.column_units import NOUNS, factor
-from viscorod.model.materials.sweeps import DmaTable, Points, one_sweep
+from viscorod.model.materials.sweeps import DmaTable, Points, one_sweep, perhaps_percent
 from viscorod.model.materials.table_blocks import Block, blocks_of
 from viscorod.model.materials.table_text import Numbers, lines_of
 from viscorod.typing import Floats
@@ -124,6 +124,8 @@ def _placed(
                 "check names and units in the file, or leave the wrong column out",
             )
         return found
+    if missing == -1 and len(rows) > 1 and all(block.rows[row][1][0] == str(k) for k, row in enumerate(rows)):
+        return _columns(block, rows, 1, numbers, factors)  # rows counted from zero, which is no frequency
     readings = []
     for shift in (0, 1 if missing < 0 else -1) if abs(missing) == 1 else (0,):
         try:
@@ -146,8 +148,16 @@ def _placed(
 
 
 def _ends_blank(block: Block, rows: list[int], missing: int) -> bool:
-    """Return whether rows are short because their last cells are there and empty, which the separators show."""
-    return missing > 0 and all(block.full.get(block.rows[k][0], 0) >= len(block.names) for k in rows)
+    """Return whether rows are short because their last cells are empty.
+
+    The separators show it; or other rows are as long as the names, and the short ones end before the last column.
+    """
+    if missing < 0:
+        return False
+    if all(block.full.get(block.rows[k][0], 0) >= len(block.names) for k in rows):
+        return True
+    whole = any(len(cells) == len(block.names) for _, cells in block.rows)
+    return block.separated and whole and max(block.columns) < len(block.names) - missing
 
 
 def _columns(
@@ -252,10 +262,8 @@ def _quantities(block: Block, index: int, values: dict[str, Floats]) -> Points:
             storage = values["complex"] / np.hypot(1.0, tangent)
             loss = storage * tangent
     notes = []
-    if "loss" not in values and "tan_delta" in values and np.nanmin(np.append(tangent, np.inf)) > 5.0:
-        notes.append(
-            f"tan delta goes up to {np.nanmax(tangent):.4g}: if these are percent, the file must say so (tan delta [%])"
-        )
+    if "loss" not in values and "tan_delta" in values:
+        notes += perhaps_percent(omega, storage, tangent)
     strains = {known.strain for known in block.columns.values() if known.kind in ("storage", "complex")}
     strains.discard(None)
     unknown = np.full(len(block.rows), math.nan)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -12,7 +13,7 @@ from viscorod.model.fields.definition import RefusedError
 from viscorod.model.fields.values import LARGEST
 from viscorod.typing import Floats
 
-__all__ = ["DmaTable", "Points", "averaged", "one_sweep"]
+__all__ = ["DmaTable", "Points", "one_sweep", "perhaps_percent", "tidied"]
 
 _JUMP = 2.0
 """Change of the temperature [K] from row to row that begins another sweep."""
@@ -26,6 +27,8 @@ _SAME = 1e-4
 """Relative difference of frequencies that are taken for one; 20 a decade differ by 0.12."""
 _SPIKE = {"storage": 1.1, "loss": 1.25}
 """Ratio of a point to what its neighbours lead to expect, from which on it is told."""
+_STIFFEST = 2e12
+"""Pa; diamond has 1.2e12."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +96,9 @@ def one_sweep(parts: list[Points], temperature: float | None = None) -> DmaTable
     points = _joined(parts)
     notes = list(points.notes)
     usable = (points.omega > 1.0 / LARGEST) & (points.storage > 1.0 / LARGEST) & (points.loss >= 0.0)
+    known = np.isfinite(points.degrees)
+    if known.sum() > 0.5 * len(known):
+        usable &= known
     usable &= (points.omega < LARGEST) & (points.storage < LARGEST) & (points.loss < LARGEST)
     if not usable.any():
         raise RefusedError(
@@ -108,14 +114,31 @@ def one_sweep(parts: list[Points], temperature: float | None = None) -> DmaTable
             f"{_counted(count, 'row')} of the file {'has' if count == 1 else 'have'} no usable numbers (missing, or "
             f"not positive) and {'is' if count == 1 else 'are'} left out: {_listed('line', left_out.line)}"
         )
-    order = np.argsort(sweep.omega, kind="stable")
-    sweep = sweep.at(order)
-    omega, storage, loss = averaged(sweep.omega, sweep.storage, sweep.loss, notes)
-    notes += _spikes(omega, storage, loss)
-    return DmaTable(omega, storage, loss, points.strain, tuple(notes))
+    return tidied(sweep.omega, sweep.storage, sweep.loss, points.strain, notes)
 
 
-def averaged(omega: Floats, storage: Floats, loss: Floats, notes: list[str]) -> tuple[Floats, Floats, Floats]:
+def tidied(
+    omega: Floats, storage: Floats, loss: Floats, strain: str | None = None, notes: Sequence[str] = ()
+) -> DmaTable:
+    """Return a table by increasing frequency, each once, with notes on what was averaged and what is doubtful.
+
+    Raises:
+        RefusedError: the storage moduli at one frequency differ by more than scatter explains.
+    """
+    found = list(notes)
+    order = np.argsort(omega, kind="stable")
+    omega, storage, loss = _averaged(omega[order], storage[order], loss[order], found)
+    found += _spikes(omega, storage, loss)
+    if storage.max() > _STIFFEST:
+        found.append(
+            f"the storage modulus goes up to {storage.max():.4g} Pa, which no material has: check its unit"
+        )
+    return DmaTable(omega, storage, loss, strain, tuple(found))
+
+
+def _averaged(
+    omega: Floats, storage: Floats, loss: Floats, notes: list[str]
+) -> tuple[Floats, Floats, Floats]:
     """Return increasing frequencies, each once: moduli at one frequency are averaged, which is added to the notes.
 
     Raises:
@@ -148,6 +171,24 @@ def averaged(omega: Floats, storage: Floats, loss: Floats, notes: list[str]) -> 
     return means[0], means[1], means[2]
 
 
+def perhaps_percent(omega: Floats, storage: Floats, tangent: Floats) -> list[str]:
+    """Tell of a tan delta far above what the slope of the storage modulus means.
+
+    Booij, Thoone, Rheol. Acta 21 (1982) 15-24: tan delta is nearly pi/2 d(ln E')/d(ln omega).
+    """
+    known = (omega > 0.0) & (storage > 0.0) & np.isfinite(tangent)
+    if np.ptp(np.log(omega[known])) < 1.0 if known.any() else True:
+        return []
+    slope = float(np.polyfit(np.log(omega[known]), np.log(storage[known]), 1)[0])
+    usual = float(np.median(tangent[known]))
+    if usual < 0.3 or usual < 10.0 * 0.5 * math.pi * max(slope, 0.0):
+        return []
+    return [
+        f"tan delta of {usual:.4g} is far more than the slope of the storage modulus over frequency means "
+        f"({0.5 * math.pi * max(slope, 0.0):.2g}): if it is in percent, the file must say so (tan delta [%])"
+    ]
+
+
 def _joined(parts: list[Points]) -> Points:
     names = ("line", "omega", "storage", "loss", "temperature", "set_temperature", "group", "block")
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
@@ -175,7 +216,7 @@ def _sweeps(points: Points) -> list[Points]:
     runs = [np.arange(a, b) for a, b in pairwise([*starts, count])]
     degrees = points.degrees
     if not np.isfinite(degrees).all():
-        return [points]
+        return _by_number(points)
     if np.median([len(run) for run in runs]) < 2 and len(np.unique(points.omega)) > 1:
         order = np.argsort(degrees, kind="stable")
         gaps = np.flatnonzero(np.diff(degrees[order]) > _ISOTHERM) + 1
@@ -190,6 +231,18 @@ def _sweeps(points: Points) -> list[Points]:
             last = means[k]
         sweeps[-1].extend(runs[k].tolist())
     return [points.at(np.array(sorted(sweep))) for sweep in sweeps]
+
+
+def _by_number(points: Points) -> list[Points]:
+    """Divide rows without temperatures by the numbers of their sweeps, or of their tables in the file.
+
+    A table that is printed on several pages goes on from one to the next, and no frequency comes again.
+    """
+    if len(np.unique(points.omega)) == len(points.omega):
+        return [points]
+    numbers = np.column_stack([points.block, np.nan_to_num(points.group, nan=-1.0)])
+    _, member = np.unique(numbers, axis=0, return_inverse=True)
+    return [points.at(member == k) for k in range(int(member.max()) + 1)]
 
 
 def _with_frequencies(sweeps: list[Points], notes: list[str]) -> list[Points]:
@@ -217,6 +270,11 @@ def _chosen(sweeps: list[Points], temperature: float | None, notes: list[str]) -
     measured = bool(np.isfinite(degrees).all())
     if temperature is None and len(sweeps) == 1:
         (sweep,) = sweeps
+    elif not measured and len(sweeps) > 1:
+        raise RefusedError(
+            f"the file has {len(sweeps)} sweeps, and no column of temperatures to choose one by",
+            "keep one sweep in the file",
+        )
     elif temperature is None:
         raise RefusedError(
             f"the file has sweeps at {len(sweeps)} temperatures: {_listed('', degrees, 30)} C",

@@ -11,7 +11,7 @@ from pathlib import Path
 from viscorod.limits import LARGEST_TABLE
 from viscorod.model.fields.definition import RefusedError, show
 
-__all__ = ["MISSING", "SEPARATORS", "Numbers", "lines_of", "looks_like_a_number"]
+__all__ = ["MISSING", "SEPARATORS", "Numbers", "lines_of", "looks_like_a_number", "words"]
 
 _BINARY = {
     b"PK\x03\x04": "a workbook or an archive (.xlsx, .ods, .zip)",
@@ -46,7 +46,16 @@ def lines_of(path: Path) -> list[str]:
         if isinstance(error, RefusedError):
             raise
         raise RefusedError(f"it cannot be read ({error})", "check the path and its permissions") from None
-    return _decoded(content).splitlines()
+    return _named_above(_decoded(content).splitlines())
+
+
+def _named_above(lines: list[str]) -> list[str]:
+    """Return a file of TA's Universal Analysis, which names its columns in lines "Sig1 ...", as a table."""
+    names = [found[2].strip() for line in lines if (found := re.match(r"Sig(\d+)\s+(\S.*)", line))]
+    start = next((k for k, line in enumerate(lines) if line.strip() == "StartOfData"), None)
+    if not names or start is None:
+        return lines
+    return [*[""] * start, "\t".join(names), *("\t".join(line.split()) for line in lines[start + 1 :])]
 
 
 def _decoded(content: bytes) -> str:
@@ -91,7 +100,8 @@ def _narrow(line: str) -> list[str]:
     return re.split(r"\s+(?![(\[])", line.strip())
 
 
-def _words(line: str) -> list[str]:
+def words(line: str) -> list[str]:
+    """Return the cells between blanks."""
     return line.split()
 
 
@@ -100,9 +110,9 @@ SEPARATORS = {
     "semicolons": (_separated(";"), _separated(";")),
     "commas": (_separated(","), _separated(",")),
     "bars": (_separated("|"), _separated("|")),
-    "wide blanks": (_wide, _words),
-    "blanks and units": (_narrow, _words),
-    "blanks": (_words, _words),
+    "wide blanks": (_wide, words),
+    "blanks and units": (_narrow, words),
+    "blanks": (words, words),
 }
 """How lines are divided into cells: the line of the names, and those below."""
 

@@ -142,8 +142,19 @@ def _plain(words: Sequence[str]) -> str:
 @accepts(blocks(), _MATRIX)
 def _stiffness(value: Any) -> Matrix:
     matrix = symmetric(value, STRAINS)
-    refuse_indefinite(matrix, STRAINS, zero_allowed=False, meaning="every strain must cost energy")
+    if not np.array(matrix)[3:].any():  # a cable
+        refuse_indefinite(_with_moments(matrix), STRAINS, zero_allowed=False, meaning=_COSTS)
+    else:
+        refuse_indefinite(matrix, STRAINS, zero_allowed=False, meaning=_COSTS)
     return matrix
+
+
+_COSTS = "every strain must cost energy, unless bending and twist cost none at all (three zeros: a cable)"
+
+
+def _with_moments(matrix: Matrix) -> Matrix:
+    """Return the matrix with moments of 1 for bending and twist."""
+    return tuple(map(tuple, (np.array(matrix) + np.diag([0, 0, 0, 1, 1, 1])).tolist()))
 
 
 @accepts(blocks(), _MATRIX)

@@ -62,6 +62,11 @@ class BladeSections:
     def __init__(self, blade: BeamDynBlade, length: float, law: Law = "symmetric") -> None:
         self.blade, self.length, self.law = blade, length, law
 
+    @property
+    def stations(self) -> Floats:
+        """Arc lengths of the stations (n,), m, at which the sections have kinks."""
+        return np.asarray(self.blade.stations * self.length)
+
     def damping(self, stiffness: Floats) -> Floats:
         """Return D (6, 6) for a stiffness (6, 6)."""
         if self.blade.damp_type == 0:

@@ -10,7 +10,7 @@ import numpy as np
 
 from viscorod.mechanics.elements.held_strains import add_held_strains
 from viscorod.mechanics.elements.internal_force import Elements, ElementWork, GaussStates, internal_forces
-from viscorod.mechanics.joints.joint_coordinates import DISTANCE, TRANSLATION
+from viscorod.mechanics.joints.joint_coordinates import ANGLE, DISTANCE, ROTATION, TRANSLATION
 from viscorod.mechanics.joints.joint_forces import joint_forces
 from viscorod.mechanics.joints.joint_tangent import add_joint_tangent
 from viscorod.solve.linear.matrix import unit_of
@@ -47,6 +47,7 @@ class Constraints:
         target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
         near: values ``(c,)`` that angles are to be near.
         pace: rate [1/s] with the square of which inertia counts in the present matrix.
+        reference_gaps: values of held coordinates in the reference shape ``(c,)``.
         stage: values of held coordinates at the start of a stage of statics, and parts of motors at its end ``(c,)``.
         gap: gaps that multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
     """
@@ -68,14 +69,14 @@ class Constraints:
         self._stiffness, self._damping = self.arrays.stiffness.copy(), self.arrays.damping.copy()
         self._earlier = np.zeros(c)
         self.is_held = self.arrays.place >= 0
-        self._first_gap = self._gaps_of_reference()
+        self.reference_gaps = self._gaps_of_reference()
         taken = np.zeros(places, dtype=bool)
         taken[self.arrays.place[self.is_held]] = True
         taken[self.held.place] = True
         self.idle: Integers = np.flatnonzero(~taken)
         self.used: Integers = np.flatnonzero(taken)
-        self.stage: tuple[Floats, Floats] = self._first_gap, np.ones(c)
-        self.target[:] = self._first_gap
+        self.stage: tuple[Floats, Floats] = self.reference_gaps, np.ones(c)
+        self.target[:] = self.reference_gaps
         self.unit = np.ones(places)
         self.unit[self.arrays.place[self.is_held]] = self.joints.unit[self.is_held]
 
@@ -153,7 +154,7 @@ class Constraints:
         Args:
             part: of the gaps that is left; driven: where motors are to be instead of 0 ``(c,)``.
         """
-        gaps = part * self._first_gap - (0.0 if driven is None else driven)
+        gaps = part * self.reference_gaps - (0.0 if driven is None else driven)
         lengths = np.isin(self.arrays.kind, (TRANSLATION, DISTANCE))
         return [
             f"{self.joints.label(int(c))} by {abs(gaps[c]):.6g} {'m' if lengths[c] else 'rad'}"
@@ -178,6 +179,18 @@ class Constraints:
             self.target[c] += scale * part[c] * motion.value(t, before)
             self.target_rate[c] = scale * motion.rate(t, before)
         self.near[self.is_held] = self.target[self.is_held]
+
+    @property
+    def largest_turn(self) -> float:
+        """Largest rotation [rad] of a motor at the time of the last update, along one coordinate."""
+        return max(
+            (
+                abs(float(self.target[c]))
+                for c, _ in self.joints.motions
+                if self.arrays.kind[c] in (ANGLE, ROTATION)
+            ),
+            default=0.0,
+        )
 
     def add_forces(self, state: State, internal: Floats) -> None:
         """Add the forces of joints and springs in a state to ``internal (n, 6)``; measure all coordinates."""

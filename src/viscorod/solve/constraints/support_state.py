@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from viscorod.errors import InputError
 from viscorod.mechanics.nodes import inertia
 from viscorod.mechanics.nodes import support_rows as supports
 from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
@@ -13,10 +12,7 @@ from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.problem import Problem
-from viscorod.typing import Floats
-
-LARGEST_TURN = 6.0
-"""Largest prescribed rotation [rad] of a partly held node: the rotation vector is singular at 2 pi."""
+from viscorod.typing import Floats, Integers
 
 
 class SupportState:
@@ -33,39 +29,39 @@ class SupportState:
         self.rate: Floats = np.zeros((m, 6))
         self.acceleration: Floats = np.zeros((m, 6))
         self.reaction: Floats = np.zeros((m, 6))
+        self.weights: Floats = np.ones((problem.size, 6))
         self._directions_now = np.zeros((m, 6, 6)), np.zeros((m, 6, 6)), np.zeros((m, 3))
         self.complete = s.complete
         self.partial = s.partial
         self.moving = bool(s.motions)
-        self.stage: tuple[Floats, Floats] | None = None  # motions at the start (m, 6), parts of them at the end
+        self.stage: tuple[Floats, Floats] | None = (
+            None  # motions at the start (m, 6), parts of them at the end
+        )
         self.twist: Floats = np.zeros((len(self.complete), 6))
         self.twist_rate: Floats = np.zeros((len(self.complete), 6))
 
     def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
-        """Evaluate all prescribed motions and their derivatives at time ``t`` [s].
+        """Evaluate all prescribed motions; in a stage of statics between what they are at its start and at its end."""
+        if self.stage is None:
+            self._update(t, before, scale)
+            return
+        first, part = self.stage
+        self.target.fill(0.0)
+        self._update(t, before, 1.0)
+        self.target[:] = first + scale * (part * self.target - first)
 
-        Raises:
-            InputError: a partly held node is to turn by a full turn.
-        """
+    def _update(self, t: float, before: bool, scale: float) -> None:
+        """Evaluate all prescribed motions and their derivatives at time ``t`` [s]."""
         for k, component, motion in self.set.motions:
-            self.target[k, component] = self.staged(k, component, motion.value(t, before), scale)
+            self.target[k, component] = scale * motion.value(t, before)
             self.rate[k, component] = scale * motion.rate(t, before)
             self.acceleration[k, component] = scale * motion.acceleration(t, before)
-        for k in self.partial if self.moving else ():
-            turned = float(np.linalg.norm(self.target[k, 3:]))
-            if turned > LARGEST_TURN:
-                raise InputError(
-                    f"supports: {self.set.names[k]} is to turn by {turned:.3g} rad at t = {t:.6g} s: the rotation "
-                    "vector of a place that is not held completely cannot pass a full turn; hold all six motions "
-                    "there (clamp with motion), which allows any number of turns"
-                )
 
-    def staged(self, k: int, component: int, value: float, scale: float) -> float:
-        """Return a prescribed motion at ``scale``, between what it is at the start of a stage of statics and its end."""
-        if self.stage is None:
-            return scale * value
-        first, part = (float(array[k, component]) for array in self.stage)
-        return first + scale * (part * value - first)
+    @property
+    def largest_turn(self) -> float:
+        """Largest prescribed rotation [rad] at the time of the last update."""
+        turns = np.linalg.norm(self.target[:, 3:] * self.set.fixed[:, 3:], axis=1)
+        return float(turns.max(initial=0.0))
 
     def prescribe(self, state: State) -> None:
         """Put fully supported nodes at their prescribed pose and twist."""
@@ -81,16 +77,20 @@ class SupportState:
 
     def complete_motion(self) -> tuple[Floats, Floats, Floats, Floats]:
         """Return poses, body twists and their rates of all completely held supports, in their order."""
-        c = self.complete
+        return self._prescribed(self.complete)
+
+    def _prescribed(self, c: Integers) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return poses, body twists and their rates of supports whose free components are zero."""
+        held = self.set.fixed[c]
         r, q = np.empty((len(c), 3)), np.empty((len(c), 4))
         twist, rate = np.empty((len(c), 6)), np.empty((len(c), 6))
         prescribed_motion(
             self.set.axes[c],
             self.r0[c],
             self.q0[c],
-            self.target[c],
-            self.rate[c],
-            self.acceleration[c],
+            held * self.target[c],
+            held * self.rate[c],
+            held * self.acceleration[c],
             r,
             q,
             twist,
@@ -99,7 +99,10 @@ class SupportState:
         return r, q, twist, rate
 
     def impose(self, state: State, residual: Floats, matrix: Matrix, *, tangent: bool) -> None:
-        """Replace the rows of supported nodes; keeps the reactions (components along the support's axes)."""
+        """Replace the rows of supported nodes; keeps the reactions (components along the support's axes).
+
+        With the ``tangent`` held rows of both are multiplied by ``weights``.
+        """
         supports.impose(
             self.set.nodes,
             self.set.fixed,
@@ -114,18 +117,20 @@ class SupportState:
             *self._directions_now,
         )
         if tangent:
+            self.weights = np.ones_like(residual)
             supports.impose_tangent(
                 self.set.nodes,
                 self.set.fixed,
                 self.set.axes,
                 *self._directions_now,
                 self.reaction,
-                residual,
+                self.weights,
                 matrix.blocks,
                 matrix.pattern.starts,
                 matrix.pattern.across,
                 matrix.pattern.diagonal,
             )
+            residual *= self.weights
 
     def unbalanced(self, residual: Floats) -> Floats:
         """Return a copy of an imposed residual without the rows of held components."""
@@ -133,14 +138,21 @@ class SupportState:
         free[self.set.nodes] *= 1.0 - self.set.fixed
         return free
 
-    def power(self) -> float:
-        """Return the power [W] that moving supports put into the model."""
-        return float(np.sum(self.set.fixed * self.reaction * self.rate))
+    def power(self, state: State) -> float:
+        """Return the power [W] that moving supports put into the model, after :meth:`impose` in the same state.
+
+        How fast rotations change follows from the twists: the reaction's moment acts about the axes in space.
+        """
+        speeds = self.rate.copy()
+        directions = self._directions_now[0][:, 3:, 3:]
+        turning = np.einsum("mij,mj->mi", directions, state.twist[self.set.nodes, 3:])
+        speeds[~self.set.in_body, 3:] = turning[~self.set.in_body]
+        return float(np.sum(self.set.fixed * self.reaction * speeds))
 
     def global_reactions(self, state: State) -> Floats:
         """Return the reactions as force [N] and moment [N m] in global axes ``(m, 6)``.
 
-        The components that :meth:`impose` keeps are conjugate to those of the rotation vector; ``G^T`` makes a wrench
+        The components that :meth:`impose` keeps are conjugate to those that supports measure; ``G^T`` makes a wrench
         of them.
         """
         out = np.empty((1, len(self.set.nodes), 6))
@@ -160,7 +172,7 @@ class SupportState:
         return wrenches
 
     def _directions(self, k: int, state: State) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return the components of a support's motion, their derivative G, dual directions Z, and rotation vector."""
+        """Return the components of a support's motion, their derivative G, dual directions Z, and psi."""
         value, G, Z, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)
         node = self.set.nodes[k]
         supports.support_directions(
@@ -177,6 +189,17 @@ class SupportState:
             psi,
         )
         return value, G, Z, psi
+
+    def measured(self, state: State) -> Floats:
+        """Return the motions of all supports in a state ``(m, 6)``, rotations nearest to the present targets."""
+        out = np.zeros_like(self.target)
+        for k in np.flatnonzero(~self.set.in_body):
+            out[k] = self.set.fixed[k] * self._directions(int(k), state)[0]
+        return out
+
+    def free_directions(self, k: int, state: State) -> Floats:
+        """Return the body increments of a support's node, one column for each motion along its axes ``(6, 6)``."""
+        return self._directions(k, state)[2]
 
     def free_rows(self) -> np.ndarray:
         """Return the indices of the balance rows that remain after :meth:`impose`."""
@@ -220,10 +243,14 @@ class SupportState:
 
     def project_twists(self, state: State) -> None:
         """Give partially supported nodes exactly the prescribed velocity components."""
-        for k in self.partial:
+        _, _, turning, _ = self._prescribed(self.partial)
+        for k, own in zip(self.partial, turning, strict=True):
             node = self.set.nodes[k]
             _, G, Z, _ = self._directions(int(k), state)
-            gap = self.set.fixed[k] * (self.rate[k] - G @ state.twist[node])
+            wanted = self.rate[k].copy()
+            if not self.set.in_body[k]:
+                wanted[3:] = G[3:, 3:] @ own[3:]
+            gap = self.set.fixed[k] * (wanted - G @ state.twist[node])
             state.twist[node] += Z @ gap
 
     def correct(self, state: State, t: float) -> None:

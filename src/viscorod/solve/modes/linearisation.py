@@ -7,6 +7,7 @@ and those that nothing resists are rigid motions exactly.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -71,6 +72,20 @@ class Linearisation:
         return replace(
             self, stiffness=K, damping=D, mass=M, basis=sparse.csc_array(self.basis @ Z), gradients=None
         )
+
+    def solver(self, matrix: sparse.csr_array) -> Callable[[Floats], Floats]:
+        """Return a solver of systems with a matrix like the stiffness, within the conditions.
+
+        Raises:
+            SolveError: it is singular.
+        """
+        if self.gradients is None:
+            factor = factored(sparse.csc_array(matrix))
+            return lambda b: np.asarray(factor.solve(b))
+        held = self.gradients * float(np.abs(matrix.diagonal()).mean())
+        whole = factored(sparse.csc_array(sparse.block_array([[matrix, held.T], [held, None]])))
+        none, size = np.zeros(held.shape[0]), matrix.shape[0]
+        return lambda b: np.asarray(whole.solve(np.concatenate([b, none]))[:size])
 
     def strained(self) -> tuple[sparse.csr_array, sparse.csr_array | None]:
         """Return stiffness and gradients of all motions but the rigid ones."""

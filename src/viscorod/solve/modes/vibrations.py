@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -61,6 +61,7 @@ class Modes:
             one of the damped ones here, or because these are all modes. False where damping couples the modes of a
             large model, or where following loads make its stiffness unsymmetric: residuals hold, but nothing proves
             that there are no others.
+        frequency_errors: estimated errors of the frequencies by the mesh, in parts of them; none where not estimated.
     """
 
     eigenvalues: np.ndarray
@@ -74,6 +75,7 @@ class Modes:
     shares: Floats
     rigid: int
     certified: bool
+    frequency_errors: Floats = field(default_factory=lambda: np.zeros(0))
 
 
 def natural_frequencies(linear: Linearisation, count: int) -> Floats:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,10 @@ from viscorod.mechanics.elements.basis import gauss, gauss_table, lobatto
 from viscorod.mechanics.nodes.attached_poses import link_map
 from viscorod.mechanics.rotations.quaternion import conjugate, from_matrices, matrices, product
 from viscorod.model.bodies.body_base import AnyBody
-from viscorod.model.rod import DEFAULT_ORDER, Rod
+from viscorod.model.rod import Rod
 from viscorod.model.sections.section_base import AnySection
 from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.problem.division import Division
 from viscorod.solve.problem.problem import ElementSet, Stations
 from viscorod.typing import Floats, Integers
 
@@ -68,55 +68,19 @@ class Mesh:
         return self._index[name]
 
 
-def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float]) -> RodMesh:
-    """Divide a rod into elements.
-
-    Elements end at ``breaks`` (sections change, supports, attachments); if the program chooses their number, at
-    ``wishes``
-    (point loads) too. The chosen mesh turns by a fifteenth of a circle from node to node, on average.
+def divide(name: str, rod: Rod, division: Division) -> RodMesh:
+    """Put nodes on the elements of a rod.
 
     Raises:
-        InputError: there are too few elements for the breaks, or for the turns of the reference shape.
+        InputError: there are too few elements for the turns of the reference shape.
     """
-    order = rod.order or DEFAULT_ORDER
-    length = rod.length
-    corners = _distinct([0.0, *breaks, *(wishes if rod.elements is None else []), length], length)
-    spans = np.diff(corners)
-    if rod.elements is None:
-        counts = np.array([rod.chosen_elements(a, b) for a, b in pairwise(corners)])
-        if len(counts) == 1:
-            counts[0] = max(counts[0], 2)
-    elif rod.elements < len(spans):
-        raise InputError(
-            Fault(
-                f"rods.{name}.elements",
-                str(rod.elements),
-                "too few: elements must end where sections change and at supports, attachments and joints",
-                f"give at least {len(spans)}, or leave it out",
-            )
-        )
-    else:
-        counts = _distribute(spans, rod.elements)
-    ends = np.concatenate(
-        [
-            [0.0],
-            *(
-                np.linspace(a, b, n + 1)[1:]
-                for a, b, n in zip(corners[:-1], corners[1:], counts, strict=True)
-            ),
-        ]
-    )
+    order, ends = division.order, division.ends
     inner = 0.5 * (lobatto(order)[0] + 1.0)
     s = (ends[:-1, None] + np.diff(ends)[:, None] * inner[None, :-1]).ravel()
-    s = np.append(s, length)
+    s = np.append(s, rod.length)
     _require_turns(name, rod, s, len(ends) - 1)
     positions, frames = rod.frames(s)
     return RodMesh(name, rod, order, ends, s, positions, from_matrices(frames))
-
-
-def _distinct(stations: list[float], length: float) -> Floats:
-    ordered = np.sort(np.clip(stations, 0.0, length))
-    return np.asarray(ordered[np.concatenate([[True], np.diff(ordered) > 1e-9 * length])])
 
 
 def _require_turns(name: str, rod: Rod, s: Floats, count: int) -> None:
@@ -135,14 +99,6 @@ def _require_turns(name: str, rod: Rod, s: Floats, count: int) -> None:
                 f"give at least {needed}{', or leave it out' if given else ''}",
             )
         )
-
-
-def _distribute(spans: Floats, total: int) -> Integers:
-    """Share elements among spans by length, at least one each (largest remainders)."""
-    counts = np.ones(len(spans), dtype=np.int64)
-    for _ in range(total - len(spans)):
-        counts[np.argmax(spans / counts)] += 1
-    return counts
 
 
 def join(rods: list[RodMesh], bodies: list[AnyBody], attachments: list[tuple[int, int]]) -> Mesh:

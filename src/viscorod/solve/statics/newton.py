@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 
@@ -22,7 +23,10 @@ class Outcome(Enum):
     SINGULAR = "the tangent matrix is singular"
     NOT_FINITE = "a force became infinite or undefined"
     BROKEN = "a rod is stretched or sheared to a hundred times its length"
+    WRAPPED = "neighbouring nodes of a rod turn against each other by half a turn, beyond which it is unknown which way"
+    INSIDE_OUT = "sections are pressed through each other: the stretch of a rod is negative"
     TOO_SMALL = "the motion needs steps too small to ever reach the end"
+    NO_BRANCH = "no branch was found at the bifurcation"
     POINTS = "the path has as many points as are allowed"
     INTERRUPTED = "the run was stopped"
 
@@ -32,8 +36,14 @@ class Outcome(Enum):
             return "check the magnitudes of loads, motions and stiffnesses, and what functions of time return"
         if self is Outcome.BROKEN:
             return "look for a load or a motion that grows without bound, and check loads against stiffnesses"
+        if self is Outcome.WRAPPED:
+            return "give the rod more elements"
+        if self is Outcome.INSIDE_OUT:
+            return "look for a load beyond what the axial and shear stiffness carry, or give more load_steps"
         if self is Outcome.TOO_SMALL:
             return "look for a load or a motion that grows without bound there, or give a larger tolerance"
+        if self is Outcome.NO_BRANCH:
+            return "give a smaller arc_length, or a small load that prefers one way where the path branches"
         if self is Outcome.POINTS:
             return "give more points"
         if not static:
@@ -73,12 +83,20 @@ class NewtonReport:
         return self.outcome is Outcome.CONVERGED
 
 
+ROUGH = 1e-5
+"""Largest increment that may be due to round-off."""
+STALLED = 0.2
+"""Part of the last increment that one is at least which no longer shrinks: Newton's method would square it."""
+
+
 class Convergence:
     """Decides after each increment whether to stop: small increments of displacements (over the length) and rotations.
 
     A residual test would need more digits than a slender rod has: the axial force of exact positions, rounded to
     double precision, is EA times 1e-16, which may exceed any bending force. The increment is free of that, because the
-    noise is balanced by displacements of the size of the rounding itself.
+    noise is balanced by displacements of the size of the rounding itself. Where that is more than the tolerance, as in
+    rods ten thousand times longer than thick, increments that no longer shrink have converged if all imbalance left
+    is round-off.
     """
 
     def __init__(self, length: float, tolerance: float, iterations: int) -> None:
@@ -88,8 +106,13 @@ class Convergence:
         self._last = np.inf
         self._grown = 0
 
-    def judge(self, increment: Floats, count: int) -> tuple[Outcome | None, float]:
-        """Return the verdict (None: go on) and the size of ``increment`` (n, 6) after ``count`` iterations."""
+    def judge(
+        self, increment: Floats, count: int, round_off: Callable[[], bool] | None = None
+    ) -> tuple[Outcome | None, float]:
+        """Return the verdict (None: go on) and the size of ``increment`` (n, 6) after ``count`` iterations.
+
+        ``round_off`` tells whether the imbalance before the increment was round-off; it is asked only where it matters.
+        """
         size = increment_size(increment, self.length)
         if not np.isfinite(size):
             return Outcome.NOT_FINITE, size
@@ -97,6 +120,8 @@ class Convergence:
             return Outcome.CONVERGED, size
         if size > 1e4:
             return Outcome.DIVERGED, size
+        if round_off is not None and STALLED * self._last < size < ROUGH and round_off():
+            return Outcome.CONVERGED, size
         self._grown = self._grown + 1 if size > self._last else 0
         self._last = size
         if self._grown >= 6:

@@ -2,10 +2,12 @@
 
 Pseudo-transient continuation (Kelley and Keyes 1998, SIAM J. Numer. Anal. 35): the flow ``A x' = external - internal``
 is followed by implicit Euler steps, ``(mu A + K) dx = external - internal - mu A d``, where ``d`` is the way since the
-start of the step and ``1/mu`` its length in the time of the flow. ``A`` is like the inertia. Where loads have a potential
-a step from ``x0`` finds a minimum of the potential plus ``mu/2 d.A d`` if ``K + mu A`` is positive definite there: the
-potential falls in every step, whatever its length, and the flow ends at a stable equilibrium only. Inertia counts
-(Sylvester) make sure of that. As ``mu`` falls the steps become those of Newton's method.
+start of the step and ``1/mu`` its length in the time of the flow. ``A`` is like the inertia. As ``mu`` falls the steps
+become those of Newton's method.
+
+Where loads have a potential the flow runs downhill in it. An equilibrium is taken if the tangent stiffness has no
+negative eigenvalue there (Sylvester's law of inertia); else it is left along its fastest way, and near it steps keep
+``K + mu A`` positive definite: so they are minima of the potential plus ``mu/2 d.A d``, which never lead back.
 
 Loads act in full from the beginning while prescribed motions, gaps of joints included, grow from step to step: slack
 ropes sag before their ends approach.
@@ -35,10 +37,12 @@ LARGEST = 0.5
 """Largest step: displacement over the length of the model, or rotation in rad."""
 NEUTRAL = 1e-5
 """Drag, as a part of the first, that neutral motions have at the end: a rod that hangs on a ball may spin."""
+LARGEST_TURN = 0.5
+"""Largest prescribed rotation of a step [rad]."""
 WANTED = 0.3
 """Size of step that is aimed at."""
-CAREFUL = 0.1
-"""Size of step below which an unstable equilibrium may be near, on which a long step would end."""
+NEAR = 0.3
+"""Distance from an unstable equilibrium below which a step is not to be so long that it leads back there."""
 STILL = 1e-2
 """Size of a step below which Newton's method is tried on the equilibrium itself."""
 ITERATIONS = 12
@@ -48,7 +52,7 @@ INVERSE = 15
 """Inverse iterations for the fastest way off an unstable equilibrium."""
 CREEP = 30
 """Steps at most with hardly any drag."""
-STEPS = 2000
+STEPS = 500
 FAR = 100.0
 """Displacement over the size of the model beyond which nothing holds it."""
 KNOCK = 0.05
@@ -89,7 +93,9 @@ class Settling:
         static: solves it. t, before: time at which loads and motions are taken; factor: their multiple.
     """
 
-    def __init__(self, static: StaticSolver, t: float = 0.0, *, before: bool = True, factor: float = 1.0) -> None:
+    def __init__(
+        self, static: StaticSolver, t: float = 0.0, *, before: bool = True, factor: float = 1.0
+    ) -> None:
         self.static, self.system, self.supports = static, static.system, static.supports
         self.problem = static.system.problem
         self.t, self.before, self.factor = t, before, factor
@@ -99,6 +105,7 @@ class Settling:
         self._downhill = have_potential(static.loads.at(t, before, factor))
         self.report = SettlingReport()
         self.motion = 0.0
+        self._saddle: State | None = None
 
     def run(self, state: State, *, motion: float = 0.0) -> SettlingReport:
         """Move ``state`` to an equilibrium.
@@ -109,13 +116,14 @@ class Settling:
         """
         report, x = self.report, state.copy()
         self.motion = motion
-        moving = self._moves()
-        growth = 0.05 if moving else 1.0
+        moving, turn = self._moves()
+        most = min(0.1, LARGEST_TURN / max(turn, LARGEST_TURN))
+        growth = 0.5 * most if moving else 1.0
         self.motion = motion if moving else 1.0
         mu = self._first(x)
         self._mu = 0.0
         self._neutral, least = NEUTRAL * mu, 1e-14 * mu
-        first, tried = x.r.copy(), STILL
+        first, tried, floor = x.r.copy(), STILL, 0.0
         while report.steps + report.rejected < STEPS:
             self.static.check_interrupt()
             goal = min(1.0, self.motion + growth)
@@ -123,7 +131,9 @@ class Settling:
             report.iterations += iterations
             if trial is None:
                 report.rejected += 1
-                mu *= 4.0
+                if size:
+                    floor = 1.5 * mu
+                mu *= 2.0 if size else 4.0
                 growth = max(0.5 * growth, 1e-4)
                 if not mu < 1e30 * max(least, 1e-300):
                     report.reason = "no step was small enough"
@@ -131,15 +141,16 @@ class Settling:
                 continue
             report.steps += 1
             x, self.motion = trial, goal
-            growth = min(2.0 * growth, 0.1)
+            growth = min(2.0 * growth, most)
             easy = 0.1 if iterations <= 4 else 0.5
-            mu = max(mu * min(max(easy, size / WANTED), 2.0), least)
+            mu = max(mu * min(max(easy, size / WANTED), 2.0), floor, least)
+            floor *= 0.7
             if np.abs(x.r - first).max() > FAR * self.span:
                 report.reason, report.falls = "it falls without end", True
                 return report
             if self.motion == 1.0 and size < tried:
                 tried = 0.1 * size
-                if self._finish(x, mu):
+                if self._finish(x):
                     state.set(x)
                     report.found = True
                     return report
@@ -149,13 +160,15 @@ class Settling:
 
     # --- one step
 
-    def _moves(self) -> bool:
-        """Return whether motions are prescribed or joints are open."""
+    def _moves(self) -> tuple[bool, float]:
+        """Return whether motions are prescribed or joints are open, and by how much they turn in all [rad]."""
         self._place(1.0)
-        target = self.supports.target.copy()
-        gaps = self.system.constraints.target.copy()
+        supports, joints = self.supports.target.copy(), self.system.constraints.target.copy()
         self._place(self.motion)
-        return bool(np.any(target != self.supports.target) or np.any(gaps != self.system.constraints.target))
+        supports -= self.supports.target
+        joints -= self.system.constraints.target
+        turn = max(float(np.abs(supports[:, 3:]).max(initial=0.0)), float(np.abs(joints).max(initial=0.0)))
+        return bool(supports.any() or joints.any()), turn
 
     def _place(self, motion: float) -> None:
         self.supports.update(self.t, self.before, motion * self.factor)
@@ -220,9 +233,14 @@ class Settling:
         if moved > LARGEST:
             return None, moved, count
         self._begin(x)
-        if self._downhill and moved < CAREFUL and negative_eigenvalues(self._tangent(x, mu)):
+        if self._near_saddle(x) and negative_eigenvalues(self._tangent(x, mu)):
             return None, moved, count
         return x, moved, count
+
+    def _near_saddle(self, x: State) -> bool:
+        if self._saddle is None or not self._downhill:
+            return False
+        return distance(x, self._saddle, self.span) < NEAR
 
     def _assemble(self, x: State, mu: float) -> Floats:
         """Assemble with the drag in the matrix; return the unbalanced forces without it."""
@@ -246,7 +264,7 @@ class Settling:
 
     # --- the end
 
-    def _finish(self, x: State, mu: float) -> bool:
+    def _finish(self, x: State) -> bool:
         """Move ``x`` to the equilibrium nearby; knock it off an unstable one.
 
         Returns:
@@ -299,11 +317,12 @@ class Settling:
         ways = [self._fastest(x, mu, axis) for axis in range(4)]
         fastest = min(rate for rate, _ in ways)
         way = next(way for rate, way in ways if rate <= fastest + 1e-3 * abs(fastest))
+        self._saddle = x.copy()
         retract(x.r, x.q, KNOCK * way, x.r, x.q)
         self._mu = 4.0 * mu
 
     def _fastest(self, x: State, mu: float, axis: int) -> tuple[float, Floats]:
-        """Return the lowest eigenvalue over drag and its motion ``(n, 6)``, by inverse iteration with the shift ``-mu``.
+        """Return the lowest eigenvalue over drag and its motion ``(n, 6)``, by inverse iteration shifted by ``-mu``.
 
         It starts from displacements along global z, y or x (``axis`` 0 to 2), or from all motions (3).
         """
@@ -326,6 +345,12 @@ class Settling:
             rate = before / gain - mu if gain else np.inf
             way = new / increment_size(new, self.span)
         return rate, way
+
+
+def distance(a: State, b: State, length: float) -> float:
+    """Return the largest displacement over ``length``, or rotation [rad], between two states."""
+    cosine = np.minimum(np.abs(np.sum(a.q * b.q, axis=1)), 1.0)
+    return max(float(np.abs(a.r - b.r).max()) / length, float(2.0 * np.arccos(cosine).max()))
 
 
 def drag(static: StaticSolver) -> Floats:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from scipy import sparse
@@ -21,7 +22,14 @@ from viscorod.solve.statics.newton import (
     interruption,
     worst_node,
 )
+from viscorod.solve.statics.node_turns import NodeTurns
 from viscorod.solve.statics.tangent import Tangent
+from viscorod.typing import Floats
+
+ROUND_OFF = 16.0
+"""Imbalance in units of the last digit of positions times the stiffness between two nodes that passes for rounding."""
+LARGEST_TURN = 2.0 * np.pi / 3.0
+"""Largest change [rad] of a prescribed rotation in one load step."""
 
 
 @dataclass
@@ -71,6 +79,7 @@ class StaticSolver:
         self.tolerance = tolerance
         self.iterations = iterations
         self.stop = stop
+        self.turns = NodeTurns(system.problem)
 
     def check_interrupt(self) -> None:
         """Raise where the solution is to stop; called in every iteration.
@@ -91,20 +100,25 @@ class StaticSolver:
         factor: float = 1.0,
         first_step: float = 1.0,
         smallest_step: float = 1.0 / 4096,
+        stops: Sequence[float] = (),
         on_step: Callable[[float, State, int], None] | None = None,
     ) -> StaticPath:
         """Move ``state`` from its present equilibrium (load factor 0) to the one at ``factor``.
+
+        A load step changes no prescribed rotation by more than a third of a turn: so they are followed, whatever
+        their size, instead of closed the shorter way round.
 
         Args:
             state: start, overwritten by the last converged equilibrium; twists are ignored.
             t, before: time at which loads and motions are taken, and whether from the left.
             factor: final multiple of the loads and prescribed motions.
             first_step: first load step as a fraction of ``factor``; steps halve on failure and double on easy success.
+            stops: factors at which load steps end, in this order, before the last one at ``factor``.
             on_step: called with (load factor, state, iterations) after every converged step.
         """
         path = StaticPath()
         try:
-            self._advance(path, state, t, before, factor, first_step, smallest_step, on_step)
+            self._advance(path, state, t, before, [*stops, factor], first_step, smallest_step, on_step)
         except KeyboardInterrupt as asked:
             path.outcome, path.reason = Outcome.INTERRUPTED, interruption(asked)
             self.restore(state, t, before=before, scale=path.factors[-1] if path.factors else 0.0)
@@ -116,34 +130,51 @@ class StaticSolver:
         state: State,
         t: float,
         before: bool,
-        factor: float,
+        stops: Sequence[float],
         first_step: float,
         smallest_step: float,
         on_step: Callable[[float, State, int], None] | None,
     ) -> None:
-        done, step = 0.0, first_step
-        while done < 1.0:
-            step = min(step, 1.0 - done)
+        size = max(abs(stop) for stop in stops) or 1.0
+        largest = self.largest_step(t, before=before)
+        at, step = 0.0, min(size * first_step, largest)
+        pending = list(stops)
+        while pending:
+            stop = pending[0]
+            reached = at + np.copysign(min(step, abs(stop - at)), stop - at)
+            if abs(stop - reached) < 1e-12 * size:
+                reached = stop
             trial = state.copy()
-            path.load_level = factor * (done + step)
-            path.report = report = self.newton(trial, t, before=before, scale=path.load_level)
+            path.load_level = reached
+            path.report = report = self.newton(trial, t, before=before, scale=reached)
+            if report.converged and self.turns.jumped(state, trial):
+                path.report = report = replace(report, outcome=Outcome.WRAPPED, node=self.turns.worst(trial))
             if report.converged:
-                done = 1.0 if done + step > 1.0 - 1e-12 else done + step
+                at = reached
                 state.set(trial)
-                path.factors.append(factor * done)
+                path.factors.append(at)
                 path.iterations.append(report.iterations)
                 if on_step is not None:
-                    on_step(factor * done, state, report.iterations)
+                    on_step(at, state, report.iterations)
                 if report.iterations <= 8:
-                    step *= 2.0
+                    step = min(2.0 * step, largest)
+                if at == stop:
+                    pending.pop(0)
                 continue
             path.rejected += 1
             path.wasted += report.iterations
-            self.restore(state, t, before=before, scale=factor * done)
-            step *= 0.5
-            if step < smallest_step:
+            self.restore(state, t, before=before, scale=at)
+            step = 0.5 * abs(reached - at)
+            if step < smallest_step * size:
                 path.outcome = report.outcome
                 return
+
+    def largest_step(self, t: float, *, before: bool) -> float:
+        """Return the change of the load factor that turns prescribed rotations by a third of a turn."""
+        self.supports.update(t, before)
+        self.system.constraints.update(t, before)
+        turn = max(self.supports.largest_turn, self.system.constraints.largest_turn)
+        return LARGEST_TURN / turn if turn > 0.0 else np.inf
 
     def newton(self, state: State, t: float, *, before: bool, scale: float) -> NewtonReport:
         """Solve at one load level from ``state``; on success the assembly at the solution is left in the system."""
@@ -173,7 +204,9 @@ class StaticSolver:
                 return replace(report(Outcome.SINGULAR), node=error.row // 6)
             increment = system.matrix.solve(-residual)
             count += 1
-            verdict, size = convergence.judge(increment[: problem.size], count)
+            verdict, size = convergence.judge(
+                increment[: problem.size], count, partial(self.is_round_off, state, residual)
+            )
             if verdict is Outcome.NOT_FINITE:
                 return report(Outcome.SINGULAR)
             retract(state.r, state.q, increment, state.r, state.q)
@@ -183,7 +216,36 @@ class StaticSolver:
                 continue
             if verdict is Outcome.CONVERGED:
                 self.restore(state, t, before=before, scale=scale)
+                crushed = self.crushed()
+                if crushed is not None:
+                    return replace(report(Outcome.INSIDE_OUT), node=crushed)
             return report(verdict)
+
+    def is_round_off(self, state: State, residual: Floats) -> bool:
+        """Return whether an imposed ``residual`` is what rounding the positions of ``state`` makes of the forces."""
+        problem = self.system.problem
+        noise = 0.0
+        for part in problem.sets:
+            stiff = float(np.abs(part.stiffness[:, :3, :3]).max())
+            spacing = 2.0 * float(part.half_lengths.min()) / part.order
+            noise = max(noise, stiff / spacing)
+        size = max(problem.length, float(np.abs(state.r).max()))
+        imbalance, _ = worst_node(self.supports.unbalanced(residual)[: problem.size], problem.length)
+        return bool(imbalance <= ROUND_OFF * np.finfo(float).eps * noise * size)
+
+    def crushed(self) -> int | None:
+        """Return a node where sections of the last assembly are pressed through each other, None if none are.
+
+        There the third component of r' in the section's axes, 1 in a straight reference shape, is not positive.
+        """
+        strain = self.system.gauss_points().strain[:, 2]
+        places = self.system.gauss_positions()
+        worst = int(np.argmin(strain))
+        if strain[worst] > -1.0:
+            return None
+        stations = self.system.problem.stations
+        mine = np.flatnonzero(stations.rod == places.rod[worst])
+        return int(stations.nodes[mine[np.argmin(np.abs(stations.s[mine] - places.s[worst]))]])
 
     def restore(self, state: State, t: float, *, before: bool, scale: float) -> None:
         """Evaluate forces and reactions at ``state`` and take its section forces as stress iterate."""

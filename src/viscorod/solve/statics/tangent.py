@@ -9,7 +9,9 @@ import scipy.linalg
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-__all__ = ["Tangent", "negative_eigenvalues"]
+from viscorod.typing import Floats
+
+__all__ = ["Tangent", "negative_eigenvalues", "null_vector"]
 
 NEUTRAL = 1e-13
 """Stiffness, as a part of the mean, that a direction without any is given where it would make a pivot vanish."""
@@ -42,6 +44,29 @@ def negative_eigenvalues(tangent: Tangent) -> int:
     if pivots is None:  # exactly singular: a neutral direction, which is not a negative one
         return int(np.count_nonzero(scipy.linalg.eigvalsh(symmetric.toarray()) < 0.0))
     return int(np.count_nonzero(pivots < 0.0))
+
+
+def null_vector(tangent: Tangent) -> Floats:
+    """Return the nodal body increments ``(6 n,)`` of the direction with the least stiffness, by inverse iteration.
+
+    Next to a bifurcation it is that of the branch.
+    """
+    import scipy.sparse.linalg as spla
+
+    stiffness, rows = sparse.csc_array(tangent.stiffness), 0
+    scale = float(np.abs(stiffness.diagonal()).mean()) or 1.0
+    whole = stiffness + NEUTRAL * scale * sparse.eye_array(stiffness.shape[0])
+    if tangent.gradients is not None:
+        rows = int(tangent.gradients.shape[0])
+        held = scale * tangent.gradients
+        whole = sparse.block_array([[whole, held.T], [held, None]])
+    factor = spla.splu(sparse.csc_array(whole))
+    x = np.random.default_rng(1).standard_normal(stiffness.shape[0])
+    for _ in range(8):
+        x = factor.solve(np.concatenate([x / np.linalg.norm(x), np.zeros(rows)]))[: len(x)]
+    increments: Floats = np.asarray(tangent.basis @ x)
+    increments *= np.sign(increments[np.argmax(np.abs(increments))])
+    return increments
 
 
 def _beside_conditions(stiffness: sparse.csc_array, gradients: sparse.csr_array) -> int:

@@ -137,7 +137,7 @@ class Collocation:
 
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        h = end - self.t
+        h, self._end = end - self.t, end
         self._prepare_step(end, before)
         if not self._have_jacobian:
             self.system.constraints.pace = self.tableau.real / h
@@ -153,7 +153,6 @@ class Collocation:
         code, count, size, rate, unknown, error, worst = try_step(*self.step_arguments(h))
         self.systems.check()
         self.evaluations += (count + (code == iteration_verdict.CONVERGED)) * len(self.tableau.nodes)
-        self._end = end
         if code == iteration_verdict.CONVERGED:
             self._rate = rate
             error, worst = self._judge(error, worst)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.elements.held_strains import give_stress, keep_stress, strain_gaps
 from viscorod.mechanics.elements.internal_force import GaussStates, conserve_energy, energies, internal_forces
@@ -20,7 +22,7 @@ from viscorod.mechanics.elements.maxwell_branches import (
 )
 from viscorod.mechanics.joints.joint_forces import add_frozen_springs, carry_springs, hold_coordinates
 from viscorod.mechanics.nodes.inertia import balance
-from viscorod.mechanics.nodes.support_rows import lacking_motion
+from viscorod.mechanics.nodes.support_rows import in_body, lacking_motion, support_directions
 from viscorod.mechanics.rotations.nodal_motion import move_stages, place_stages
 from viscorod.solve.linear.substitution import solve
 from viscorod.solve.transient.integrators import stage_kernels
@@ -58,18 +60,29 @@ from viscorod.typing import Floats, Integers
 def add_powers(
     nodes: Integers,
     fixed: Floats,
+    axes: Floats,
+    r0: Floats,
+    q0: Floats,
     complete: Floats,
+    target: Floats,
+    r: Floats,
+    q: Floats,
     external: Floats,
     twist: Floats,
     held_power: Floats,
     reaction: Floats,
     rate: Floats,
+    G: Floats,
+    Z: Floats,
     power: Floats,
 ) -> None:
     """Write the powers ``(s,)`` [W] of loads ``external (s, n, 6)`` and of supports at all stages.
 
-    Supports: ``held_power (s,)`` of completely held nodes; of the others ``reaction, rate (s, m, 6)``.
+    Supports: ``held_power (s,)`` of completely held nodes; of the others ``reaction (s, m, 6)`` and, of displacements,
+    ``rate (s, m, 6)``. How fast their rotations change follows from the twists; ``G, Z (m, 6, 6)`` are scratch.
     """
+    value = np.empty(6)
+    psi = np.empty(3)
     for i in range(twist.shape[0]):
         power[i] = held_power[i]
         for k in range(twist.shape[1]):
@@ -77,8 +90,17 @@ def add_powers(
                 power[i] += external[i, k, a] * twist[i, k, a]
         for m in range(nodes.shape[0]):
             if complete[m] == 0.0:
+                k = nodes[m]
+                support_directions(
+                    axes[m], r0[m], q0[m], fixed[m], target[i, m], r[i, k], q[i, k], value, G[m], Z[m], psi
+                )
                 for a in range(6):
-                    power[i] += fixed[m, a] * reaction[i, m, a] * rate[i, m, a]
+                    speed = rate[i, m, a]
+                    if a >= 3 and not in_body(axes[m]):
+                        speed = 0.0
+                        for b in range(3, 6):
+                            speed += G[m, a, b] * twist[i, k, b]
+                    power[i] += fixed[m, a] * reaction[i, m, a] * speed
 
 
 @kernel
@@ -432,7 +454,25 @@ def try_step(
             scale_free(nodes, fixed, real_rows, error, right)
             solve(real_factors, right)
             largest, worst = largest_error(scales, right, length, error)
-        add_powers(nodes, fixed, complete, external, twist, held_power, reaction, rate_target, powers[0])
+        add_powers(
+            nodes,
+            fixed,
+            axes,
+            support_r,
+            support_q,
+            complete,
+            target,
+            r,
+            q,
+            external,
+            twist,
+            held_power,
+            reaction,
+            rate_target,
+            G,
+            Z,
+            powers[0],
+        )
         energies(elements, strain, strain_rate, elastic, powers[1])
         if relaxing is not None:
             branch_energies(elements, times, branches, spring, elastic, powers[1], lost)

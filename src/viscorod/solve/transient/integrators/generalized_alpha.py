@@ -102,6 +102,7 @@ class GeneralizedAlpha:
         self.supports = supports
         self.loads = ExternalLoads(system.problem)
         self.coefficients = Coefficients.of(spectral_radius)
+        self.tolerance = tolerance
         self.step_tolerance = None if tolerance is None else STEP_FACTOR * tolerance**1.5
         self.newton_tolerance = newton_tolerance
         self.iterations = iterations
@@ -260,7 +261,7 @@ class GeneralizedAlpha:
     def _work_rate(self) -> float:
         """Return the present power of loads and moving supports [W]."""
         loads = float(np.sum(self.system.external * self.state.twist))
-        return loads + self.supports.power() + self.system.constraints.motor_power()
+        return loads + self.supports.power(self.state) + self.system.constraints.motor_power()
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""

@@ -1,0 +1,59 @@
+"""How far neighbouring nodes of rods turn against each other: beyond half a turn an element cannot tell which way."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.rotations.quaternion import conjugate, matrices, product, rotation_vectors
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.problem import Problem
+from viscorod.typing import Floats
+
+LARGEST = 0.9 * np.pi
+"""Largest rotation [rad] between neighbouring nodes of an equilibrium: quaternions beyond half a turn wrap."""
+
+
+class NodeTurns:
+    """Rotations between the neighbouring nodes of all elements of a problem."""
+
+    def __init__(self, problem: Problem) -> None:
+        self._turned = problem.link_quaternions
+        first = (
+            [e.nodes[:, :-1].ravel() for e in problem.sets],
+            [e.links[:, :-1].ravel() for e in problem.sets],
+        )
+        then = [e.nodes[:, 1:].ravel() for e in problem.sets], [e.links[:, 1:].ravel() for e in problem.sets]
+        self._first = np.concatenate(first[0]), np.concatenate(first[1])
+        self._then = np.concatenate(then[0]), np.concatenate(then[1])
+
+    def of(self, state: State) -> Floats:
+        """Return the rotation vectors ``(pairs, 3)``, the shorter way round."""
+        a, b = self._ends(state)
+        return rotation_vectors(product(conjugate(a), b))
+
+    def _ends(self, state: State) -> tuple[Floats, Floats]:
+        found = []
+        for nodes, links in (self._first, self._then):
+            q: Floats = state.q[nodes]
+            linked = links >= 0
+            q[linked] = product(q[linked], self._turned[links[linked]])
+            found.append(q)
+        return found[0], found[1]
+
+    def jumped(self, old: State, new: State) -> bool:
+        """Return whether a load step took a rotation to half a turn, or past it.
+
+        Past it, the rotation between two nodes has not changed by as much as they have turned, but by whole turns less.
+        """
+        (a, b), (a1, b1) = self._ends(old), self._ends(new)
+        before = product(conjugate(a), b)
+        first, then = rotation_vectors(before), rotation_vectors(product(conjugate(a1), b1))
+        beyond = np.linalg.norm(then, axis=1) > np.maximum(LARGEST, np.linalg.norm(first, axis=1) + 1e-9)
+        own, other = rotation_vectors(product(conjugate(b), b1)), rotation_vectors(product(conjugate(a), a1))
+        other = np.einsum("nji,nj->ni", matrices(before), other)
+        missing = np.linalg.norm(then - first - own + other, axis=1)
+        return bool(beyond.any() or (missing > np.pi).any())
+
+    def worst(self, state: State) -> int:
+        """Return a node at the largest rotation."""
+        return int(self._first[0][np.argmax(np.linalg.norm(self.of(state), axis=1))])
