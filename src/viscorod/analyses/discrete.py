@@ -44,7 +44,7 @@ from viscorod.solve.transient.integrators.contract import StepReport
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["DiscreteModel", "unheld"]
+__all__ = ["DiscreteModel", "named", "unheld"]
 
 IMPOSED = (
     "the initial strains (strain, [[strains]]) are imposed as rest strains, at which rods are free of stress; write "
@@ -56,13 +56,17 @@ MOST_NAMED = 6
 """Free motions that a message names."""
 
 
+def named(motions: list[FreeMotion]) -> str:
+    """Name the first of some free motions, and count the others."""
+    more = len(motions) - MOST_NAMED
+    text = "; ".join(motion.text for motion in motions[:MOST_NAMED])
+    return f"{text} and {more} more motions" if more > 0 else text
+
+
 def unheld(motions: list[FreeMotion], why: str = "") -> InputError:
     """Return the refusal of a static solution that leaves motions free."""
-    named = "; ".join(motion.text for motion in motions[:MOST_NAMED])
-    more = len(motions) - MOST_NAMED
     return InputError(
-        f"no static equilibrium: nothing holds the model against {named}"
-        f"{f' and {more} more motions' if more > 0 else ''}{f' ({why})' if why else ''}. "
+        f"no static equilibrium: nothing holds the model against {named(motions)}{f' ({why})' if why else ''}. "
         "Add supports, or take the reference shape (initial = 'reference' of a simulation, "
         "about = 'reference' of modes)"
     )

@@ -12,9 +12,14 @@ from viscorod.analyses.start_state import StartState
 from viscorod.errors import SolveError
 from viscorod.results.steady_result import Steady
 from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.modes.damped import REAL
+from viscorod.solve.modes.linearisation import nodal_motions
+from viscorod.solve.modes.mode_names import StrainEnergies, numbered
+from viscorod.solve.modes.vibrations import station_shapes
 from viscorod.solve.settings import SteadySettings
 from viscorod.solve.statics.newton import interruption
 from viscorod.solve.steady.rotation_search import Search
+from viscorod.solve.steady.stability import SLOW
 from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.solve.steady.steady_rotation import SteadyRotation
 
@@ -70,7 +75,24 @@ def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRo
     } | discrete.watch.attributes
     data = discrete.data_set("steady", history, attrs)()
     kept = s[: settings.modes]
+    problem, count = discrete.problem, len(kept)
+    increments = stability.increments(count)
+    shapes, rotations = station_shapes(problem, found.state, increments)
+    energies = StrainEnergies(discrete.system, found.state, nodal_motions(problem))
+    kinds = energies.kinds(increments)
+    real = np.abs(kept.imag) <= REAL * np.abs(kept)
+    still = np.abs(kept) <= SLOW * np.linalg.norm(found.spin)
+    kinds = ["neutral" if rests else kind for kind, rests in zip(kinds, still, strict=True)]
+
+    def parts(values: np.ndarray) -> np.ndarray:
+        return np.stack([values.real, values.imag], axis=1)
+
     return data.assign(
+        mode_shape=(("small_motion", "part", "station", "axis"), parts(shapes)),
+        mode_rotation=(("small_motion", "part", "station", "axis"), parts(rotations)),
+        mode_name=("small_motion", np.array(numbered(kinds, real & ~still), dtype=str)),
+        mode_share=(("small_motion", "component"), energies.shares(increments)),
+        mode_residual=("small_motion", stability.residuals(count)),
         spin_vector=("axis", found.spin),
         joint_spin=("axis", found.body_spin),
         centre=("axis", found.centre),

@@ -35,11 +35,10 @@ def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
 
 
 def unfit_for_steady(model: ModelDescription) -> Iterator[Fault]:
-    """Yield what a steady rotation cannot be computed with: joints, springs, constrained strains, Maxwell branches."""
+    """Yield what a steady rotation cannot be computed with: joints, constrained strains, Maxwell branches."""
     why = "steady rotations are computed without {}"
     instead = "leave it out, or compute the motion with simulate"
     yield from _joints(model, why.format("joints"), instead)
-    yield from _springs(model, why.format("springs"), instead)
     yield from _constraints(model, why.format("constrained strains"), instead)
     yield from _branches(
         model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("compute the motion with simulate")

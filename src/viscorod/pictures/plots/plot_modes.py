@@ -21,15 +21,15 @@ _COLUMNS = 3
 _WIDTH = 44  # letters of a title
 
 
-def draw_modes(result: Result, modes: Modes) -> Figure:
+def draw_modes(result: Result, modes: Modes, count: int | None = None) -> Figure:
     """Return the figure of modes, each in the plane of its motion or in space, in both directions of the swing.
 
     Args:
         result: with the stations of the rods and the supports.
-        modes: of its model.
+        modes: of its model; count: how many are drawn, all by default.
     """
     base = modes.positions
-    count = len(modes.frequencies)
+    count = min(count or len(modes.frequencies), len(modes.frequencies))
     columns = min(_COLUMNS, count)
     rows = -(-count // columns)
     width, height = 1.2 + 3.6 * columns, 1.6 + 3.7 * rows
@@ -37,6 +37,7 @@ def draw_modes(result: Result, modes: Modes) -> Figure:
     picture.subplots_adjust(top=1.0 - 1.5 / height, hspace=0.5, wspace=0.3)
     curves = Curves(result)
     reach = _SIZE * float(np.max(np.ptp(base, axis=0)))
+    rest = "turning" if result.kind == "steady" else "at rest"
     for k in range(count):
         shape = modes.shapes[k]
         # the instant of the swing at which most is displaced
@@ -49,7 +50,7 @@ def draw_modes(result: Result, modes: Modes) -> Figure:
         view.prepare(axes, _name(k, modes, view))
         curves.draw(axes, view, base + swing, color=BLUE, linewidth=2.0, label="mode")
         curves.draw(axes, view, base - swing, color=SKY, linewidth=1.2, label="half a period later")
-        curves.draw(axes, view, base, color=GREY, linestyle=(0, (4, 3)), linewidth=1.1, label="at rest")
+        curves.draw(axes, view, base, color=GREY, linestyle=(0, (4, 3)), linewidth=1.1, label=rest)
         axes.margins(0.08)
         mark_supports(axes, view, result, base)
         axes.title.set_fontsize(SMALL)

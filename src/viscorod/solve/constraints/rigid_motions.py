@@ -127,7 +127,8 @@ class _Parts:
         found = []
         conditions = self._conditions(held, gradients, counted)
         for group, mine in _groups(self.count, conditions):
-            rows = [_row(condition, group) for condition in mine]
+            place = {part: 6 * k for k, part in enumerate(group)}
+            rows = [_row(condition, place) for condition in mine]
             matrix = np.concatenate([np.zeros((1, 6 * len(group))), *rows])
             found += [(group, motion) for motion in _null_space(matrix)]
         return found
@@ -166,12 +167,15 @@ class _Parts:
         problem, centres, labels = self.problem, self.centres, self.labels
         increments = np.zeros((problem.size, 6))
         moves = motion.reshape(-1, 6)
-        for part, move in zip(group, moves, strict=True):
-            nodes = np.flatnonzero(labels == part)
-            w = move[3:] / problem.length
-            velocity = move[:3] + np.cross(w, self.r[nodes] - centres[part])
-            increments[nodes, :3] = np.einsum("nji,nj->ni", self.R[nodes], velocity)
-            increments[nodes, 3:] = np.einsum("nji,j->ni", self.R[nodes], w)
+        of_part = np.zeros((self.count, 6))
+        of_part[group] = moves
+        moved = np.asarray(of_part.any(axis=1))
+        nodes = np.flatnonzero(moved[labels])
+        mine = labels[nodes]
+        w = of_part[mine, 3:] / problem.length
+        velocity = of_part[mine, :3] + np.cross(w, self.r[nodes] - centres[mine])
+        increments[nodes, :3] = np.einsum("nji,nj->ni", self.R[nodes], velocity)
+        increments[nodes, 3:] = np.einsum("nji,nj->ni", self.R[nodes], w)
         size = np.linalg.norm(moves, axis=1)
         moving = [k for k in np.argsort(-size, kind="stable") if size[k] > 1e-6 * size.max()]
         first = moving[0]
@@ -184,12 +188,11 @@ class _Parts:
         return FreeMotion(text, still, increments)
 
 
-def _row(condition: Condition, group: list[int]) -> Floats:
-    """Return the rows of a condition in the motions of a group of parts."""
-    row = np.zeros((len(condition[0][1]), 6 * len(group)))
+def _row(condition: Condition, place: dict[int, int]) -> Floats:
+    """Return the rows of a condition in the motions of parts, whose first columns are those of ``place``."""
+    row = np.zeros((len(condition[0][1]), 6 * len(place)))
     for part, values in condition:
-        at = 6 * group.index(part)
-        row[:, at : at + 6] += values
+        row[:, place[part] : place[part] + 6] += values
     return row
 
 

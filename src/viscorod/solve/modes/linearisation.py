@@ -21,6 +21,7 @@ from viscorod.solve.constraints.rigid_motions import RigidParts, motions_of_part
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.matrix import Matrix
+from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
@@ -90,6 +91,14 @@ class Linearisation:
         """Return stiffness and gradients of all motions but the rigid ones."""
         k = self.rigid
         return self.stiffness[k:, k:], None if self.gradients is None else self.gradients[:, k:]
+
+
+def nodal_motions(problem: Problem) -> Linearisation:
+    """Return the body increments of all nodes as motions, with their inertia alone."""
+    size = 6 * problem.size
+    none = sparse.csr_array((size, size))
+    mass = sparse.csr_array(sparse.block_diag(list(problem.mass), format="csr"))
+    return Linearisation(none, none, mass, sparse.csc_array(sparse.eye_array(size)), None)
 
 
 def linearise(

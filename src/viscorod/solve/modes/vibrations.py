@@ -13,15 +13,18 @@ from viscorod.solve.modes.linearisation import Linearisation, linearise
 from viscorod.solve.modes.maxwell_modes import Pencil
 from viscorod.solve.modes.mode_names import DAMPER, StrainEnergies, numbered
 from viscorod.solve.modes.undamped import undamped_modes
+from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
-__all__ = ["Linearisation", "Modes", "complex_modes", "linearise", "natural_frequencies"]
+__all__ = ["Linearisation", "Modes", "complex_modes", "linearise", "natural_frequencies", "station_shapes"]
 
 NUMBERED = 100
 """Modes below those near a frequency up to which they are all computed, to be numbered by kind."""
 MOST_TRIED = 400
 """Modes among which as many oscillating ones are sought as are asked for."""
+TWISTING = 1e-4
+"""Displacement over rotation and length of the model below which a shape is one of rotations."""
 RESIDUAL = 1e-6
 """Largest residual of a mode that counts as exact."""
 
@@ -39,7 +42,8 @@ class Modes:
         eigenvalues: s in ``exp(s t)`` [1/s], one of each conjugate pair (Im >= 0); overdamped modes give two real ones.
         frequencies: ``|s|/2 pi`` [Hz] (for an underdamped mode the undamped natural frequency).
         damping_ratios: ``-Re s/|s|``; 0 of rigid motions.
-        shapes: displacement of every station ``(modes, stations, 3)``, global axes, complex, largest component 1.
+        shapes: displacement of every station ``(modes, stations, 3)``, global axes, complex, largest component 1 (of
+            the rotations where they are pure twist).
         rotations: rotation of every station (body axes), same scaling.
         positions: of the stations about which they swing ``(stations, 3)`` [m].
         residuals: the forces that an eigenvalue and its shape leave unbalanced, over the largest of the elastic,
@@ -131,7 +135,7 @@ def complex_modes(
     picked = found.picked(chosen)
     s = np.concatenate([np.zeros(rigid.shape[1], dtype=complex), picked.roots])
     vectors = np.hstack([rigid, picked.vectors])
-    shapes, rotations = _shapes(solver, state, linear, vectors)
+    shapes, rotations = station_shapes(solver.system.problem, state, linear.basis @ vectors)
     size = np.abs(s)
     residuals = np.concatenate([np.zeros(rigid.shape[1]), picked.residuals])
     return Modes(
@@ -149,22 +153,25 @@ def complex_modes(
     )
 
 
-def _shapes(
-    solver: StaticSolver, state: State, linear: Linearisation, vectors: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return displacements and rotations of the stations for eigenvectors in the free motions."""
-    reader = StationReader(solver.system.problem)
+def station_shapes(problem: Problem, state: State, increments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return displacements (global axes) and rotations (body axes) of the stations, the largest component 1.
+
+    Args:
+        problem: whose stations they are; state: about which it moves.
+        increments: body increments of the nodes ``(6 n, modes)``.
+    """
+    reader = StationReader(problem)
     count = len(reader.nodes)
-    shapes = np.zeros((vectors.shape[1], count, 3), dtype=complex)
+    shapes = np.zeros((increments.shape[1], count, 3), dtype=complex)
     rotations = np.zeros_like(shapes)
-    for k, vector in enumerate((linear.basis @ vectors).T):
+    for k, vector in enumerate(increments.T):
         parts = []
         for part in (vector.real, vector.imag):
             parts.append(reader.read(state.r, state.q, np.ascontiguousarray(part).reshape(-1, 6))[2:])
         shape = parts[0][0] + 1j * parts[1][0]
         turn = parts[0][1] + 1j * parts[1][1]
         peak = shape.ravel()[np.argmax(np.abs(shape))]
-        if np.abs(peak) < 1e-12 * np.abs(turn).max():  # pure twisting
+        if np.abs(peak) < TWISTING * problem.length * np.abs(turn).max():
             peak = turn.ravel()[np.argmax(np.abs(turn))]
         if peak == 0.0:  # only bodies move
             peak = 1.0
