@@ -159,6 +159,34 @@ def test_chain_hangs_straight_down(ball: bool) -> None:
     assert settled(found)
 
 
+def test_standing_pendulum_falls() -> None:
+    """It stands exactly on its unstable equilibrium, where nothing drives it."""
+    model = vr.Model()
+    model.add("rod", vr.Rod.straight((0, 0, 0), (0, 0, 1), section=vr.Circle(0.005), material=STEEL))
+    model.revolute("rod.start", "ground", (0, 1, 0))
+    model.gravity()
+    found = model.equilibrium()
+    assert settled(found)
+    assert found.position("rod.end") == pytest.approx([0, 0, -1], abs=1e-6)
+
+
+def test_long_chain_hangs() -> None:
+    count = 100
+    model = vr.Model()
+    for k in range(count):
+        line = vr.Rod.straight(
+            (k, 0, 0), (k + 1, 0, 0), section=vr.Circle(0.05), material=STEEL, elements=1, order=2
+        )
+        model.add(f"link{k}", line)
+        model.ball(f"link{k}.start", f"link{k - 1}.end" if k else "ground")
+    model.gravity()
+    found = model.equilibrium()
+    assert settled(found)
+    # a hanging bar stretches by rho g L^2/2E
+    stretch = STEEL.density * G * count**2 / (2.0 * STEEL.youngs_modulus)
+    assert found.position(f"link{count - 1}.end") == pytest.approx([0, 0, -count - stretch], abs=1e-5)
+
+
 def test_heavy_chain_with_springs_balances_moments() -> None:
     """Two rigid links, hinges with springs: the moments of the weights about the hinges are those of the springs."""
     stiffness, length = 2.0, 0.5
@@ -216,6 +244,22 @@ def test_compressed_strut_ends_buckled(ratio: float) -> None:
     assert tip[0] == pytest.approx(along, abs=1e-5)
     assert np.hypot(tip[1], tip[2]) == pytest.approx(across, abs=1e-5)
     assert tip[1] == pytest.approx(0.0, abs=1e-6)  # isotropic: to the side of global z
+
+
+@pytest.mark.parametrize("part", [0.01, 0.5])
+def test_strip_between_approaching_clamps_is_an_elastica(part: float) -> None:
+    """Four quarters, each the elastica of a cantilever: shortened by 2 - 2E/K, the middle moves across by k/K."""
+    model = vr.Model()
+    model.add(
+        "strip", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Rectangle(0.001, 0.02), material=STEEL)
+    )
+    model.clamp("strip.start")
+    model.clamp("strip.end", motion={"ux": -part})
+    k = brentq(lambda k: 2.0 - 2.0 * ellipe(k**2) / ellipk(k**2) - part, 1e-6, 0.99)
+    found = model.equilibrium()
+    assert settled(found)
+    middle = found.displacement("strip@0.5")
+    assert np.hypot(middle[1], middle[2]) == pytest.approx(k / ellipk(k**2), rel=2e-4)
 
 
 def test_search_can_be_switched_off() -> None:

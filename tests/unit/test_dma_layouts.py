@@ -167,6 +167,11 @@ def test_a_column_is_never_read_one_off(tmp_path):
     bare = f"{head}\n\t[rad/s]\t[Pa]\t[Pa]\n" + "".join(f"{w}\t{s}\t{loss}\n" for w, s, loss in rows)
     with pytest.raises(InputError, match=r"line 5 has 3 cells, and line 3 names 4 columns"):
         read_dma_table(written(tmp_path, bare))
+    # as many cells as names, and a label among the names all the same
+    with pytest.raises(InputError, match=r"which column a number belongs to is not known"):
+        read_dma_table(
+            written(tmp_path, "Data:\tf (Hz)\tG' (Pa)\tG'' (Pa)\n0.1\t1000\t100\t25\n1\t1300\t450\t25\n")
+        )
 
 
 @pytest.mark.parametrize(
@@ -370,3 +375,37 @@ def test_a_modulus_of_no_material_is_told(tmp_path):
 def test_two_specimens_side_by_side_are_refused(tmp_path, again):
     with pytest.raises(InputError, match=r"names two columns for the same: E' .MPa. and E'"):
         read_dma_table(written(tmp_path, f"f (Hz),E' (MPa),{again},E'' (MPa)\n1,2,3,0.1\n2,2,3,0.1\n"))
+
+
+OTHER = {
+    "Index": "{i}", "t [s]": "7.5", "T [C]": "20.0", "F [N]": "{s}", "Status": "ok", "D' [1/MPa]": "0.4",
+    "tan_delta": "{t}", "|E*| [MPa]": "{c}", "omega [rad/s]": "{w}",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(200))
+def test_damaged_tables_are_right_or_refused(tmp_path, seed):
+    """One cell too few or too many, in the names, the units or all rows, anywhere: never a number of another column."""
+    random = np.random.default_rng(seed)
+    needed = {"f [Hz]": "{f}", "E' [MPa]": "{s}", "E'' [MPa]": "{l}"}
+    chosen = random.permutation(list(OTHER))[: random.integers(0, 5)].tolist()
+    names = random.permutation([*needed, *chosen]).tolist()
+    cells = [(needed | OTHER)[name] for name in names]
+    below = bool(random.integers(0, 2))
+    units = [name.partition(" [")[2].rstrip("]") for name in names]
+    heads = [name.partition(" [")[0] for name in names] if below else names
+    damaged = [heads, cells, units][random.integers(0, 3 if below else 2)]
+    at = int(random.integers(0, len(damaged) + 1))
+    if random.integers(0, 2) and at < len(damaged):
+        del damaged[at]
+    else:
+        damaged.insert(at, random.choice(["", "3", "Interval data:"]))
+    mark = random.choice([",", ";", "\t", "   "])
+    text = (
+        mark.join(heads) + "\n" + (mark.join(units) + "\n" if below else "") + lines(mark.join(cells) + "\n")
+    )
+    try:
+        table = read_dma_table(written(tmp_path, text))
+    except InputError:
+        return
+    assert_the_rows(table)

@@ -167,3 +167,14 @@ def test_bodies_that_are_one_have_one_velocity():
         InputError, match=r"velocities\[1\]: right: it moves as one with 'left', which has another"
     ):
         model.simulate(duration=1e-3, initial="reference")
+
+
+def test_a_motion_goes_on_from_an_earlier_one():
+    """Bodies whose axes differ from the node's are read back into the same rigid node."""
+    model = soft_model({"lump": LUMP, "plate": PLATE, "needle": NEEDLE})
+    run = model.simulate(duration=0.05, initial="reference")
+    later = model.simulate(duration=1e-3, start=run)
+    for place in ("bar.end", "lump", "plate", "needle"):
+        end, first = run.probe(place), later.probe(place)
+        for name in ("position", "frame", "velocity"):
+            assert first[name].values[0] == pytest.approx(end[name].values[-1], abs=1e-9)

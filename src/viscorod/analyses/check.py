@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.discrete import DiscreteModel, named
 from viscorod.model.bodies.body_base import AnyBody
 from viscorod.model.connections.joint_base import AnyJoint, ResolvedJoint
 from viscorod.model.connections.spring import AnySpring, ResolvedSpring
@@ -139,9 +139,9 @@ def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, s
     warnings = [text for name, rod in model.rods.items() for text in _rod_warnings(name, rod)]
     free = free_motions(problem) if settled else []
     if free:
-        motions = "; ".join(motion.text for motion in free)
         warnings.append(
-            f"nothing holds the model against {motions}: no static equilibrium under loads that drive them"
+            f"nothing holds the model against {named(free)}: loads may hold it, such as the weight of a pendulum, in "
+            "another position than the reference shape"
         )
     return warnings + _speed_warnings(model, frequencies)
 

@@ -44,7 +44,7 @@ from viscorod.solve.transient.integrators.contract import StepReport
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["DiscreteModel", "unheld"]
+__all__ = ["DiscreteModel", "named", "unheld"]
 
 IMPOSED = (
     "the initial strains (strain, [[strains]]) are imposed as rest strains, at which rods are free of stress; write "
@@ -56,13 +56,17 @@ MOST_NAMED = 6
 """Free motions that a message names."""
 
 
+def named(motions: list[FreeMotion]) -> str:
+    """Name the first of some free motions, and count the others."""
+    more = len(motions) - MOST_NAMED
+    text = "; ".join(motion.text for motion in motions[:MOST_NAMED])
+    return f"{text} and {more} more motions" if more > 0 else text
+
+
 def unheld(motions: list[FreeMotion], why: str = "") -> InputError:
     """Return the refusal of a static solution that leaves motions free."""
-    named = "; ".join(motion.text for motion in motions[:MOST_NAMED])
-    more = len(motions) - MOST_NAMED
     return InputError(
-        f"no static equilibrium: nothing holds the model against {named}"
-        f"{f' and {more} more motions' if more > 0 else ''}{f' ({why})' if why else ''}. "
+        f"no static equilibrium: nothing holds the model against {named(motions)}{f' ({why})' if why else ''}. "
         "Add supports, or take the reference shape (initial = 'reference' of a simulation, "
         "about = 'reference' of modes)"
     )
@@ -251,14 +255,26 @@ class DiscreteModel:
         complete = self.complete(attrs)
         return partial(dataset, kind, self.problem, self.system.gauss_positions(), history, complete)
 
+    @property
+    def _energy_scale(self) -> float:
+        """Elastic energy [J] at a strain of one; if all strains are held, that whose round-off loads on them make."""
+        problem = self.problem
+        elastic = problem.length * max(float(s.stiffness.max()) for s in problem.sets)
+        if elastic > 0.0:
+            return elastic
+        loads = self.static.loads.at(0.0)
+        weight = float(np.abs(loads.gravity).max()) * float(problem.mass[:, 0, 0].sum())
+        return (
+            1e12 * problem.length * (weight + float(np.abs(loads.dead).sum() + np.abs(loads.following).sum()))
+        )
+
     def complete(self, attrs: dict[str, Any]) -> dict[str, Any]:
         """Return the attributes of a data set, with those that all have."""
         return (
             {
                 "message": "",
                 "scale_length": self.problem.length,
-                "energy_scale": self.problem.length
-                * max(float(s.stiffness.max()) for s in self.problem.sets),
+                "energy_scale": self._energy_scale,
                 "wall_time_s": time.perf_counter() - self.began,
             }
             | self.attributes

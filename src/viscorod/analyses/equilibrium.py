@@ -66,14 +66,29 @@ class _Equilibrium:
             if not done:
                 raise SolveError(search.failure(), self._part(search))
             if search.settled:
-                self.history.truncate(kept)
-                self._last = self.history.instant[-1] if kept else 0.0
+                self._forget(kept, stops)
                 self._record(factor, state, search.iterations)
             self.ends.append(self.history.count - 1)
         watch = self.discrete.watch
-        watch.see(self.history.snapshots[-1], self.settings.stops[-1])
+        if staged and watch.feasible:
+            begin_stage(watch.finer.static, self.stages[-1], None, 0.0, True)
+        watch.see(self.history.snapshots[-1], factor)
         found = {"found_by": self._found_by()} | stability_attributes(search.stability)
         return self._result(Outcome.COMPLETED, found | watch.attributes)
+
+    def _forget(self, kept: int, stops: tuple[float, ...]) -> None:
+        """Forget the load steps to an equilibrium that is not the result; those that were asked for stay."""
+        if self._kept is not None:
+            wanted = len(stops) - 1
+            there = self.history.count - kept
+            if there < wanted:
+                passed = ", ".join(f"{stop:g}" for stop in stops[there:-1])
+                self.notes.append(
+                    f"no load steps led to the load factors {passed}: they are not among the states"
+                )
+            kept += min(there, wanted)
+        self.history.truncate(kept)
+        self._last = self.history.instant[-1] if kept else 0.0
 
     def _begin(self) -> tuple[State, bool]:
         """Return the state to begin from, and whether motions and loads go by stages."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from viscorod.analyses.discrete import DiscreteModel, unheld
+from viscorod.analyses.discrete import DiscreteModel, named, unheld
 from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions
 from viscorod.solve.formulations.system import State
 from viscorod.solve.statics.newton import Outcome, interruption
-from viscorod.solve.statics.settling import Settling, SettlingReport, have_potential
-from viscorod.solve.statics.stability import Stability, stability_of
+from viscorod.solve.statics.settling import Settling, SettlingReport
+from viscorod.solve.statics.stability import Stability, circulatory, stability_of
 from viscorod.solve.statics.static_solver import StaticPath
 
 __all__ = ["Search"]
@@ -62,24 +62,37 @@ class Search:
             if self.steps.outcome is Outcome.COMPLETED:
                 self.stability = stability_of(static, state, before=self.before, scale=self.factor)
                 loads = static.loads.at(0.0, self.before, self.factor)
-                if self.stability.unstable == 0 or not self.allowed or not have_potential(loads):
+                if self.stability.unstable == 0 or not self.allowed or circulatory(loads):
                     self._restore(state)
                     return True
         return self.allowed and self._settle(start, state)
 
     def _settle(self, start: State, state: State) -> bool:
         """Settle from ``start``; without success ``state`` stays where load steps led."""
-        settling = Settling(self.discrete.static, before=self.before, factor=self.factor)
-        self.settling = settling.report
-        led = bool(self.steps.factors) and self.steps.outcome is Outcome.COMPLETED
-        try:
-            settling.run(start)
-        except KeyboardInterrupt as asked:
-            self.steps.outcome, self.steps.reason = Outcome.INTERRUPTED, interruption(asked)
-            return False
+        static, led = (
+            self.discrete.static,
+            self.steps.outcome is Outcome.COMPLETED and bool(self.steps.factors),
+        )
+        unloaded = static.loads.at(0.0, self.before, self.factor).none
+        for careful in (True,) if unloaded else (False, True):
+            settling = Settling(static, before=self.before, factor=self.factor, careful=careful)
+            self.settling = settling.report
+            at = start.copy()
+            try:
+                settling.run(at)
+            except KeyboardInterrupt as asked:
+                self.steps.outcome, self.steps.reason = Outcome.INTERRUPTED, interruption(asked)
+                return False
+            if settling.report.found or settling.report.falls or not settling.moving:
+                break
         if settling.report.found:
-            state.set(start)
-            self.stability = stability_of(self.discrete.static, state, before=self.before, scale=self.factor)
+            state.set(at)
+            if settling.downhill:  # neutral motions are none that leave
+                self.stability = Stability(settling.report.unstable, settling.report.unstable, False)
+            else:
+                self.stability = stability_of(
+                    self.discrete.static, state, before=self.before, scale=self.factor
+                )
             self._restore(state)
             return True
         if settling.report.falls:
@@ -161,5 +174,5 @@ class Search:
             text += f" Joints that are open in the reference shape could not be closed; still open: {', '.join(gaps)}."
         free = free_motions(discrete.problem)
         if free:
-            text += f" Free rigid motions: {', '.join(motion.text for motion in free[:6])}."
+            text += f" Free rigid motions: {named(free)}."
         return text.strip()

@@ -13,7 +13,9 @@ motors of the work from outside. Runs with joints or held strains have the attri
 ``drift_velocity``: the largest gap that was found between what these hold and the motion, over the size of the
 model (or in rad, or strain), and that of velocities over the fastest one, before it was removed. The attributes
 ``damping_assumptions`` and ``damping_laws`` (JSON by rod) state what was assumed of the damping and what it was
-computed with (``viscorod.analyses.provenance``).
+computed with (``viscorod.analyses.provenance``). Strains are measured from the reference shape and the rest strains.
+``found_by`` says how an equilibrium was found, ``stage_ends`` (JSON) are the states at the ends of its stages,
+``began_from`` is what a motion started from.
 """
 
 from __future__ import annotations

@@ -178,13 +178,36 @@ class TimeTable(TimeFunction):
         """Whether its acceleration is continuous between jumps: it is a spline."""
         return self.interpolation == "cubic" and not self._curve[1]
 
+    @cached_property
+    def knots(self) -> Floats:
+        """The times, each once, increasing, s."""
+        return np.unique(self._points[0])
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """Ends and repeated times, s: what is left of the breakpoints if the rows are taken as samples."""
+        times = self._points[0]
+        return tuple(dict.fromkeys((times[0], *self._doubled, times[-1])))
+
+    @property
+    def straight(self) -> bool:
+        """Whether its pieces are straight lines."""
+        return self.interpolation == "linear"
+
+    def at(self, t: Floats) -> Floats:
+        """Return the values at many times, after jumps."""
+        times, values = np.array(self._points[0]), self._points[1]
+        k = np.searchsorted(times, t, side="right") - 1
+        inside = np.clip(k, 0, len(times) - 2)
+        x = t - times[inside]
+        c0, c1, c2, c3 = np.moveaxis(self._coefficients[inside], -1, 0)
+        found = c0 + x * (c1 + x * (c2 + x * c3))
+        return np.where(k < 0, values[0], np.where(k >= len(times) - 1, values[-1], found))
+
     @property
     def breakpoints(self) -> tuple[float, ...]:
         """All times of a linear or monotone table; ends and jumps of a spline."""
-        times = self._points[0]
-        if not self.smooth:
-            return tuple(dict.fromkeys(times))
-        return tuple(dict.fromkeys((times[0], *self._doubled, times[-1])))
+        return self.corners if self.smooth else tuple(dict.fromkeys(self._points[0]))
 
     @property
     def jumps(self) -> tuple[float, ...]:

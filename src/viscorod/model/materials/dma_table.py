@@ -115,28 +115,25 @@ def _placed(
 ) -> dict[int, Floats]:
     """Return the columns of rows of one number of cells, placed by the names or by what two columns say together."""
     missing = len(block.names) - count
+    as_named = {at: at for at in factors}
     if missing == 0 or _ends_blank(block, rows, missing):
-        found = _columns(block, rows, 0, numbers, factors)
-        contradiction = next((text for ok, text in _checks(block, rows, found) if not ok), None)
+        found = _columns(block, rows, as_named, numbers, factors)
+        checks = list(_checks(block, rows, found))
+        contradiction = next((text for ok, text in checks if not ok), None)
         if contradiction:
             raise RefusedError(
                 "the columns contradict each other: " + contradiction,
                 "check names and units in the file, or leave the wrong column out",
             )
-        return found
-    if missing == -1 and len(rows) > 1 and all(block.rows[row][1][0] == str(k) for k, row in enumerate(rows)):
-        return _columns(block, rows, 1, numbers, factors)  # rows counted from zero, which is no frequency
-    readings = []
-    for shift in (0, 1 if missing < 0 else -1) if abs(missing) == 1 else (0,):
-        try:
-            found = _columns(block, rows, shift, numbers, factors)
-        except RefusedError:
-            continue
-        checks = [ok for ok, _ in _checks(block, rows, found)]
-        if checks and all(checks):
-            readings.append(found)
-    if len(readings) == 1:
-        return readings[0]
+        if checks or not _label_above_numbers(block, rows):
+            return found
+    if missing == -1 and _counted_from_zero(block, rows):
+        return _columns(block, rows, {at: at + 1 for at in factors}, numbers, factors)
+    if missing == 1 and block.names[0].endswith(":"):  # a label before the names, and none before the rows
+        found = _columns(block, rows, {at: at - 1 for at in factors}, numbers, factors)
+        agree = [ok for ok, _ in _checks(block, rows, found)]
+        if agree and all(agree):
+            return found
     line, cells = block.rows[rows[0]]
     raise RefusedError(
         f"line {line} has {count} cells, and line {block.line} names {len(block.names)} columns "
@@ -145,6 +142,20 @@ def _placed(
         "separate",
         found=show(" ".join(cells)),
     )
+
+
+def _label_above_numbers(block: Block, rows: list[int]) -> bool:
+    """Return whether the first name is a label, such as "Interval data:", and the first cells are no count of rows."""
+    first = [block.rows[row][1][0] for row in rows]
+    counts = [[str(k) for k in range(start, start + len(first))] for start in (0, 1)]
+    return block.names[0].endswith(":") and 0 not in block.columns and any(first) and first not in counts
+
+
+def _counted_from_zero(block: Block, rows: list[int]) -> bool:
+    """Return whether an index 0, 1, ... stands before the first column, which zero shows to be none of its values."""
+    first = block.columns.get(0)
+    positive = first is not None and first.kind in ("frequency", "angular", "storage", "complex")
+    return positive and len(rows) > 1 and all(block.rows[row][1][0] == str(k) for k, row in enumerate(rows))
 
 
 def _ends_blank(block: Block, rows: list[int], missing: int) -> bool:
@@ -161,16 +172,17 @@ def _ends_blank(block: Block, rows: list[int], missing: int) -> bool:
 
 
 def _columns(
-    block: Block, rows: list[int], shift: int, numbers: Numbers, factors: dict[int, float]
+    block: Block, rows: list[int], places: dict[int, int], numbers: Numbers, factors: dict[int, float]
 ) -> dict[int, Floats]:
-    """Return the columns of rows, each `shift` cells to the right of its name."""
+    """Return the columns of rows, from the cells at the places given for each."""
     found = {}
     for at, size in factors.items():
         known = block.columns[at]
         column = np.full(len(rows), math.nan)
         for k, row in enumerate(rows):
             line, cells = block.rows[row]
-            cell = cells[at + shift] if at + shift < len(cells) else ""
+            place = places.get(at, len(cells))
+            cell = cells[place] if place < len(cells) else ""
             value = numbers.of(cell)
             if value is None and known.kind in NOUNS:
                 allowed = "> 0" if known.kind in ("frequency", "angular", "storage", "complex") else ">= 0"

@@ -64,6 +64,8 @@ def blocks_of(lines: list[str]) -> list[Block]:
         block = blocks[-1]
         full = block.divide(line)
         cells = _trimmed(full)
+        if not block.separated and len(cells) == len(block.names) + 1 and re.fullmatch('".*"', cells[0]):
+            cells = cells[1:]  # R writes names of rows, and none above them
         first = next((cell for cell in cells if cell), "")
         if not first:
             continue

@@ -152,7 +152,7 @@ def looks_like_a_number(cell: str) -> bool:
 
 
 def _plain(cell: str) -> str:
-    text = re.sub(r"(?<=\d)[\s'\u2019\u00a0\u202f](?=\d{3})", "", cell.strip().strip('"').strip())
+    text = re.sub(r"(?<=\d)[\s'\u2019\u00a0\u202f](?=\d{3})", "", cell.strip())
     text = text.replace("\N{MINUS SIGN}", "-")
     text = re.sub(r"\s*[x×*]\s*10\s*\^?\s*\(?([-+]?\d+)\)?$", r"e\1", text)
     return re.sub(r"(?<=[\d.,])[dD](?=[-+]?\d+$)", "e", text)

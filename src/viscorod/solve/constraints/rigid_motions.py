@@ -129,7 +129,8 @@ class _Parts:
         found = []
         conditions = self._conditions(held, gradients, counted)
         for group, mine in _groups(self.count, conditions):
-            rows = [_row(condition, group) for condition in mine]
+            place = {part: 6 * k for k, part in enumerate(group)}
+            rows = [_row(condition, place) for condition in mine]
             matrix = np.concatenate([np.zeros((1, 6 * len(group))), *rows])
             found += [(group, motion) for motion in _null_space(matrix)]
         return found
@@ -190,12 +191,11 @@ class _Parts:
         return FreeMotion(text, still, increments)
 
 
-def _row(condition: Condition, group: list[int]) -> Floats:
-    """Return the rows of a condition in the motions of a group of parts."""
-    row = np.zeros((len(condition[0][1]), 6 * len(group)))
+def _row(condition: Condition, place: dict[int, int]) -> Floats:
+    """Return the rows of a condition in the motions of parts, whose first columns are those of ``place``."""
+    row = np.zeros((len(condition[0][1]), 6 * len(place)))
     for part, values in condition:
-        at = 6 * group.index(part)
-        row[:, at : at + 6] += values
+        row[:, place[part] : place[part] + 6] += values
     return row
 
 

@@ -8,7 +8,9 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.model.actions.load import AnyLoad
 from viscorod.model.actions.time_function import Sine, TimeFunction
+from viscorod.model.actions.time_table import FunctionOfTime, TimeTable
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.connections.place import AnyPlace, BodyPlace
 from viscorod.model.connections.resolved_places import find, required_breaks
@@ -25,6 +27,9 @@ from viscorod.solve.problem.placement import Placement
 from viscorod.solve.problem.prescribed_turns import prescribed_turn
 from viscorod.solve.problem.problem import Problem, SupportSet
 from viscorod.typing import Floats, Integers
+
+MANY_ROWS = 100
+"""Rows from which on a table is a record, whose rows are no corners."""
 
 
 def discretise(
@@ -64,6 +69,8 @@ def discretise(
     nodal_loads, station_loads = place_loads(model, places)
     motions = [motion for _, _, motion in supports.motions] + [motion for _, motion in joints.motions]
     breakpoints, jumps, periods = _times(model, motions)
+    times = {k: load.time for k, load in enumerate(model.loads)}
+    records = {k: f for k, f in times.items() if isinstance(f, TimeTable) and _sampled(model.loads[k])}
     return Problem(
         rods=tuple(m.name for m in mesh.rods),
         rod_lengths=np.array([m.rod.length for m in mesh.rods]),
@@ -91,6 +98,10 @@ def discretise(
         length=length,
         breakpoints=breakpoints,
         jumps=jumps,
+        rows=tuple(sorted({t for k in records for t in model.loads[k].breakpoints})),
+        records=records,
+        record_ends={k: np.inf if (end := model.loads[k].until) is None else end for k in records},
+        functions={k: f for k, f in times.items() if isinstance(f, FunctionOfTime)},
         periods=periods,
     )
 
@@ -185,6 +196,17 @@ def _supports(model: ModelDescription, placement: Placement) -> SupportSet:
     return SupportSet(nodes, np.ascontiguousarray(axes), fixed, tuple(names), tuple(motions))
 
 
+def _sampled(load: AnyLoad) -> bool:
+    """Return whether the rows of a load's table are so many that they are samples of something smooth."""
+    own = type(load).factor is not AnyLoad.factor  # it does more with its time
+    return (
+        isinstance(load.time, TimeTable)
+        and not own
+        and not load.travels
+        and len(load.time.knots) >= MANY_ROWS
+    )
+
+
 def _times(
     model: ModelDescription, motions: list[TimeFunction]
 ) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
@@ -193,7 +215,10 @@ def _times(
     jumps: set[float] = set()
     functions: list[TimeFunction | None] = [load.time for load in model.loads]
     for load in model.loads:
-        corners.update(load.breakpoints)
+        if _sampled(load) and isinstance(load.time, TimeTable):
+            corners.update(t for t in load.breakpoints if t in {*load.time.corners, load.until})
+        else:
+            corners.update(load.breakpoints)
         jumps.update(load.jumps)
         passages = load.passages(model)
         corners.update(passages)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -64,10 +65,19 @@ class ExternalLoads:
         self._state: LoadState | None = None
         self.last: LoadState = NO_LOADS
 
-    def at(self, t: float, before: bool = False, scale: float = 1.0) -> LoadState:
-        """Return the loads at time ``t`` [s] times ``scale``; ``before`` takes the limit from the left at jumps."""
-        problem = self.problem
-        factors = tuple(self._part(load.load, scale) * load.factor(t, before) for load in problem.nodal_loads)
+    def at(
+        self, t: float, before: bool = False, scale: float = 1.0, given: Mapping[int, float] | None = None
+    ) -> LoadState:
+        """Return the loads at time ``t`` [s] times ``scale``; ``before`` takes the limit from the left at jumps.
+
+        ``given`` are factors, by the number of the load, in place of those at ``t``.
+        """
+        problem, given = self.problem, given or {}
+        factors = tuple(
+            self._part(load.load, scale)
+            * (given[load.load] if load.load in given else load.factor(t, before))
+            for load in problem.nodal_loads
+        )
         rest = self._part(-1, scale)
         if (rest, factors) != self._factors or self._state is None:
             self._factors = rest, factors
@@ -78,7 +88,9 @@ class ExternalLoads:
             return state
         stations = []
         for load in problem.station_loads:
-            factor = self._part(load.load, scale) * load.factor(t, before)
+            factor = self._part(load.load, scale) * (
+                given[load.load] if load.load in given else load.factor(t, before)
+            )
             s = load.position(t, before)
             if factor == 0.0 or not 0.0 <= s <= problem.rod_lengths[load.rod]:
                 continue

@@ -11,6 +11,7 @@ import numpy as np
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.model.actions.load_effects import TimeFactor
 from viscorod.model.actions.time_function import TimeFunction
+from viscorod.model.actions.time_table import FunctionOfTime, TimeTable
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.problem.joint_set import JointSet
@@ -156,6 +157,9 @@ class Problem:
         initial_twist: body twists at t = 0 for given poses, ``(r, q) -> (n, 6)``.
         length: size of the model [m], the measure of "small" for displacements.
         breakpoints, jumps: times [s] at which loads or motions are not smooth / an integrator must start anew.
+        rows: further breakpoints [s], of records, for integrators that do not look into their steps.
+        records: loads whose factors are tables of many rows, by their number; record_ends: until when they act [s].
+        functions: factors of loads that are Python functions, by the number of the load.
         periods: of harmonic loads and motions [s].
     """
 
@@ -185,6 +189,10 @@ class Problem:
     length: float
     breakpoints: tuple[float, ...]
     jumps: tuple[float, ...]
+    rows: tuple[float, ...]
+    records: Mapping[int, TimeTable]
+    record_ends: Mapping[int, float]
+    functions: Mapping[int, FunctionOfTime]
     periods: tuple[float, ...]
 
     @property

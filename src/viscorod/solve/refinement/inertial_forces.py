@@ -63,7 +63,10 @@ class CoarseMotion:
             part.prestress = values
         system.assemble(state, self.loads.at(t, before), None, tangent=False, moving=False)
         force = system.external - system.internal
-        rate: Floats = np.linalg.solve(problem.mass, force[:, :, None])[:, :, 0].astype(np.float64)
+        # supported nodes follow below: the mass of a point mass whose rotations are held has no inverse
+        loose = ~np.isin(np.arange(len(force)), self.supports.set.nodes)
+        rate = np.zeros_like(force)
+        rate[loose] = np.linalg.solve(problem.mass[loose], force[loose, :, None])[:, :, 0]
         self._obey_supports(state, force, rate)
         sizes = [np.einsum("ni,nij,nj", x, problem.mass, x) for x in (rate, state.twist)]
         return self._spread(state, rate), np.array(sizes, dtype=float)

@@ -10,7 +10,8 @@ negative eigenvalue there (Sylvester's law of inertia); else it is left along it
 ``K + mu A`` positive definite: so they are minima of the potential plus ``mu/2 d.A d``, which never lead back.
 
 Loads act in full from the beginning while prescribed motions, gaps of joints included, grow from step to step: slack
-ropes sag before their ends approach.
+ropes sag before their ends approach. Where nothing but motions acts, a flow may follow a straight path far beyond where
+it branches; a careful one looks for the first bifurcation on its way and leaves the path there.
 """
 
 from __future__ import annotations
@@ -27,11 +28,12 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.problem.external_loads import LoadState
+from viscorod.solve.statics.stability import circulatory
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
 from viscorod.typing import Floats
 
-__all__ = ["Settling", "SettlingReport", "have_potential"]
+__all__ = ["Settling", "SettlingReport"]
 
 LARGEST = 0.5
 """Largest step: displacement over the length of the model, or rotation in rad."""
@@ -55,6 +57,9 @@ CREEP = 30
 STEPS = 500
 FAR = 100.0
 """Displacement over the size of the model beyond which nothing holds it."""
+FEW, FAINT, LEAST_GROWTH = 2, 1e-3, 1e-9
+"""Of a careful flow: ways in which it may leave a state at most, size of the displacement by which it does, and least
+growth of motions in a step."""
 KNOCK = 0.05
 """Size of the displacement by which an unstable equilibrium is left."""
 
@@ -80,31 +85,37 @@ class SettlingReport:
     unstable: int = 0
 
 
-def have_potential(loads: LoadState) -> bool:
-    """Return whether forces derive from a potential: none follows a section, and no couple acts in space."""
-    stations = any(load.following.any() or load.dead[3:].any() for load in loads.stations)
-    return not (stations or loads.following.any() or loads.dead[:, 3:].any())
-
-
 class Settling:
     """Follows the flow of one static problem.
 
     Args:
         static: solves it. t, before: time at which loads and motions are taken; factor: their multiple.
+        careful: look for the first bifurcations while motions grow, and leave the straight path there.
+
+    Attributes:
+        downhill: loads have a potential, in which the flow runs downhill.
+        moving: motions are prescribed, or joints open.
     """
 
     def __init__(
-        self, static: StaticSolver, t: float = 0.0, *, before: bool = True, factor: float = 1.0
+        self,
+        static: StaticSolver,
+        t: float = 0.0,
+        *,
+        before: bool = True,
+        factor: float = 1.0,
+        careful: bool = False,
     ) -> None:
         self.static, self.system, self.supports = static, static.system, static.supports
         self.problem = static.system.problem
-        self.t, self.before, self.factor = t, before, factor
+        self.t, self.before, self.factor, self.careful = t, before, factor, careful
         self.span = max(self.problem.length, float(np.ptp(self.problem.positions, axis=0).max()))
         self.drag = drag(static)
         self._swapped = np.ascontiguousarray(np.swapaxes(self.drag, 1, 2))
-        self._downhill = have_potential(static.loads.at(t, before, factor))
+        self.downhill = not circulatory(static.loads.at(t, before, factor))
         self.report = SettlingReport()
         self.motion = 0.0
+        self.moving = False
         self._saddle: State | None = None
 
     def run(self, state: State, *, motion: float = 0.0) -> SettlingReport:
@@ -115,36 +126,26 @@ class Settling:
             motion: part of the prescribed motions and gaps at the start.
         """
         report, x = self.report, state.copy()
-        self.motion = motion
-        moving, turn = self._moves()
-        most = min(0.1, LARGEST_TURN / max(turn, LARGEST_TURN))
-        growth = 0.5 * most if moving else 1.0
-        self.motion = motion if moving else 1.0
-        mu = self._first(x)
-        self._mu = 0.0
-        self._neutral, least = NEUTRAL * mu, 1e-14 * mu
-        first, tried, floor = x.r.copy(), STILL, 0.0
+        self._start(x, motion)
+        first, tried = x.r.copy(), STILL
         while report.steps + report.rejected < STEPS:
             self.static.check_interrupt()
-            goal = min(1.0, self.motion + growth)
-            trial, size, iterations = self._step(x, mu, goal)
+            goal = min(1.0, self.motion + self._growth)
+            trial, size, iterations = self._step(x, self._mu, goal)
             report.iterations += iterations
-            if trial is None:
-                report.rejected += 1
-                if size:
-                    floor = 1.5 * mu
-                mu *= 2.0 if size else 4.0
-                growth = max(0.5 * growth, 1e-4)
-                if not mu < 1e30 * max(least, 1e-300):
+            count = 0 if trial is None else self._unstable_on_the_way(trial, goal)
+            if trial is None or (count > FEW and self._growth > LEAST_GROWTH):
+                self._shorten(size)
+                if not self._mu < 1e30 * self._least:
                     report.reason = "no step was small enough"
                     return report
                 continue
             report.steps += 1
             x, self.motion = trial, goal
-            growth = min(2.0 * growth, most)
-            easy = 0.1 if iterations <= 4 else 0.5
-            mu = max(mu * min(max(easy, size / WANTED), 2.0), floor, least)
-            floor *= 0.7
+            self._lengthen(size, iterations)
+            if count:
+                self._knock(x, FAINT)
+                continue
             if np.abs(x.r - first).max() > FAR * self.span:
                 report.reason, report.falls = "it falls without end", True
                 return report
@@ -154,9 +155,39 @@ class Settling:
                     state.set(x)
                     report.found = True
                     return report
-                mu = max(mu, self._mu)
         report.reason = f"it did not come to rest in {STEPS} steps"
         return report
+
+    def _start(self, x: State, motion: float) -> None:
+        """Choose the first step."""
+        self.motion = motion
+        self.moving, turn = self._moves()
+        self._most = min(0.1, LARGEST_TURN / max(turn, LARGEST_TURN))
+        self._growth = 0.5 * self._most if self.moving else 1.0
+        self.motion = motion if self.moving else 1.0
+        self._mu = self._first(x)
+        self._neutral, self._least, self._floor = NEUTRAL * self._mu, 1e-14 * self._mu, 0.0
+
+    def _shorten(self, size: float) -> None:
+        """Shorten the next step after one that failed: one of some ``size``, or 0 without any."""
+        self.report.rejected += 1
+        if size:
+            self._floor = 1.5 * self._mu
+        self._mu *= 2.0 if size else 4.0
+        self._growth = max(0.5 * self._growth, LEAST_GROWTH if self.careful else 1e-4)
+
+    def _lengthen(self, size: float, iterations: int) -> None:
+        """Choose the next step by how easy the last one was."""
+        self._growth = min(2.0 * self._growth, self._most)
+        easy = 0.1 if iterations <= 4 else 0.5
+        self._mu = max(self._mu * min(max(easy, size / WANTED), 2.0), self._floor, self._least)
+        self._floor *= 0.7
+
+    def _unstable_on_the_way(self, x: State, goal: float) -> int:
+        """Return the number of ways in which a careful flow may leave a state while motions grow; 0 once it has."""
+        if not self.careful or not self.downhill or self.report.knocks or goal == 1.0:
+            return 0
+        return negative_eigenvalues(self._tangent(x, self._neutral))
 
     # --- one step
 
@@ -238,9 +269,9 @@ class Settling:
         return x, moved, count
 
     def _near_saddle(self, x: State) -> bool:
-        if self._saddle is None or not self._downhill:
+        if self._saddle is None or not self.downhill:
             return False
-        return distance(x, self._saddle, self.span) < NEAR
+        return (self.careful and self.motion < 1.0) or distance(x, self._saddle, self.span) < NEAR
 
     def _assemble(self, x: State, mu: float) -> Floats:
         """Assemble with the drag in the matrix; return the unbalanced forces without it."""
@@ -283,10 +314,10 @@ class Settling:
         self._place(1.0)
         self._begin(x)
         report.unstable = negative_eigenvalues(self._tangent(x, self._neutral))
-        if not self._downhill or report.unstable == 0:
+        if not self.downhill or report.unstable == 0:
             static.restore(x, self.t, before=self.before, scale=self.factor)
             return True
-        self._knock(x)
+        self._knock(x, KNOCK)
         return False
 
     def _near(self, a: State, b: State) -> bool:
@@ -304,8 +335,8 @@ class Settling:
                 return True
         return False
 
-    def _knock(self, x: State) -> None:
-        """Displace an unstable equilibrium a little along the way in which the flow leaves it fastest.
+    def _knock(self, x: State, size: float) -> None:
+        """Displace an unstable equilibrium by some ``size`` along the way in which the flow leaves it fastest.
 
         Where several are as fast, such as those of a strut that may buckle to all sides, it is the first of those along
         the global axes z, y, x.
@@ -318,8 +349,8 @@ class Settling:
         fastest = min(rate for rate, _ in ways)
         way = next(way for rate, way in ways if rate <= fastest + 1e-3 * abs(fastest))
         self._saddle = x.copy()
-        retract(x.r, x.q, KNOCK * way, x.r, x.q)
-        self._mu = 4.0 * mu
+        retract(x.r, x.q, size * way, x.r, x.q)
+        self._mu = max(self._mu, 4.0 * mu)
 
     def _fastest(self, x: State, mu: float, axis: int) -> tuple[float, Floats]:
         """Return the lowest eigenvalue over drag and its motion ``(n, 6)``, by inverse iteration shifted by ``-mu``.

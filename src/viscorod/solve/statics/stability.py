@@ -16,7 +16,7 @@ from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
 from viscorod.typing import Floats
 
-__all__ = ["Stability", "stability_attributes", "stability_of"]
+__all__ = ["Stability", "circulatory", "stability_attributes", "stability_of"]
 
 ASYMMETRY = 1e-12
 """Difference of a stiffness from its transpose, as a part of its largest entry, that passes for round-off."""
@@ -63,7 +63,7 @@ def stability_of(
     motions.
     """
     tangent = static.tangent(state, t, before=before, scale=scale)
-    if not _circulatory(static.loads.at(t, before, scale)) or _symmetric(tangent):
+    if not circulatory(static.loads.at(t, before, scale)) or _symmetric(tangent):
         count = negative_eigenvalues(tangent)
         return Stability(count, count, False)
     linear = linearise(static, state, t, before=before, scale=scale)
@@ -88,7 +88,7 @@ def stability_attributes(found: Stability) -> dict[str, Any]:
     }
 
 
-def _circulatory(loads: LoadState) -> bool:
+def circulatory(loads: LoadState) -> bool:
     """Return whether loads may do work along a closed way: following ones, and moments about fixed axes."""
     if loads.following.any() or loads.dead[:, 3:].any():
         return True
@@ -123,9 +123,8 @@ class _SmallMotions:
         if self.G is None and self.size <= DENSE:
             theta = np.linalg.eigvals(solve(self.M.toarray()))
         else:
-            theta = _largest(lambda x: solve(self.M @ x), self.size)
-        found = np.abs(theta) > 1e-14 * np.abs(theta).max()
-        return np.asarray(shift + 1.0 / theta[found])
+            theta = _largest(lambda x: solve(self.M @ x), self.size, MOTIONS)
+        return shift + 1.0 / _slowest(theta, MOTIONS)
 
     def rates(self) -> np.ndarray:
         """Return the smallest s with damping, both of each pair."""
@@ -140,9 +139,8 @@ class _SmallMotions:
         if self.G is None and n <= DENSE:
             theta = np.linalg.eigvals(np.array([apply(column) for column in np.eye(2 * n)]).T)
         else:
-            theta = _largest(apply, 2 * n)
-        found = np.abs(theta) > 1e-14 * np.abs(theta).max()
-        return np.asarray(shift + 1.0 / theta[found])
+            theta = _largest(apply, 2 * n, 2 * MOTIONS)
+        return shift + 1.0 / _slowest(theta, 2 * MOTIONS)
 
     def _solver(self, matrix: sparse.csr_array) -> Callable[[Floats], Floats]:
         import scipy.sparse.linalg as spla
@@ -161,18 +159,22 @@ class _SmallMotions:
         )
 
 
-def _largest(apply: Callable[[Floats], Floats], size: int) -> np.ndarray:
-    """Return the largest eigenvalues in size of an operator."""
+def _slowest(theta: np.ndarray, count: int) -> np.ndarray:
+    """Return the ``count`` largest of inverse eigenvalues: those of stiff motions are round-off."""
+    ordered = theta[np.argsort(-np.abs(theta), kind="stable")][:count]
+    return np.asarray(ordered[np.abs(ordered) > 1e-14 * np.abs(ordered[0])])
+
+
+def _largest(apply: Callable[[Floats], Floats], size: int, count: int) -> np.ndarray:
+    """Return the ``count`` largest eigenvalues in size of an operator."""
     import scipy.sparse.linalg as spla
 
     operator = spla.LinearOperator((size, size), matvec=apply, dtype=float)
     start = np.random.default_rng(1).standard_normal(size)
-    wanted = min(MOTIONS, size - 2)
+    wanted = min(count, size - 2)
+    space = min(size, 3 * count)
     try:
-        return np.asarray(
-            spla.eigs(
-                operator, wanted, v0=start, ncv=min(size, 3 * MOTIONS), tol=1e-10, return_eigenvectors=False
-            )
-        )
+        found = spla.eigs(operator, wanted, v0=start, ncv=space, tol=1e-10, return_eigenvectors=False)
     except spla.ArpackNoConvergence as error:
-        return np.asarray(error.eigenvalues)
+        found = error.eigenvalues
+    return np.asarray(found)

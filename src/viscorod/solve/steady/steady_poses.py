@@ -122,7 +122,7 @@ def nodal_state(
         if k < on_rods:
             r, q = _detached(problem, position[k], rotation[k], int(stations.links[k]))
         else:
-            q = rotation[k]
+            q = product(rotation[k], conjugate(bodies.turns[k - on_rods]))
             r = position[k] - matrices(q[None])[0] @ bodies.arms[k - on_rods]
         own = matrices(rotation[k : k + 1])[0]
         R, angular = matrices(q[None])[0], own @ spin[k]

@@ -13,6 +13,7 @@ from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.contract import StepReport
 from viscorod.solve.transient.integrators.linear_model import LinearModel
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, RADAU, Tableau
+from viscorod.solve.transient.load_content import StepContent
 from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
 from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
@@ -39,6 +40,8 @@ class LinearMotion:
     """Error that a step may have by its estimate, over the tolerance, as for nonlinear motions."""
 
     estimate_order = 3
+
+    looks_within = True
 
     drift = 0.0, 0.0
     """There are no joints in linear motions."""
@@ -117,7 +120,8 @@ class LinearMotion:
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         last = self._last
         times = [end if i == last and last else self.t + c * h for i, c in enumerate(tableau.nodes)]
-        self._stage_loads = np.array([body.loads(t, before and i == last) for i, t in enumerate(times)])
+        body.actions.look_within(self.t, end)
+        self._stage_loads = np.array([body.loads(t, before and i == last, i) for i, t in enumerate(times)])
         self.evaluations += len(times)
         xi, x = self._now
         D = tableau.derivative / h
@@ -143,7 +147,7 @@ class LinearMotion:
         report = StepReport(Outcome.CONVERGED, SWEEPS, size, 0.0, 0)
         if self.tolerance is None:
             return report
-        error = self._error(h, changes)
+        error = np.maximum(self._error(h, changes), self._unseen())
         node, component = divmod(int(np.argmax(error)), 6)
         reached = body.state(*self._stages[:, last])
         allowed = self.step_factor * self.tolerance.at(end, reached)
@@ -157,6 +161,17 @@ class LinearMotion:
         side = self._load - body.internal(*self._now) + body.mass @ v + body.damping(p)
         basis = body.reduced.basis
         return np.asarray(np.abs(basis @ self._real.solve(basis.T @ side)) / body.unit)
+
+    def _unseen(self) -> Floats:
+        """Return what loads move between the stages ``(6 n,)``: displacements over model length, rotations."""
+        force, basis = self.body.actions.unseen(self.t, self.body.base), self.body.reduced.basis
+        if force is None:
+            return np.zeros(len(self.body.unit))
+        return np.asarray(np.abs(basis @ self._real.solve(basis.T @ force.ravel())) / self.body.unit)
+
+    def watch(self, duration: float) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        self.body.actions.content = StepContent.of(self.system.problem, self.tableau.nodes, duration)
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""

@@ -66,6 +66,9 @@ class Radau(Collocation):
         last, stages = self._last, self.stages
         self._turn, node = largest_turn(stages.X[last])
         reached = State(stages.r[last], stages.q[last], stages.twist[last], self.state.multiplier)
+        unseen, where = self._unseen()
+        if unseen > error:
+            error, unknown = unseen, where
         error /= self.step_factor * self.tolerance.at(self._end, reached)
         too_far = (self._turn / self.largest_turn) ** (self.estimate_order + 1)
         return (too_far, 6 * node + 3) if too_far > error else (error, unknown)
