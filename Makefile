@@ -14,7 +14,7 @@ COMPILATION := tests/unit/test_warmup.py
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help demo quick test coverage search fuzz check docs figures bench peers clean
+.PHONY: help demo quick test coverage search fuzz honest check docs figures bench peers clean
 
 help:
 	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
@@ -24,6 +24,7 @@ help:
 	@echo "make search property tests with new random examples"
 	@echo "make fuzz   10 000 damaged versions of every shipped case, checked and computed for some steps (hours)"
 	@echo "make check  ruff, mypy, import contracts, documentation with warnings as errors"
+	@echo "make honest 1000 random models by default against refined solutions: how many are wrong without a word (an hour)"
 	@echo "make docs   documentation in docs/_build/html"
 	@echo "make figures  draw the pictures of the documentation again and print its tables"
 	@echo "make bench  timings, as ratios"
@@ -77,6 +78,9 @@ search: $(VENV)/.stamp-test
 
 fuzz: $(VENV)/.stamp-test
 	$(PYTEST) tests/property/test_fuzz_runs.py --hypothesis-profile=fuzz
+
+honest: $(VENV)/.stamp-test
+	PYTHONPATH=tests $(BIN)/python -m honesty --workers $(WORKERS)
 
 docs: $(VENV)/.stamp-test
 	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html

@@ -26,6 +26,7 @@ FILE = {
     "springs": ("tables `[[springs]]`", "\N{EN DASH}", "see Springs"),
     "velocities": ("tables `[[velocities]]`", "at rest", "see Initial velocities"),
     "strains": ("tables `[[strains]]`", "unstrained", "see Initial strains"),
+    "rest_strains": ("tables `[[rest_strains]]`", "none", "see Rest strains"),
     "simulate": ("table `[simulate]`", "one of these four", "see Analyses"),
     "equilibrium": ("table `[equilibrium]`", "one of these four", "see Analyses"),
     "path": ("table `[path]`", "one of these four", "see Analyses"),

@@ -7,12 +7,14 @@ from .analyses.kelvin_voigt_fit import kelvin_voigt_fit as kelvin_voigt_fit
 from .analyses.model import Model as Model
 from .analyses.sweep import sweep as sweep
 from .casefile.case import load_case as load_case
+from .errors import AccuracyWarning as AccuracyWarning
 from .errors import InputError as InputError
 from .errors import SolveError as SolveError
 from .model.actions.event import Crossing as Crossing
 from .model.actions.event import Decayed as Decayed
 from .model.actions.event import SteadyState as SteadyState
 from .model.actions.initial_strain import InitialStrain as InitialStrain
+from .model.actions.initial_strain import RestStrain as RestStrain
 from .model.actions.initial_velocity import InitialVelocity as InitialVelocity
 from .model.actions.load import DistributedForce as DistributedForce
 from .model.actions.load import DistributedMoment as DistributedMoment
@@ -83,5 +85,7 @@ from .results.run import Run as Run
 from .results.steady_result import Steady as Steady
 from .results.sweep_result import Sweep as Sweep
 from .results.sweep_result import SweepRun as SweepRun
+from .solve.stage_settings import Stage as Stage
+from .solve.start import Start as Start
 
 __version__: str

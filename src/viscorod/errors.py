@@ -1,11 +1,13 @@
-"""The two errors that viscorod raises on purpose.
+"""The two errors that viscorod raises on purpose, and its warning.
 
-Both carry a message for the person who typed the input: what was found, why it is a problem, what to type
+All carry a message for the person who typed the input: what was found, why it is a problem, what to type
 instead.
 """
 
 from __future__ import annotations
 
+import inspect
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -14,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["Fault", "InputError", "SolveError", "writing"]
+__all__ = ["AccuracyWarning", "Fault", "InputError", "SolveError", "users_level", "warn", "writing"]
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,26 @@ class SolveError(RuntimeError):
     def __init__(self, message: str, run: Any = None) -> None:
         super().__init__(message)
         self.run = run
+
+
+class AccuracyWarning(UserWarning):
+    """Something is less accurate than one would expect of it; the message says what, by how much, and what to do."""
+
+
+def warn(text: str) -> None:
+    """Show an `AccuracyWarning` at the user's own line."""
+    warnings.warn(text, AccuracyWarning, stacklevel=users_level())
+
+
+def users_level() -> int:
+    """Return the stack level, for a warning of the caller, of the line outside this package that led to it.
+
+    Python shows a `DeprecationWarning` only where it is the user's own line.
+    """
+    level, frame = 1, inspect.currentframe()
+    while frame is not None and str(frame.f_globals.get("__name__")).startswith(("viscorod.", "pydantic.")):
+        level, frame = level + 1, frame.f_back
+    return level - 1
 
 
 @contextmanager

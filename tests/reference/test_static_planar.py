@@ -117,7 +117,7 @@ def test_euler_loads_by_inertia_count(ends, factor):
         if ends == "clamped":
             model.guide("column.end", along=(1, 0, 0))
         model.force("column.end", (-load, 0, 0))
-        return model.equilibrium().negative_eigenvalues
+        return model.equilibrium(search=False).negative_eigenvalues
 
     assert negative(critical * (1 - 1e-4)) == 0
     assert negative(critical * (1 + 1e-4)) == 1
@@ -129,7 +129,7 @@ def test_greenhill_self_weight():
     def negative(weight):
         model = cantilever(vr.StiffnessSection([1e8, 1e8, 1e8, 1, 5, 1], [1, 1, 1, 1e-3, 1e-3, 2e-3]))
         model.distributed_force("beam", (-weight, 0, 0))
-        return model.equilibrium().negative_eigenvalues
+        return model.equilibrium(search=False).negative_eigenvalues
 
     assert negative(7.8373474 * (1 - 1e-4)) == 0
     assert negative(7.8373474 * (1 + 1e-4)) == 1

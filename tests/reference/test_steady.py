@@ -447,6 +447,79 @@ def test_shaft_above_its_critical_speed():
         assert found.stable == stable
 
 
+def test_whirl_of_a_shaft_on_springs():
+    """Own Timoshenko finite elements with gyroscopic couples: the whirls of a steel shaft on springs at 3000 rpm.
+
+    At rest 23.118 and 44.490 Hz; in space -23.109/+23.126 and -44.336/+44.645 Hz, in the turning frame 50 Hz less.
+    """
+    steel = vr.Material(2.1e11, 0.3, 7800.0)
+    model = vr.Model()
+    model.add("shaft", vr.Rod.straight((0, 0, 0), (3, 0, 0), section=vr.Circle(0.1), material=steel))
+    model.support("shaft.start", ("ux", "rx"))
+    for end in ("shaft.start", "shaft.end"):
+        model.spring(end, stiffness={"uy": 1e7, "uz": 1e7})
+    at_rest = model.modes(4, about="reference").frequencies
+    assert at_rest == pytest.approx([23.118, 23.118, 44.490, 44.490], abs=1e-3)
+    found = model.steady(spin=(100.0 * np.pi, 0, 0), modes=8)
+    for whirl in (5.355, 26.874, 73.109, 94.336):
+        assert np.abs(found.frequencies - whirl).min() < 1.1e-3
+    assert found.stable
+    assert found.modes.names[:2] == ("spring 1", "spring 2")
+
+
+def test_dampers_alike_around_the_axis():
+    """Invariance: a thin shaft whirls in space as it swings at rest, ``s`` there is ``s + i W`` seen from the shaft."""
+    model = vr.Model()
+    section = stiff(1e6, 1e6, 1.0, 1.0, rotary=(1e-8, 1e-8, 2e-8))
+    model.add("shaft", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=3, order=5))
+    model.support("shaft.start", ("ux", "rx"))
+    for end in ("shaft.start", "shaft.end"):
+        model.spring(end, stiffness={"uy": 30.0, "uz": 30.0}, damping={"uy": 0.5, "uz": 0.5})
+    W = 3.0
+    rest, found = model.modes(4, about="reference").eigenvalues, model.steady(spin=(W, 0, 0), modes=16)
+    for s in rest:
+        for turned in (s - 1j * W, s + 1j * W):
+            assert np.abs(found.eigenvalues - turned).min() < 1e-5 * abs(s)
+    assert found.stable
+
+
+@pytest.mark.parametrize(
+    ("spring", "message"),
+    [
+        ({"stiffness": {"uy": 1.0, "uz": 2.0}}, "not the same in all directions"),
+        ({"stiffness": {"uy": 1.0, "uz": 1.0}, "rest": {"uy": 0.1}}, "not on the axis"),
+        ({"stiffness": {"rx": 1.0}}, "along ux, uy and uz only"),
+    ],
+)
+def test_springs_that_do_not_stay_as_they_are(spring, message):
+    model = thin(1e-3)
+    model.spring("blade.end", **spring)
+    with pytest.raises(vr.InputError, match=message):
+        model.steady(spin=(1.0, 0, 0))
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_shapes_of_a_slow_rotation_are_those_at_rest(formulation):
+    """Limit: a blade that turns slowly bends in the shapes of its modes at rest, with their names."""
+    model = vr.Model()
+    section = vr.StiffnessSection([400.0] * 3 + [1.0, 2.0, 1.0], [1.0] * 3 + [0.0025, 0.0025, 0.005])
+    model.add("blade", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=2, order=6))
+    model.clamp("blade.start")
+    rest, found = (
+        model.modes(4, about="reference"),
+        model.steady(spin=(0, 0, 1e-3), formulation=formulation, modes=4),
+    )
+    assert found.modes.names == rest.names
+    assert found.modes.residuals.max() < 1e-10
+    moved = [np.concatenate([m.shapes, m.rotations], axis=1) for m in (found.modes, rest)]
+    for one, other in zip(*moved, strict=True):
+        overlap = abs(np.vdot(one, other)) / (np.linalg.norm(one) * np.linalg.norm(other))
+        assert overlap == pytest.approx(1.0, abs=1e-6)
+    faster = model.steady(spin=(0, 0, 2.0), formulation=formulation)
+    # the turning blade is longer: modes are drawn about that shape
+    assert faster.modes.positions[-1, 0] > 1.001
+
+
 def test_conical_pendulum():
     """Closed form: a heavy stiff rod on a ball joint that whirls at W hangs at ``cos a = 3 g/(2 L W^2)``."""
     model = vr.Model()

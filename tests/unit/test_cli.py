@@ -29,6 +29,8 @@ REPORT = SimpleNamespace(
     ],
     frequencies=np.array([0.573, 3.59]),
     damping_ratios=np.array([0.036, 0.2256]),
+    mode_names=("bend_1 1", "bend_1 2"),
+    rigid_motions=("rotation about z",),
     warnings=["the rod is thick"],
     nodes=11,
     unknowns=66,
@@ -160,7 +162,8 @@ def test_check_prints_tables(invoke, solving, monkeypatch):
     assert "rod length [m] mass [kg] elements order" in lines
     assert "beam 0.3 0.03 2 5" in lines
     assert "stiffness 3 1000" in lines  # too wide for the terminal, so turned on its side
-    assert "1 0.573 0.036" in lines
+    assert "1 bend_1 1 0.573 0.036" in lines
+    assert lines[lines.index("Rigid motions: 1") + 1] == "- rotation about z"
     assert "11 nodes, 66 unknowns, 5 conditions of joints and held strains" in lines
     assert "Linear systems: band of half width 35" in lines
     assert "body mass [kg]" in lines

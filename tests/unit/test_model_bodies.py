@@ -104,7 +104,9 @@ def test_bodies_come_back_from_their_tables(body):
         (lambda: Body(1.0, (1, 1, "x")), "Body.inertia[2]", "number"),
         (lambda: Body(1.0, [[1, 0, 0], [0, 1], [0, 0, 1]]), "Body.inertia[1]", "2 were given"),
         (lambda: Body(1.0, [[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]), "Body.inertia", "row 1, column 2"),
-        (lambda: Body(1.0, (1, 0, 1)), "Body.inertia", "principal inertia 0 kg"),
+        (lambda: Body(1.0, (1, 0, 0.5)), "Body.inertia", "1 > 0 + 0.5"),
+        (lambda: Body(1.0, (0, 0, 1)), "Body.inertia", "1 > 0 + 0"),
+        (lambda: Body(1.0, (-1, 1, 1)), "Body.inertia", "principal inertia -1 kg"),
         (lambda: Body(1.0, [[1, 2, 0], [2, 1, 0], [0, 0, 1]]), "Body.inertia", "principal inertia -1 kg"),
         (lambda: Body(1.0, (1, 3.5, 2)), "Body.inertia", "3.5 > 1 + 2"),
         (lambda: Body(1.0, (1, 1, 1), centre=(0, 0)), "Body.centre", "2 were given"),
@@ -276,13 +278,20 @@ def test_attachments_twice_to_one_body(model):
     only_problem(model, "attachments[1]", "attached already")
 
 
-def test_bodies_are_not_attached_to_bodies(model):
-    model.add("lump", Body(1.0, (1, 1, 1)))
+def test_bodies_may_be_attached_to_bodies_or_to_one_place(model):
+    model.add("lump", Body(1.0, (0, 0, 0)))
     model.attach("plate", "lump")
-    assert "make them one body" in str(problems(model)[0])
+    model.validate()
     model.attachments.pop()
     model.attach("lump", "arm.end")
-    only_problem(model, "attachments[1]", "one and the same place", "plate and lump")
+    model.validate()
+    model.ball("lump", "plate")
+    only_problem(model, "joints[0]", "they are attached")
+
+
+def test_round_off_of_an_inertia_matrix():
+    tensor = [[2.0, 1e-17, 0.0], [-3e-17, 2.0, 0.0], [0.0, 0.0, 3.0]]
+    assert Body(1.0, tensor).inertia_matrix()[0, 1] == pytest.approx(-1e-17)
 
 
 def test_a_rod_may_have_both_ends_on_one_body(model):

@@ -160,3 +160,19 @@ def test_malformed(stiffness, path, text):
     with pytest.raises(InputError, match=text) as caught:
         StiffnessSection(stiffness, ONES)
     assert caught.value.problems[0].where == path
+
+
+@pytest.mark.parametrize("key", ["stiffness", "inertia", "damping"])
+def test_round_off_beside_the_diagonal_is_no_asymmetry(key):
+    """A coupling of no size beside sqrt(C_ii C_jj) may differ in its second digit; half the sum is taken."""
+    given = {"stiffness": [1e6] * 6, "inertia": [1.0] * 6, "damping": [1e3] * 6}
+    matrix = np.diag(given[key])
+    size = matrix[0, 0]
+    matrix[0, 1], matrix[1, 0] = 1.0e-10 * size, 1.1e-10 * size
+    section = StiffnessSection(**(given | {key: matrix}))
+    assert np.array(getattr(section, key))[0, 1] == pytest.approx(1.05e-10 * size, rel=1e-12)
+    matrix[0, 1] = 1e-4 * size
+    with pytest.raises(
+        InputError, match=f"{key}: {1e-4 * size!r} against {1.1e-10 * size!r}: .*symmetric; give the"
+    ):
+        StiffnessSection(**(given | {key: matrix}))

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from viscorod.errors import InputError
+from viscorod.errors import AccuracyWarning, InputError
 from viscorod.model.actions.time_function import Constant, Ramp, Sine, SpinUp, Until
 from viscorod.model.actions.time_table import FunctionOfTime, TimeTable, time_function
 
 WAVY = ([0.0, 0.5, 1.2, 2.0, 3.0], [1.0, -1.0, 2.0, 0.5, 0.0])
+SMOOTH = (np.linspace(0.0, 3.0, 13), np.sin(2.0 * np.linspace(0.0, 3.0, 13)))
 FUNCTIONS = [
     Constant(3.0),
     Until(1.0),
@@ -18,9 +19,10 @@ FUNCTIONS = [
     Sine(0.7, 2.0, 0.3, 1.0),
     SpinUp(6.0, 2.5),
     TimeTable(*WAVY),
-    TimeTable(*WAVY, "cubic"),
+    TimeTable(*SMOOTH, "cubic"),
+    TimeTable(*WAVY, "monotone"),
     TimeTable([0.0, 1.0, 1.0, 2.0], [1.0, 2.0, -1.0, 0.0]),
-    TimeTable([0.0, 0.5, 1.0, 1.0, 2.0, 2.5, 3.0], [1.0, 2.0, -1.0, 0.0, 3.0, 1.0, 2.0], "cubic"),
+    TimeTable([0.0, 0.5, 1.0, 1.0, 1.5, 2.0, 2.5], [1.0, 1.5, 1.8, 0.0, 1.0, 2.0, 2.5], "cubic"),
     FunctionOfTime(lambda t: t**3, lambda t: 3 * t**2, lambda t: 6 * t),
 ]
 
@@ -87,11 +89,26 @@ def test_linear_table():
 
 
 def test_cubic_table_is_the_spline():
-    f, spline = TimeTable(*WAVY, "cubic"), CubicSpline(*WAVY)
+    f, spline = TimeTable(*SMOOTH, "cubic"), CubicSpline(*SMOOTH)
     for t in np.linspace(0.0, 2.99, 30):
         assert f.value(t) == pytest.approx(spline(t), abs=1e-13)
         assert f.acceleration(t) == pytest.approx(spline(t, 2), abs=1e-12)
     assert f.breakpoints == (0.0, 3.0)
+
+
+def test_a_spline_that_overshoots_is_monotone():
+    """A shock of 1 ms between zeros 5 s away, whose spline would go to -9e5; a doubt says so. Fritsch-Butland: none."""
+    t = np.linspace(5.0, 5.001, 51)
+    points = [0.0, *t, 10.0], [0.0, *np.sin(np.pi * (t - 5.0) / 1e-3), 0.0]
+    with pytest.warns(
+        AccuracyWarning, match="cubic spline through the table would reach -9.11e\\+05 at t = 1.6688 s"
+    ):
+        shock = TimeTable(*points, "cubic")
+    values = [shock.value(x) for x in np.linspace(0.0, 10.0, 2001)] + [shock.value(x) for x in t]
+    assert (min(values), max(values)) == pytest.approx((0.0, 1.0), abs=1e-12)
+    monotone = TimeTable(*points, "monotone")
+    assert [shock.rate(x) for x in t] == [monotone.rate(x) for x in t]
+    assert monotone.breakpoints == tuple(points[0])
 
 
 @pytest.mark.parametrize("interpolation", ["linear", "cubic"])

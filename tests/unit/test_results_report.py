@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 
+import viscorod as vr
 from helpers.synthetic_results import rolled_up, swing
 from viscorod.results.result_warnings import warnings_of
 from viscorod.results.run import Equilibrium, Run
@@ -117,3 +118,24 @@ def test_large_bending_strain_is_located():
     mesh, warning = warnings_of(Run(data))
     assert "mesh is coarse" in mesh  # one point alone is bent
     assert warning.startswith("bend 2 times the half width of the section reaches 0.15 at beam@0.135")
+
+
+def test_what_the_steps_lost_is_told_everywhere(tmp_path):
+    """A bar that swings undamped, in ten steps: the remainder of its energy account is in all that is read."""
+    model = vr.Model()
+    steel = vr.Material(2e11, 0.3, 7850.0)
+    model.add(
+        "bar",
+        vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Rectangle(0.02, 0.02), material=steel, elements=1),
+    )
+    model.clamp("bar.start")
+    model.force("bar.end", (0, 8.0, 0))
+    text = "numerical remainder of the energy account reaches"
+    for folder in (None, tmp_path):
+        with pytest.warns(vr.AccuracyWarning, match=text) as caught:
+            run = model.simulate(0.2, initial="reference", tolerance=1e-2, folder=folder)
+        assert [record.filename for record in caught] == [__file__]
+        assert [text in warning for warning in run.warnings] == [True]
+        assert text in run.report()
+        assert text in json.loads(run.data.attrs["warnings"])[0]
+    assert text in vr.load(tmp_path / "run.nc").warnings[0]

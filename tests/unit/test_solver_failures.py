@@ -38,8 +38,6 @@ def test_free_rod_has_no_equilibrium():
 @pytest.mark.parametrize(
     ("fixed", "free"),
     [
-        (("ux", "uy", "uz"), ["rotation about x", "rotation about y", "rotation about z"]),
-        (("ux", "uy", "uz", "rx", "ry"), ["rotation about z through (0, 0, 0)"]),
         (("uy", "uz", "rx", "ry", "rz"), ["translation along x"]),
     ],
 )
@@ -149,7 +147,7 @@ def test_too_few_elements_for_the_supports():
 
 
 def test_hanging_pendulum_has_an_equilibrium():
-    """Its weight holds the swing; the free spin of a ball joint about the rod's own axis is neutral and named."""
+    """Its weight holds the swing; the free spin of a ball joint about the rod's own axis is neutral."""
     section = vr.StiffnessSection([1e3, 1e3, 1e3, 1, 1, 1], [1, 1, 1, 1e-2, 1e-2, 2e-2])
     model = vr.Model()
     model.add("rod", vr.Rod.straight((0, 0, 0), (0, 0, -1), section=section, elements=2, order=3))
@@ -158,8 +156,9 @@ def test_hanging_pendulum_has_an_equilibrium():
     assert model.equilibrium().displacement("rod.end") == pytest.approx([0, 0, -0.005], abs=1e-9)
     model.supports.clear()
     model.pin("rod.start")
+    assert model.equilibrium().displacement("rod.end") == pytest.approx([0, 0, -0.005], abs=1e-9)
     with pytest.raises(vr.InputError, match="rotation about z") as error:
-        model.equilibrium()
+        model.equilibrium(search=False)
     assert "rotation about x" not in str(error.value)
 
 

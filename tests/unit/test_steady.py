@@ -109,10 +109,10 @@ REFUSED = {
         {"spin": (0, 0, 1.0), "centre": (0, 1, 0), "formulation": "intrinsic"},
         "pin at beam.start: off the axis",
     ),
-    "other mesh": (
+    "start at rest": (
         rod,
         {"spin": 1.0, "start": vr.Model.equilibrium(changed(rod("clamp"), lambda m: m.clamp("beam@0.3")))},
-        "start: it has",
+        "start: its last state does not turn",
     ),
     "resting start": (rod, {"spin": 1.0, "start": vr.Model.equilibrium(rod("clamp"))}, "does not turn"),
     "no result": (rod, {"spin": 1.0, "start": 3}, "give a result"),

@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
+from typing import Annotated, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
 from viscorod.errors import InputError
 from viscorod.model.fields.arguments import given
@@ -25,11 +25,6 @@ from viscorod.solve.settings import (
     SimulateSettings,
     SteadySettings,
 )
-
-if TYPE_CHECKING:
-    from viscorod.results.result import Result
-else:
-    Result = Any  # results are imported when something is computed
 
 __all__ = [
     "CallOptions",
@@ -56,7 +51,6 @@ class CallOptions:
         stop: asked regularly; a reason that it returns ends the computation.
         folder: where the states of a motion go as they come; None keeps them in memory.
         resume: go on with the motion that was stopped in that folder.
-        start: a result whose last state is the first guess of a steady rotation.
         attributes: of the result, beside those that all have, such as the text of its case file.
     """
 
@@ -65,7 +59,6 @@ class CallOptions:
     stop: Callable[[], str] | None = None
     folder: Path | None = None
     resume: bool = False
-    start: Result | None = None
     attributes: dict[str, str] = field(default_factory=dict)
 
 
@@ -144,10 +137,6 @@ class CoSimulationArguments(CoSimulationSettings, Titled):
 
 class SteadyArguments(SteadySettings, Watched):
     """Arguments of ``Model.steady``."""
-
-    start: Annotated[Result | None, Accepts(None, "a result")] = Key(
-        "a result whose last state is the first guess", default=None, kw_only=True
-    )
 
 
 def takes(arguments: Callable[P, A]) -> Callable[[Callable[[M, A], R]], Callable[Concatenate[M, P], R]]:

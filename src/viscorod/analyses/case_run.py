@@ -14,6 +14,7 @@ from viscorod.analyses.equilibrium import equilibrium
 from viscorod.analyses.model import Model
 from viscorod.analyses.motion import motion
 from viscorod.analyses.path import equilibrium_path
+from viscorod.analyses.refinement import refined, refined_motion
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
@@ -28,10 +29,9 @@ __all__ = ["as_model", "discretised_case", "run_case"]
 ANALYSES: dict[type, Callable[[DiscreteModel, Any], Run | Equilibrium | Steady]] = {
     EquilibriumSettings: equilibrium,
     PathSettings: equilibrium_path,
-    SimulateSettings: motion,
     SteadySettings: steady_rotation,
 }
-"""The analysis of each kind of settings."""
+"""The analysis of each kind of settings, beside that of motions."""
 
 
 def discretised_case(case: Case) -> DiscreteModel:
@@ -77,7 +77,10 @@ def run_case(
         stop=stop,
     )
     discrete = discrete.renewed(options, {"doubts": json.dumps(list(doubts))})
-    return ANALYSES[type(case.settings)](discrete, case.settings)
+    settings = case.settings
+    if isinstance(settings, SimulateSettings):
+        return refined_motion(motion, discrete, settings)
+    return refined(ANALYSES[type(settings)], discrete, settings)
 
 
 def as_model(description: ModelDescription) -> Model:

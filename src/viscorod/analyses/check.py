@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.discrete import DiscreteModel, named
 from viscorod.model.bodies.body_base import AnyBody
 from viscorod.model.connections.joint_base import AnyJoint, ResolvedJoint
 from viscorod.model.connections.spring import AnySpring, ResolvedSpring
@@ -47,7 +47,9 @@ class CheckReport:
         bodies: name, mass [kg], principal inertia [kg m^2] of every rigid body.
         joints: name, kind, places, motions that are free or driven, where it is and its gap [m] in the reference shape.
         springs: name, kind, places, motions with stiffness and damping.
-        frequencies: of the first small vibrations about the unloaded shape [Hz]; damping_ratios: of the same.
+        frequencies: of the first small vibrations about the unloaded shape [Hz], rigid motions left out;
+            damping_ratios, mode_names: of the same.
+        rigid_motions: motions that nothing resists, in words.
         warnings: doubts, one sentence each.
         nodes, unknowns: size of the discretised model; conditions: number of those that joints and held strains make.
         linear_solver: how its linear systems are factorised.
@@ -63,6 +65,8 @@ class CheckReport:
     nodes: int
     unknowns: int
     linear_solver: str
+    mode_names: tuple[str, ...] = ()
+    rigid_motions: tuple[str, ...] = ()
     bodies: list[dict[str, object]] = field(default_factory=list)
     joints: list[dict[str, object]] = field(default_factory=list)
     springs: list[dict[str, object]] = field(default_factory=list)
@@ -87,18 +91,16 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
     state = State.reference(problem)
     n = problem.size
     linear = linearise(solver, state, scale=0.0)
-    undamped = natural_frequencies(linear, 4 * MODES)
-    rigid = int(np.count_nonzero(undamped == 0.0))
-    # a rigid motion is two modes of frequency 0
-    modes = complex_modes(solver, state, linear, MODES + 2 * rigid)
-    lowest = float(undamped[undamped > 0.0].min(initial=np.inf)) / (2.0 * np.pi)
-    moving = modes.frequencies > 1e-3 * lowest
-    frequencies, ratios = modes.frequencies[moving][:MODES], modes.damping_ratios[moving][:MODES]
+    modes = complex_modes(solver, state, linear, MODES + linear.rigid)
+    rigid = modes.rigid
+    frequencies = modes.frequencies[rigid:]
     return CheckReport(
         rods=[_rod_row(problem, name, rod) for name, rod in model.rods.items()],
         sections=[row for name, rod in model.rods.items() for row in _section_rows(name, rod)],
         frequencies=frequencies,
-        damping_ratios=ratios,
+        damping_ratios=modes.damping_ratios[rigid:],
+        mode_names=modes.names[rigid:],
+        rigid_motions=modes.names[:rigid],
         warnings=_doubts(model, problem, frequencies, settled=True),
         nodes=n,
         unknowns=6 * n - int(problem.supports.fixed.sum()),
@@ -125,7 +127,9 @@ def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
     """
     linear = linearise(discrete.static, State.reference(discrete.problem), scale=0.0)
     frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
-    flies = isinstance(settings, SimulateSettings) and settings.initial == "reference"
+    flies = isinstance(settings, SimulateSettings) and (
+        settings.initial == "reference" or settings.start is not None
+    )
     settled = not (flies or isinstance(settings, SteadySettings))
     return _doubts(discrete.model, discrete.problem, frequencies[frequencies > 0.0], settled=settled)
 
@@ -135,9 +139,9 @@ def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, s
     warnings = [text for name, rod in model.rods.items() for text in _rod_warnings(name, rod)]
     free = free_motions(problem) if settled else []
     if free:
-        motions = "; ".join(motion.text for motion in free)
         warnings.append(
-            f"nothing holds the model against {motions}: no static equilibrium under loads that drive them"
+            f"nothing holds the model against {named(free)}: loads may hold it, such as the weight of a pendulum, in "
+            "another position than the reference shape"
         )
     return warnings + _speed_warnings(model, frequencies)
 
@@ -163,7 +167,7 @@ def _assumptions(model: ModelDescription) -> list[str]:
     """Return what was assumed of the damping; the same of several rods once."""
     rods: dict[str, list[str]] = {}
     for name, rod in model.rods.items():
-        for text in rod.material.assumptions if rod.material is not None else ():
+        for text in rod.assumptions:
             rods.setdefault(text, []).append(name)
     return [
         f"{'rod' if len(names) == 1 else 'rods'} {some_of(names)}: {text}" for text, names in rods.items()

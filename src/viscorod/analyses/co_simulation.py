@@ -52,7 +52,7 @@ class CoSimulation:
         discrete.require_independent()
         self.settings = settings
         self._discrete, self._wrenches = discrete, wrenches
-        state = initial_state(discrete, settings)
+        state, _ = initial_state(discrete, settings)
         integrator, control, self._chosen = stepping(discrete, settings, state)
         self._transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)
         self._reader = StationReader(discrete.problem)

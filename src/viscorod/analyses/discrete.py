@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,25 +14,28 @@ import numpy as np
 from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.modal_damping import with_known_times
 from viscorod.analyses.provenance import material_record, provenance
-from viscorod.errors import InputError
+from viscorod.errors import Fault, InputError
 from viscorod.mechanics.compilation.compiled import announce_compilation, announce_formulation
 from viscorod.mechanics.elements import geometric_element as geometric
 from viscorod.mechanics.elements.held_strains import add_held_strains
 from viscorod.mechanics.elements.maxwell_branches import remember
 from viscorod.mechanics.joints.joint_forces import joint_forces
+from viscorod.model.actions.initial_strain import RestStrain
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
 from viscorod.results.result_places import ResultPlace, ResultPlaces
 from viscorod.solve.constraints.redundancy import require_independent
-from viscorod.solve.constraints.rigid_motions import free_motions, undetermined
+from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions, undetermined
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import History
 from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.problem.division import Divisions
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.settings import AnySettings, SimulateSettings
+from viscorod.solve.refinement.mesh_watch import MeshWatch
+from viscorod.solve.settings import AnySettings, EquilibriumSettings, PathSettings, SimulateSettings
 from viscorod.solve.settings_checks import require_fit
 from viscorod.solve.statics.newton import NewtonReport
 from viscorod.solve.statics.static_solver import StaticSolver
@@ -40,7 +44,56 @@ from viscorod.solve.transient.integrators.contract import StepReport
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["DiscreteModel"]
+__all__ = ["DiscreteModel", "named", "unheld"]
+
+IMPOSED = (
+    "the initial strains (strain, [[strains]]) are imposed as rest strains, at which rods are free of stress; write "
+    "rest_strain, [[rest_strains]], for what stays in motions and modes too"
+)
+
+
+MOST_NAMED = 6
+"""Free motions that a message names."""
+
+
+def named(motions: list[FreeMotion]) -> str:
+    """Name the first of some free motions, and count the others."""
+    more = len(motions) - MOST_NAMED
+    text = "; ".join(motion.text for motion in motions[:MOST_NAMED])
+    return f"{text} and {more} more motions" if more > 0 else text
+
+
+def unheld(motions: list[FreeMotion], why: str = "") -> InputError:
+    """Return the refusal of a static solution that leaves motions free."""
+    return InputError(
+        f"no static equilibrium: nothing holds the model against {named(motions)}{f' ({why})' if why else ''}. "
+        "Add supports, or take the reference shape (initial = 'reference' of a simulation, "
+        "about = 'reference' of modes)"
+    )
+
+
+def with_strains_at_rest(model: ModelDescription) -> ModelDescription:
+    """Return the model with its initial strains as rest strains: nothing else could keep them in statics.
+
+    Raises:
+        InputError: a rod has both.
+    """
+    taken = {strain.rod for strain in model.rest_strains}
+    faults = [
+        Fault(
+            f"strains[{index}].rod",
+            repr(strain.rod),
+            "in statics an initial strain is imposed as a rest strain, and the rod has one already",
+            "leave one of them out",
+        )
+        for index, strain in enumerate(model.strains)
+        if strain.rod in taken
+    ]
+    if faults:
+        raise InputError(faults)
+    rest = [*model.rest_strains, *(RestStrain(strain.rod, strain.value) for strain in model.strains)]
+    parts: dict[str, Any] = model.parts() | {"strains": [], "rest_strains": rest}
+    return type(model).of(**parts)
 
 
 @dataclass(frozen=True)
@@ -55,6 +108,7 @@ class DiscreteModel:
         static: finds equilibria.
         attributes: of every result: where it comes from and what its materials are.
         options: of the present call.
+        watch: estimates what the mesh makes wrong.
         began: when the computation did, on the clock of ``time.perf_counter``.
     """
 
@@ -66,6 +120,7 @@ class DiscreteModel:
     static: StaticSolver
     attributes: dict[str, str]
     options: CallOptions
+    watch: MeshWatch
     began: float
 
     @classmethod
@@ -95,8 +150,12 @@ class DiscreteModel:
         if isinstance(settings, SimulateSettings):
             require_fit(model, settings)
             formulation = formulation or (settings.formulation, settings.damping)
+        notes: dict[str, str] = {}
+        if isinstance(settings, EquilibriumSettings | PathSettings) and model.strains:
+            model = with_strains_at_rest(model)
+            notes["warnings"] = json.dumps([IMPOSED])
         known = with_known_times(model)
-        attributes = provenance(model, options.title, options.attributes) | material_record(known)
+        attributes = provenance(model, options.title, options.attributes) | material_record(known) | notes
         problem = discretise(known, validated=validated)
         announce_compilation(geometric.assemble)
         if problem.constrained:
@@ -115,9 +174,9 @@ class DiscreteModel:
         options: CallOptions,
     ) -> DiscreteModel:
         system, supports = FORMULATIONS[formulation].make(problem), SupportState(problem)
-        static = StaticSolver(system, supports)
+        static, watch = StaticSolver(system, supports), MeshWatch(model, problem, system)
         began = time.perf_counter()
-        return cls(model, problem, formulation, system, supports, static, attributes, options, began)
+        return cls(model, problem, formulation, system, supports, static, attributes, options, watch, began)
 
     def renewed(self, options: CallOptions, attributes: dict[str, str]) -> DiscreteModel:
         """Return the same problem with solvers that have not been used: they keep stresses from one use to the next.
@@ -128,6 +187,13 @@ class DiscreteModel:
         """
         return self._begun(self.model, self.problem, self.formulation, self.attributes | attributes, options)
 
+    def on_mesh(self, divisions: Divisions) -> DiscreteModel:
+        """Return the same model with its rods divided otherwise."""
+        problem = discretise(self.model, validated=True, divisions=divisions)
+        stored = {name: (division.order, division.ends.tolist()) for name, division in divisions.items()}
+        attributes = self.attributes | {"divisions": json.dumps(stored)}
+        return self._begun(self.model, problem, self.formulation, attributes, self.options)
+
     def require_independent(self) -> None:
         """Refuse conditions that others imply already: joints, held strains and supports that hold the same.
 
@@ -136,26 +202,31 @@ class DiscreteModel:
         """
         require_independent(self.system, self.supports)
 
-    def require_held(self, loads: LoadState) -> None:
+    def require_held(self, loads: LoadState, *, searching: bool = False) -> list[FreeMotion]:
         """Refuse a static solution if supports and loads leave a rigid motion undetermined.
+
+        Args:
+            loads: that act.
+            searching: let rotations and mechanisms pass that loads may hold in another position.
+
+        Returns:
+            These motions.
 
         Raises:
             InputError: they do; it names the motion.
         """
         motions = free_motions(self.problem)
         if not motions:
-            return
+            return []
         self.system.assemble(State.reference(self.problem), loads, None, tangent=True, moving=False)
         size = 6 * self.problem.size
         stiffness = self.system.matrix.sparse()[:size, :size]
         loose = undetermined(self.problem, self.system.external, stiffness, motions)
+        if searching and self.system.external.any() and not any(motion.translation for motion in loose):
+            return loose
         if loose:
-            raise InputError(
-                "no static equilibrium: nothing holds the model against "
-                f"{'; '.join(motion.text for motion in loose)}. "
-                "Add supports, or take the reference shape (initial = 'reference' of a simulation, "
-                "about = 'reference' of modes)"
-            )
+            raise unheld(loose)
+        return []
 
     def place(self, name: str) -> ResultPlace:
         """Return a place by its name, before there is a data set.
@@ -184,14 +255,26 @@ class DiscreteModel:
         complete = self.complete(attrs)
         return partial(dataset, kind, self.problem, self.system.gauss_positions(), history, complete)
 
+    @property
+    def _energy_scale(self) -> float:
+        """Elastic energy [J] at a strain of one; if all strains are held, that whose round-off loads on them make."""
+        problem = self.problem
+        elastic = problem.length * max(float(s.stiffness.max()) for s in problem.sets)
+        if elastic > 0.0:
+            return elastic
+        loads = self.static.loads.at(0.0)
+        weight = float(np.abs(loads.gravity).max()) * float(problem.mass[:, 0, 0].sum())
+        return (
+            1e12 * problem.length * (weight + float(np.abs(loads.dead).sum() + np.abs(loads.following).sum()))
+        )
+
     def complete(self, attrs: dict[str, Any]) -> dict[str, Any]:
         """Return the attributes of a data set, with those that all have."""
         return (
             {
                 "message": "",
                 "scale_length": self.problem.length,
-                "energy_scale": self.problem.length
-                * max(float(s.stiffness.max()) for s in self.problem.sets),
+                "energy_scale": self._energy_scale,
                 "wall_time_s": time.perf_counter() - self.began,
             }
             | self.attributes

@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import time
 from typing import Any
 
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.errors import SolveError
+from viscorod.analyses.equilibrium_search import Search
+from viscorod.analyses.start_state import StartState
+from viscorod.analyses.static_stages import stages_of
+from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.run import Equilibrium
-from viscorod.solve.constraints.rigid_motions import free_motions
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import EnergyAccount, History, Snapshot
 from viscorod.solve.settings import EquilibriumSettings
+from viscorod.solve.start import Start
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.statics.stability import stability_attributes, stability_of
-from viscorod.solve.statics.static_solver import StaticPath
+from viscorod.solve.statics.stability import stability_attributes
+from viscorod.solve.statics.stage import Stage, begin_at, begin_stage, end_stages
 
-__all__ = ["equilibrium", "find_initial_equilibrium"]
+__all__ = ["equilibrium", "equilibrium_near", "find_initial_equilibrium", "require_no_initial_strain"]
 
 PATIENCE = 10.0
 """Seconds between two lines about an initial equilibrium: a motion shows no progress before it has begun."""
@@ -27,59 +31,202 @@ def equilibrium(discrete: DiscreteModel, settings: EquilibriumSettings) -> Equil
     """Find the equilibrium at ``load_factor`` times the loads just before t = 0; see ``Model.equilibrium``."""
     discrete.static.stop = discrete.options.stop
     discrete.require_independent()
-    stops, options = settings.stops, discrete.options
-    factor, chosen = stops[-1], bool(settings.load_factors or settings.load_steps)
-    discrete.require_held(discrete.static.loads.at(0.0, True, factor))
-    state = State.reference(discrete.problem)
-    history = History()
-    last = 0.0
+    return _Equilibrium(discrete, settings).found()
 
-    def record(reached: float, iterations: int) -> None:
+
+class _Equilibrium:
+    """Finds an equilibrium, stage by stage, and keeps the record."""
+
+    def __init__(self, discrete: DiscreteModel, settings: EquilibriumSettings) -> None:
+        self.discrete, self.settings = discrete, settings
+        self.history = History()
+        self.searches: list[Search] = []
+        self.ends: list[int] = []  # states at the ends of stages
+        self.stages = stages_of(discrete, settings)
+        self.notes: list[str] = []
+        self._last = 0.0
+
+    def found(self) -> Equilibrium:
+        """Return the equilibrium.
+
+        Raises:
+            InputError: nothing holds the model. SolveError: none was found.
+        """
+        state, staged = self._begin()
+        steps = self.settings.load_steps or 1
+        stops = tuple(k / steps for k in range(1, steps + 1)) if staged else self.settings.stops
+        self._kept = stops if self.settings.load_steps or self.settings.load_factors else None
+        factor = stops[-1]
+        for number, stage in enumerate(self.stages):
+            if staged and number > 0:
+                begin_stage(self.discrete.static, stage, self.stages[number - 1], 0.0, True)
+            search = self._search(factor, number)
+            kept = self.history.count
+            done = search.run(state, stops=stops[:-1], on_step=self._on_step)
+            if not done:
+                raise SolveError(search.failure(), self._part(search))
+            if search.settled:
+                self._forget(kept, stops)
+                self._record(factor, state, search.iterations)
+            self.ends.append(self.history.count - 1)
+        watch = self.discrete.watch
+        if staged and watch.feasible:
+            begin_stage(watch.finer.static, self.stages[-1], None, 0.0, True)
+        watch.see(self.history.snapshots[-1], factor)
+        found = {"found_by": self._found_by()} | stability_attributes(search.stability)
+        return self._result(Outcome.COMPLETED, found | watch.attributes)
+
+    def _forget(self, kept: int, stops: tuple[float, ...]) -> None:
+        """Forget the load steps to an equilibrium that is not the result; those that were asked for stay."""
+        if self._kept is not None:
+            wanted = len(stops) - 1
+            there = self.history.count - kept
+            if there < wanted:
+                passed = ", ".join(f"{stop:g}" for stop in stops[there:-1])
+                self.notes.append(
+                    f"no load steps led to the load factors {passed}: they are not among the states"
+                )
+            kept += min(there, wanted)
+        self.history.truncate(kept)
+        self._last = self.history.instant[-1] if kept else 0.0
+
+    def _begin(self) -> tuple[State, bool]:
+        """Return the state to begin from, and whether motions and loads go by stages."""
+        discrete, settings = self.discrete, self.settings
+        if settings.start is not None:
+            start = StartState(discrete, settings.start)
+            self.notes, self.origin = start.notes, start.label
+            begin_at(discrete.static, self.stages[0], start.state, 0.0, True)
+            return start.state, True
+        self.origin = "the reference shape"
+        state = State.reference(discrete.problem)
+        if settings.stages:
+            begin_stage(discrete.static, self.stages[0], None, 0.0, True)
+        return state, bool(settings.stages)
+
+    def _search(self, factor: float, number: int) -> Search:
+        """Return the search of a stage; what nothing holds is refused."""
+        discrete, allowed = self.discrete, self.settings.search
+        search = Search(discrete, factor, allowed=allowed)
+        search.origin = self.origin if number == 0 else f"the end of stage {number}"
+        from_reference = number == 0 and self.settings.start is None
+        if from_reference or allowed:
+            loose = discrete.require_held(discrete.static.loads.at(0.0, True, factor), searching=allowed)
+            search.loose = loose if from_reference else []
+        self.searches.append(search)
+        return search
+
+    def _on_step(self, reached: float, state: State, iterations: int) -> None:
+        """Keep a load step, or only those that were asked for."""
+        self._reached = reached, iterations
+        if self._kept is None or reached in self._kept:
+            self._record(reached, state, iterations)
+
+    def _record(self, reached: float, state: State, iterations: int) -> None:
+        discrete, progress = self.discrete, self.discrete.options.progress
+        if len(self.stages) > 1 or self.settings.start is not None:
+            reached = self.settings.load_factor * (len(self.searches) - 1 + reached) / len(self.stages)
         account = EnergyAccount(elastic=discrete.system.elastic_energy())
         snapshot = Snapshot.of(state, discrete.system, discrete.supports)
-        step = reached - (history.instant[-1] if history.instant else 0.0)
-        history.record(reached, snapshot, account, step, iterations)
+        self.history.record(reached, snapshot, account, reached - self._last, iterations)
+        if progress is not None:
+            progress(reached, reached - self._last)
+        self._last = reached
 
-    def on_step(reached: float, state: State, iterations: int) -> None:
-        del state
-        nonlocal last
-        if not chosen or reached in stops:
-            record(reached, iterations)
-        if options.progress is not None:
-            options.progress(reached, reached - last)
-        last = reached
+    def _found_by(self) -> str:
+        if len(self.searches) == 1:
+            return self.searches[0].found_by
+        return "; ".join(f"stage {k}: {search.found_by}" for k, search in enumerate(self.searches, 1))
 
-    path = discrete.static.solve(state, factor=factor, stops=stops[:-1], on_step=on_step)
-    if path.factors and (not history.instant or history.instant[-1] != path.factors[-1]):
-        record(path.factors[-1], path.iterations[-1])
-    attrs: dict[str, Any] = {
-        "outcome": path.outcome.name.lower(),
-        "steps": len(path.factors),
-        "iterations": sum(path.iterations) + path.wasted,
-        "factorisations": sum(path.iterations) + path.wasted,
-        "rejected": path.rejected,
-        "linear_solver": discrete.problem.plan.description,
-    }
-    if path.outcome is not Outcome.COMPLETED:
-        attrs["message"] = _failure(discrete, path)
-        found = Equilibrium.later(discrete.data_set("equilibrium", history, attrs)) if path.factors else None
-        raise SolveError(attrs["message"], found)
-    attrs |= stability_attributes(stability_of(discrete.static, state, scale=factor))
-    return Equilibrium.later(discrete.data_set("equilibrium", history, attrs))
+    def _part(self, search: Search) -> Equilibrium | None:
+        """Return what was found up to a failure."""
+        if self.history.count == 0:
+            return None
+        return self._result(search.steps.outcome, {"message": search.failure()})
+
+    def _result(self, outcome: Outcome, more: dict[str, Any]) -> Equilibrium:
+        searches, discrete = self.searches, self.discrete
+        effort = sum(search.iterations for search in searches)
+        warnings = json.loads(discrete.attributes.get("warnings", "[]")) + self.notes
+        attrs: dict[str, Any] = {
+            "outcome": outcome.name.lower(),
+            "steps": sum(search.count for search in searches),
+            "iterations": effort,
+            "factorisations": effort,
+            "rejected": sum(0 if search.settled else search.steps.rejected for search in searches),
+            "linear_solver": discrete.problem.plan.description,
+            "warnings": json.dumps(warnings + [doubt for search in searches for doubt in search.doubts]),
+        } | more
+        if len(self.stages) > 1:
+            attrs["stage_ends"] = json.dumps(self.ends)
+        return Equilibrium.later(discrete.data_set("equilibrium", self.history, attrs))
 
 
-def find_initial_equilibrium(discrete: DiscreteModel, state: State, *, before: bool = True) -> None:
-    """Move ``state`` to the equilibrium just before or after t = 0; the reference shape itself if nothing acts.
+def require_no_initial_strain(discrete: DiscreteModel) -> None:
+    """Refuse initial strains where no motion begins with them.
+
+    Raises:
+        InputError: the model has initial strains.
+    """
+    if discrete.problem.initial_strain:
+        raise InputError(
+            Fault(
+                "strains",
+                str(len(discrete.problem.initial_strain)),
+                "initial strains are those of a motion at t = 0, and no equilibrium",
+                "give a rest strain (rest_strain, [[rest_strains]]) if rods are free of stress at it, leave them out, "
+                "or take the reference shape (about = 'reference' of modes)",
+            )
+        )
+
+
+def equilibrium_near(
+    discrete: DiscreteModel, start: Start, *, own_factor: bool = False
+) -> tuple[State, float]:
+    """Return the equilibrium just before t = 0 that is found from an earlier result, and its load factor.
+
+    Args:
+        discrete: the model; start: the earlier result.
+        own_factor: loads and motions have the load factor of the earlier result (1 for a motion), else 1.
+
+    Raises:
+        InputError: it is no result of this model, or nothing holds the model.
+        SolveError: there is no such equilibrium.
+    """
+    require_no_initial_strain(discrete)
+    found = StartState(discrete, start)
+    factor = found.load_factor if own_factor else None
+    factor = 1.0 if factor is None else factor
+    whole = Stage.whole(discrete.static, len(discrete.model.loads), factor)
+    begin_at(discrete.static, whole, found.state, 0.0, True)
+    discrete.require_held(discrete.static.loads.at(0.0, True), searching=True)
+    search = Search(discrete, origin=found.label)
+    done = search.run(found.state)
+    end_stages(discrete.static)
+    if not done:
+        raise SolveError(f"No equilibrium was found from {found.label}. {search.failure()}")
+    discrete.static.restore(found.state, 0.0, before=True, scale=factor)
+    return found.state, factor
+
+
+def find_initial_equilibrium(discrete: DiscreteModel, state: State, *, before: bool = True) -> Search | None:
+    """Move ``state`` to the equilibrium just before or after t = 0.
+
+    Returns:
+        how it was found; None where nothing acts and the reference shape is the equilibrium.
 
     Raises:
         InputError: nothing holds the model. SolveError: there is no such equilibrium.
     """
+    require_no_initial_strain(discrete)
     discrete.supports.update(0.0, before)
     loads = discrete.static.loads.at(0.0, before)
     strained = discrete.system.constraints.is_strained(state, 0.0, before=before)
-    if loads.none and not discrete.supports.target.any() and not strained:
-        return
-    discrete.require_held(loads)
+    resting = not discrete.problem.rest_strain
+    if resting and loads.none and not discrete.supports.target.any() and not strained:
+        return None
+    search = Search(discrete, before=before)
+    search.loose = discrete.require_held(loads, searching=True)
     last = time.perf_counter()
 
     def on_step(reached: float, *_: Any) -> None:
@@ -90,24 +237,6 @@ def find_initial_equilibrium(discrete: DiscreteModel, state: State, *, before: b
                 "viscorod: looking for the initial equilibrium, %.3g of the loads reached", reached
             )
 
-    path = discrete.static.solve(state, before=before, on_step=on_step)
-    if path.outcome is not Outcome.COMPLETED:
-        raise SolveError(f"The initial equilibrium was not found. {_failure(discrete, path)}")
-
-
-def _failure(discrete: DiscreteModel, path: StaticPath) -> str:
-    reached = path.factors[-1] if path.factors else 0.0
-    if path.outcome is Outcome.INTERRUPTED:
-        return f"Stopped at {reached:.6g} of the loads (trying {path.load_level:.6g}): {path.reason}"
-    assert path.report is not None
-    text = (
-        f"No equilibrium beyond {reached:.6g} of the loads (tried {path.load_level:.6g}): {path.outcome.value}."
-        f"{discrete.where(path.report)} What to try: {path.outcome.advice(static=True)}."
-    )
-    gaps = discrete.system.constraints.open_joints(1.0 - reached)
-    if gaps:
-        text += f" Joints that are open in the reference shape could not be closed; still open: {', '.join(gaps)}."
-    free = free_motions(discrete.problem)
-    if free:
-        text += f" Free rigid motions: {', '.join(motion.text for motion in free)}."
-    return text
+    if not search.run(state, on_step=on_step):
+        raise SolveError(f"The initial equilibrium was not found. {search.failure()}")
+    return search

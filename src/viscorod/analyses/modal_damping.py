@@ -7,7 +7,6 @@ from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
-import scipy.linalg
 from scipy import sparse
 
 from viscorod.errors import Fault, InputError
@@ -26,7 +25,10 @@ from viscorod.model.sections.stiffness_section import STRAINS
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
-from viscorod.solve.modes.vibrations import DENSE, Linearisation, linearise
+from viscorod.solve.modes.damped import CLOSE
+from viscorod.solve.modes.linearisation import Linearisation, linearise
+from viscorod.solve.modes.mode_names import StrainEnergies
+from viscorod.solve.modes.undamped import undamped_modes
 from viscorod.solve.problem import problem as discrete
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.statics.static_solver import StaticSolver
@@ -35,9 +37,6 @@ from viscorod.typing import Floats
 __all__ = ["with_known_times"]
 
 M = TypeVar("M", bound=ModelDescription)
-
-CLOSE = 1e-6
-"""Relative distance of frequencies below which modes are taken as one space, such as bending of a square section."""
 
 
 def with_known_times(model: M) -> M:
@@ -64,7 +63,7 @@ def with_known_times(model: M) -> M:
     for column, material in enumerate(materials):
         unit = KelvinVoigt(1.0, _wish(material).bulk_to_shear)
         variant = {id(m): m.with_damping(unit if m == material else None) for m in all_pending(model)}
-        damping = _linearised(discretise(with_materials(model, variant))).damping
+        damping = modes.damping(discretise(with_materials(model, variant)))
         slopes[:, column] = [mode.ratio(damping) for mode in chosen]
     slopes -= fixed[:, None]
     targets = np.array([_wish(material).target for material in materials])
@@ -156,18 +155,29 @@ class _Mode:
         return float(self.shape @ (damping @ self.shape)) / (4.0 * np.pi * self.hertz)
 
 
-def _linearised(problem: discrete.Problem) -> Linearisation:
+def _linearised(problem: discrete.Problem) -> tuple[StaticSolver, Linearisation]:
     solver = StaticSolver(GeometricSystem(problem), SupportState(problem))
-    return linearise(solver, State.reference(problem), scale=0.0).unconditional()
+    return solver, linearise(solver, State.reference(problem), scale=0.0)
 
 
 class _Modes:
-    """The slowest undamped vibrations about the unloaded reference shape."""
+    """The slowest undamped vibrations about the unloaded reference shape, rigid motions left out."""
 
     def __init__(self, problem: discrete.Problem) -> None:
-        self.problem = problem
-        self.linear = _linearised(problem)
-        self.omega, self.shapes = _vibrations(self.linear, 2 * MOST_MODES)
+        solver, linear = _linearised(problem)
+        found = undamped_modes(linear, 2 * MOST_MODES)
+        self.linear = found.linear
+        self.energies = StrainEnergies(solver.system, State.reference(problem), self.linear)
+        vibrating = np.flatnonzero(found.squares > 0.0)[: 2 * MOST_MODES]
+        squares = found.squares[vibrating]
+        self.omega = np.sqrt(squares)
+        self.shapes = self.energies.principal(found.shapes[:, vibrating], squares)
+        self.kinds = self.energies.kinds(self.shapes)
+
+    def damping(self, problem: discrete.Problem) -> sparse.csr_array:
+        """Return the damping matrix of another problem that differs in damping alone, in the same motions."""
+        linear = _linearised(problem)[1]
+        return (linear.unconditional() if self.linear.gradients is None else linear).damping
 
     def find(self, wish: MeasuredDamping, where: str) -> _Mode:
         """Return the mode that is meant.
@@ -175,7 +185,7 @@ class _Modes:
         Raises:
             InputError: there is no such rod or mode.
         """
-        rods = self.problem.rods
+        rods = self.energies.rods
         if wish.rod is not None and wish.rod not in rods:
             hint = did_you_mean(wish.rod, rods)
             raise InputError(
@@ -187,11 +197,13 @@ class _Modes:
                 )
             )
         word, _, count = wish.mode.rpartition(" ") if isinstance(wish.mode, str) else ("", "", str(wish.mode))
-        found: list[_Mode] = []
-        for first, last in self._spaces():
-            found += self._mostly(word, wish.rod, first, last)
-            if len(found) >= int(count):
-                return self._named(found[int(count) - 1])
+        if wish.rod is None:
+            every = enumerate(zip(self.kinds, self.omega, self.shapes.T, strict=True), 1)
+            found = [_Mode(k, w / (2.0 * np.pi), x) for k, (kind, w, x) in every if not word or kind == word]
+        else:
+            found = [mode for a, b in self._spaces() for mode in self._mostly(word, wish.rod, a, b)]
+        if len(found) >= int(count):
+            return self._named(found[int(count) - 1])
         text = f"modes{f' mostly of {word}' if word else ''}{f' in rod {wish.rod}' if wish.rod else ''}"
         raise InputError(
             Fault(
@@ -208,80 +220,19 @@ class _Modes:
         edges = [0, *ends.tolist(), len(self.omega)]
         return [(a, b) for a, b in pairwise(edges) if b > a]
 
-    def _mostly(self, word: str, rod: str | None, first: int, last: int) -> list[_Mode]:
+    def _mostly(self, word: str, rod: str, first: int, last: int) -> list[_Mode]:
         """Return the modes of one frequency that have more than half of their energy in a strain and in a rod."""
-        shapes, hertz = self.shapes[:, first:last], self.omega[first:last] / (2.0 * np.pi)
-        if word or rod is not None:
-            # within one frequency any combination is a mode: those with the largest share, and across them
-            shares, turn = np.linalg.eigh(self._share(shapes, hertz, word, rod))
-            shapes = (shapes @ turn)[:, ::-1]
-            shapes = shapes[:, shares[::-1] > 0.5]
-        return [_Mode(first + k + 1, float(hertz[k]), shape) for k, shape in enumerate(shapes.T)]
-
-    def _share(self, shapes: Floats, hertz: Floats, word: str, rod: str | None) -> Floats:
-        """Return the share of the elastic energy in a strain and a rod, as a quadratic form of the given modes."""
-        part = self._energy(word, rod)
-        form = shapes.T @ (part @ shapes) / (2.0 * np.pi * hertz[:, None]) ** 2
-        total: Floats = 0.5 * (form + form.T)
-        return total
+        shapes, omega = self.shapes[:, first:last], self.omega[first:last]
+        # within one frequency any combination is a mode: those with the largest share, and across them
+        forms = self.energies.forms(shapes, rod)
+        wanted = forms[STRAINS.index(word)] if word else forms.sum(axis=0)
+        shares, turn = np.linalg.eigh(wanted / (omega[:, None] * omega))
+        shapes = (shapes @ turn)[:, ::-1]
+        kept = shapes[:, shares[::-1] > 0.5]
+        return [_Mode(first + k + 1, float(omega[k]) / (2.0 * np.pi), x) for k, x in enumerate(kept.T)]
 
     def _named(self, mode: _Mode) -> _Mode:
         """Return the mode with the strain that has most of its elastic energy."""
-        alone, hertz = mode.shape[:, None], np.array([mode.hertz])
-        shares = [float(self._share(alone, hertz, word, None)[0, 0]) for word in STRAINS]
-        largest = int(np.argmax(shares))
-        return replace(mode, strain=STRAINS[largest].replace("_", " "), share=shares[largest])
-
-    def _energy(self, word: str, rod: str | None) -> sparse.csr_array:
-        """Return the stiffness of one strain and one rod alone (all if not named), for twice the elastic energy."""
-        kept = np.array([not word or strain == word for strain in STRAINS], dtype=float)
-        sets = []
-        for e in self.problem.sets:
-            part = 0.5 * (kept[:, None] * e.stiffness + e.stiffness * kept)
-            inside = np.ones(len(e.rod), dtype=bool) if rod is None else e.rod == self.problem.rods.index(rod)
-            # a second copy of every section, without this part, for the elements of the other rods
-            sets.append(
-                replace(
-                    e,
-                    section=np.where(inside[:, None], e.section, e.section + len(e.stiffness)),
-                    stiffness=np.concatenate([e.stiffness, e.stiffness]),
-                    damping=np.concatenate([part, np.zeros_like(part)]),
-                    held=np.concatenate([e.held, e.held]),
-                    branches=np.concatenate([e.branches, e.branches]),
-                )
-            )
-        # assembled as a damping matrix, beside which joints and springs must have no dampers
-        joints = self.problem.joints
-        with_dampers = _linearised(replace(self.problem, sets=tuple(sets))).damping
-        if not joints.count:
-            return with_dampers
-        none = tuple(replace(e, damping=np.zeros_like(e.damping)) for e in self.problem.sets)
-        return sparse.csr_array(with_dampers - _linearised(replace(self.problem, sets=none)).damping)
-
-
-def _vibrations(linear: Linearisation, count: int) -> tuple[Floats, Floats]:
-    """Return angular frequencies [rad/s] and shapes (size, n) of the slowest undamped vibrations, not rigid ones."""
-    import scipy.sparse.linalg as spla
-
-    K, M = 0.5 * (linear.stiffness + linear.stiffness.T), 0.5 * (linear.mass + linear.mass.T)
-    size = K.shape[0]
-    shift = 1e-10 * float(K.diagonal().sum() / M.diagonal().sum())
-    shifted = sparse.csc_array(K + shift * M)
-    if size <= 2 * DENSE:
-        inverse, shapes = scipy.linalg.eigh(M.toarray(), shifted.toarray())
-    else:
-        # the largest of M x = mu (K + shift M) x, which is definite, are the slowest
-        factor = spla.splu(shifted)
-        solve = spla.LinearOperator((size, size), matvec=factor.solve)
-        inverse, shapes = spla.eigsh(
-            sparse.csc_array(M), min(count + 6, size - 2), shifted, Minv=solve, which="LA"
-        )
-    values = 1.0 / inverse[inverse > 0.0] - shift
-    shapes = shapes[:, inverse > 0.0]
-    order = np.argsort(values)[: count + 6]
-    values, shapes = values[order], shapes[:, order]
-    moving = values > 1e4 * shift
-    # a vibration is slower than a rigid motion's round-off only if its frequency is below 1e-3 of the lowest resolved
-    values, shapes = values[moving][:count], shapes[:, moving][:, :count]
-    norm = np.sqrt(np.einsum("ik,ik->k", shapes, M @ shapes))
-    return np.sqrt(values), shapes / norm
+        forms = self.energies.forms(mode.shape[:, None])[:, 0, 0] / (2.0 * np.pi * mode.hertz) ** 2
+        largest = int(np.argmax(forms))
+        return replace(mode, strain=STRAINS[largest].replace("_", " "), share=float(forms[largest]))

@@ -42,8 +42,9 @@ class Model(ModelDescription):
         """
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.equilibrium import equilibrium
+        from viscorod.analyses.refinement import refined
 
-        return equilibrium(DiscreteModel.of(self, call, call.options), call)
+        return refined(equilibrium, DiscreteModel.of(self, call, call.options), call)
 
     @takes(PathArguments)
     def path(self, call: PathArguments) -> Equilibrium:
@@ -61,8 +62,9 @@ class Model(ModelDescription):
         """
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.path import equilibrium_path
+        from viscorod.analyses.refinement import refined
 
-        return equilibrium_path(DiscreteModel.of(self, call, call.options), call)
+        return refined(equilibrium_path, DiscreteModel.of(self, call, call.options), call)
 
     @takes(SimulateArguments)
     def simulate(self, call: SimulateArguments) -> Run:
@@ -74,8 +76,9 @@ class Model(ModelDescription):
         """
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.motion import motion
+        from viscorod.analyses.refinement import refined_motion
 
-        return motion(DiscreteModel.of(self, call, call.options), call)
+        return refined_motion(motion, DiscreteModel.of(self, call, call.options), call)
 
     @takes(CoSimulationArguments)
     def co_simulation(self, call: CoSimulationArguments) -> CoSimulation:
@@ -104,16 +107,18 @@ class Model(ModelDescription):
             SolveError: none was found, or the search was stopped.
         """
         from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.refinement import refined
         from viscorod.analyses.steady import steady_rotation
 
-        return steady_rotation(DiscreteModel.of(self, call, call.options), call)
+        return refined(steady_rotation, DiscreteModel.of(self, call, call.options), call)
 
     @takes(ModesSettings)
     def modes(self, settings: ModesSettings) -> Modes:
-        """Find the slowest small damped vibrations about an equilibrium or the reference shape.
+        """Find small vibrations about an equilibrium or the reference shape: the slowest, or those near a frequency.
 
         Returns:
-            eigenvalues [1/s], frequencies [Hz], damping ratios, shapes, and the positions about which they swing [m].
+            eigenvalues [1/s], frequencies [Hz], damping ratios, shapes, the positions about which they swing [m], and
+            their names; each with its residual, and whether it is proven that none is missing.
 
         Raises:
             InputError: the model is inconsistent, nothing holds it there, or about or count is wrong.
@@ -121,8 +126,9 @@ class Model(ModelDescription):
         """
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.modes import modes
+        from viscorod.analyses.refinement import refined_modes
 
-        return modes(DiscreteModel.of(self), settings)
+        return refined_modes(modes, DiscreteModel.of(self), settings)
 
     def draw(self, path: str | Path, title: str = "") -> Path:
         """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.

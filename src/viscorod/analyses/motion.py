@@ -11,20 +11,23 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
-from viscorod.errors import InputError, SolveError
+from viscorod.analyses.start_state import StartState
+from viscorod.errors import InputError, SolveError, warn
 from viscorod.mechanics.compilation.compiled import announce_formulation
 from viscorod.mechanics.elements import intrinsic_element as intrinsic
 from viscorod.model.actions.event import Crossing, Decayed
 from viscorod.results.data_schema import AXES, annotated
 from viscorod.results.dataset import dataset
+from viscorod.results.files.journal import contents
 from viscorod.results.files.storage import read
 from viscorod.results.files.stream import Stream
+from viscorod.results.result_warnings import energy_doubt
 from viscorod.results.run import Run
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot, StationReader
 from viscorod.solve.modes import vibrations as small_motion
 from viscorod.solve.problem.initial_shape import strain_rods
-from viscorod.solve.settings import LEAST_TOLERANCE, SimulateSettings
+from viscorod.solve.settings import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.events import (
     CrossingMonitor,
@@ -36,6 +39,7 @@ from viscorod.solve.transient.events import (
 )
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
+from viscorod.solve.transient.motion_scale import PART_OF_MOTION, PartOfMotion, Tolerance
 from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
 from viscorod.solve.transient.time_step import choose_time_step
@@ -47,10 +51,8 @@ if TYPE_CHECKING:
 
 __all__ = ["described", "failure", "initial_state", "motion", "stepping"]
 
-PART_OF_MOTION = 1e-3
-"""Largest tolerance as a part of the displacement from which a free vibration starts."""
-ROUND_OFF = 1e-9
-"""Displacement over the size of the model that is none."""
+REACHED = 1e-6
+"""Distance over the size of the model, or angle, by which a start may miss what supports and joints prescribe."""
 LEAST_STEPS = 10
 """Steps of a run at least, when steps follow the error."""
 STEPS_PER_PERIOD = 6
@@ -82,7 +84,7 @@ def _motion(
     """
     discrete.require_independent()
     options = discrete.options
-    state = initial_state(discrete, settings)
+    state, began_from = initial_state(discrete, settings)
     integrator, control, chosen = stepping(discrete, settings, state)
     transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)
     began = time.perf_counter()
@@ -92,6 +94,7 @@ def _motion(
         return annotated(data, "simulate")
 
     def after_step() -> str:
+        discrete.watch.note(transient.result.history)
         if stream is not None:
             stream.after_step(build, transient.saved)
         return "" if options.stop is None else options.stop()
@@ -111,33 +114,92 @@ def _motion(
         if stream.broken:
             raise InputError(result.reason)
         stream.save(build, transient.saved)
-    attrs = labels | chosen | described(discrete, transient, settings, result.outcome)
+    attrs = (
+        labels
+        | chosen
+        | {"began_from": began_from}
+        | described(discrete, transient, settings, result.outcome)
+    )
     attrs["loop_time_s"] = time.perf_counter() - began
+    if settings.dynamics == "nonlinear":
+        discrete.watch.see_motion(settings.duration)
+        attrs |= discrete.watch.attributes
     attrs["message"] = message = failure(discrete, transient)
     if stream is None:
         run = Run(discrete.data_set("simulate", result.history, attrs)())
+        _tell(run.data.attrs, energy_doubt(run.data))
     else:
         # a motion that was streamed is a file then, with a journal beside it where it can still go on
         stream.flush(build)
+        _tell(attrs, energy_doubt(contents(stream.journal.folder).assign_attrs(attrs)))
         run = Run(read(stream.finish(discrete.complete(attrs), keep=interrupted)))
     if message:
         raise SolveError(message, run)
     return run
 
 
-def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> State:
-    """Return the state that a motion starts from."""
-    state = State.reference(discrete.problem)
-    if discrete.problem.initial_strain:
+def _tell(attrs: dict[str, Any], doubt: str) -> None:
+    """Keep a doubt among the warnings of a result, and show it."""
+    if doubt:
+        attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), doubt])
+        warn(doubt)
+
+
+def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[State, str]:
+    """Return the state that a motion starts from, and what it is in words."""
+    state, text = State.reference(discrete.problem), "the reference shape"
+    if settings.start is not None:
+        found = StartState(discrete, settings.start)
+        state, text = found.state, found.label
+        for note in found.notes:
+            discrete.attributes["doubts"] = json.dumps(
+                [*json.loads(discrete.attributes.get("doubts", "[]")), note]
+            )
+        _require_reached(discrete, state)
+    elif discrete.problem.initial_strain:
         discrete.system.given_strain = strain_rods(discrete.system, state)
+        text = "the initial strains"
     elif settings.initial == "equilibrium":
-        find_initial_equilibrium(discrete, state)
+        search = find_initial_equilibrium(discrete, state)
+        text = "the equilibrium" if search is None else f"the equilibrium, found by {search.found_by}"
     else:
         _require_closed(discrete)
-    state.twist[:] = discrete.problem.initial_twist(state.r, state.q)
+    given = discrete.problem.initial_twist(state.r, state.q)
+    if settings.start is None:
+        state.twist[:] = given
+    elif given.any():
+        raise InputError(
+            "velocities: the motion starts with the velocities of an earlier result; leave the initial velocities out, "
+            "or start"
+        )
     if settings.formulation == "intrinsic":
         announce_formulation(intrinsic.forces_at)
-    return state
+    return state, text
+
+
+def _require_reached(discrete: DiscreteModel, state: State) -> None:
+    """Refuse a start in which supports or motors are not where their motions begin."""
+    supports, constraints, length = discrete.supports, discrete.system.constraints, discrete.problem.length
+    supports.update(0.0)
+    constraints.update(0.0)
+    gaps = np.abs(supports.set.fixed * (supports.measured(state) - supports.target))
+    gaps[supports.set.in_body] = 0.0
+    apart = {
+        name: float(max(gap[:3].max() / length, gap[3:].max()))
+        for name, gap in zip(supports.set.names, gaps, strict=True)
+    }
+    value, _, _ = constraints.measure(state)
+    for c in np.flatnonzero(constraints.is_held):
+        apart[constraints.joints.label(int(c))] = float(
+            abs(value[c] - constraints.target[c]) / constraints.joints.unit[c]
+        )
+    wrong = [name for name, gap in apart.items() if gap > REACHED]
+    if wrong:
+        raise InputError(
+            f"start: {', '.join(wrong[:6])} {'is' if len(wrong) == 1 else 'are'} elsewhere in the earlier result than "
+            "this model prescribes at t = 0; let its motions begin at what they are there, or find the equilibrium "
+            "from there first (equilibrium with start)"
+        )
 
 
 def _require_closed(discrete: DiscreteModel) -> None:
@@ -178,6 +240,11 @@ def described(
         "smallest_step_why": effort.smallest_why,
         "warnings": json.dumps([*json.loads(discrete.attributes.get("doubts", "[]")), *transient.notes]),
     }
+    tolerance = getattr(transient.integrator, "tolerance", None)
+    if tolerance is not None:
+        found["tolerance"] = tolerance if isinstance(tolerance, float) else tolerance.value
+        if isinstance(tolerance, PartOfMotion):
+            found["part_of_motion"] = PART_OF_MOTION
     if settings.events:
         watch = transient.watch
         events = [{"time": t, "event": label} for t, label in zip(watch.times, watch.labels, strict=True)]
@@ -211,9 +278,10 @@ def stepping(
 ) -> tuple[Integrator, StepControl, dict[str, Any]]:
     """Return integrator, step control and what was chosen, by name."""
     method = INTEGRATORS[settings.integrator]
-    tolerance, duration = settings.tolerance, settings.duration
+    duration = settings.duration
+    tolerance: float | Tolerance | None = settings.tolerance
     if tolerance is None and method.tolerance is not None:
-        tolerance = _chosen_tolerance(discrete, state, duration, method.tolerance)
+        tolerance = PartOfMotion(discrete.supports, _small_motions(discrete, settings, state), duration)
     make: Any = method.make_linear if settings.dynamics == "linear" else method.make
     given: dict[str, Any] = dict(method.parameters)
     given |= {name: getattr(settings, name) for name in given if getattr(settings, name) is not None}
@@ -223,7 +291,7 @@ def stepping(
             largest = min(largest, period / STEPS_PER_PERIOD)
         integrator = make(discrete.system, discrete.supports, **given, tolerance=tolerance)
         control: StepControl = ErrorControl(integrator.estimate_order, largest, duration)
-        return integrator, control, given | {"tolerance": tolerance, "largest_step": largest}
+        return integrator, control, given | {"largest_step": largest}
     step = settings.time_step
     if step is None:
         step = choose_time_step(discrete.problem, _frequencies(discrete, settings, state), duration)
@@ -232,21 +300,15 @@ def stepping(
 
 def _frequencies(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Floats:
     """Return the lowest undamped angular frequencies [rad/s] about the state that a motion starts from."""
-    scale = 1.0 if settings.initial == "equilibrium" else 0.0
-    return small_motion.natural_frequencies(small_motion.linearise(discrete.static, state, scale=scale), 16)
+    return small_motion.natural_frequencies(_small_motions(discrete, settings, state), 16)
 
 
-def _chosen_tolerance(discrete: DiscreteModel, state: State, duration: float, usual: float) -> float:
-    """Return the usual tolerance, or less where a free vibration starts so near to rest that it would swallow it."""
-    problem = discrete.problem
-    loads = discrete.static.loads.at(0.0)
-    later = any(0.0 < t < duration for t in problem.breakpoints) or problem.periods
-    if not loads.none or later or discrete.supports.moving or problem.joints.motions or state.twist.any():
-        return usual
-    moved = float(np.linalg.norm(state.r - problem.positions, axis=1).max()) / problem.length
-    if moved < ROUND_OFF:
-        return usual
-    return min(usual, max(PART_OF_MOTION * moved, LEAST_TOLERANCE))
+def _small_motions(
+    discrete: DiscreteModel, settings: SimulateSettings, state: State
+) -> small_motion.Linearisation:
+    """Return small motions about the state that a motion starts from."""
+    scale = 1.0 if settings.initial == "equilibrium" or settings.start is not None else 0.0
+    return small_motion.linearise(discrete.static, state, scale=scale)
 
 
 # --- events

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.equilibrium import equilibrium_near
 from viscorod.errors import InputError, SolveError
 from viscorod.results.data_schema import AXES
 from viscorod.results.run import Equilibrium
@@ -30,12 +31,16 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
     loads = discrete.static.loads.at(0.0, True, 1.0)
     discrete.supports.update(0.0, True)
     reference = State.reference(discrete.problem)
-    strained = discrete.system.constraints.is_strained(reference, 0.0)
+    strained = discrete.problem.rest_strain or discrete.system.constraints.is_strained(reference, 0.0)
     if loads.none and not discrete.supports.target.any() and not strained:
         raise InputError(
-            "no path to follow: no load and no prescribed motion acts at t = 0; add a load without until"
+            "no path to follow: no load, prescribed motion or rest strain acts at t = 0; add a load without until"
         )
-    discrete.require_held(loads)
+    if settings.start is None:
+        discrete.require_held(loads)
+        state, first = reference, 0.0
+    else:
+        state, first = equilibrium_near(discrete, settings.start, own_factor=True)
     history = History()
     last: list[Stability] = []
 
@@ -51,7 +56,8 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
             discrete.options.progress(point.factor, step)
 
     path = PathFollower(discrete.static).follow(
-        reference,
+        state,
+        first=first,
         load_factor=settings.target,
         endings=[_displacement(discrete, settings)] if settings.place is not None else [],
         wanted=settings.load_factors,
@@ -71,6 +77,8 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         "multiplicity": json.dumps(path.multiplicity),
         "flutter_points": json.dumps(path.flutter),
     }
+    discrete.watch.see_path(history, abs(settings.target or 1.0))
+    attrs |= discrete.watch.attributes
     if path.outcome is not Outcome.COMPLETED:
         attrs["message"] = _failure(discrete, path, history)
     found = None

@@ -41,9 +41,7 @@ def material_record(model: ModelDescription) -> dict[str, str]:
     Kelvin-Voigt material stands for, ``extension`` and ``shear`` with ``modulus`` [Pa], ``viscosity`` [Pa s] and the
     Prony series: ``equilibrium`` [Pa], ``moduli`` [Pa], ``times`` [s].
     """
-    sentences = {
-        name: list(rod.material.assumptions) for name, rod in model.rods.items() if rod.material is not None
-    }
+    sentences = {name: list(rod.assumptions) for name, rod in model.rods.items() if rod.assumptions}
     laws = {name: _law(rod) for name, rod in model.rods.items()}
     return {"damping_assumptions": json.dumps(sentences), "damping_laws": json.dumps(laws)}
 

@@ -7,17 +7,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.errors import InputError, SolveError
-from viscorod.results.result import Result
+from viscorod.analyses.equilibrium import require_no_initial_strain
+from viscorod.analyses.start_state import StartState
+from viscorod.errors import SolveError
 from viscorod.results.steady_result import Steady
-from viscorod.solve.formulations.system import State
 from viscorod.solve.history import EnergyAccount, History, Snapshot
-from viscorod.solve.problem.problem import Problem
+from viscorod.solve.modes.damped import REAL
+from viscorod.solve.modes.linearisation import nodal_motions
+from viscorod.solve.modes.mode_names import StrainEnergies, numbered
+from viscorod.solve.modes.vibrations import station_shapes
 from viscorod.solve.settings import SteadySettings
 from viscorod.solve.statics.newton import interruption
 from viscorod.solve.steady.rotation_search import Search
+from viscorod.solve.steady.stability import SLOW
 from viscorod.solve.steady.steady_checks import require_steady
-from viscorod.solve.steady.steady_poses import nodal_state
 from viscorod.solve.steady.steady_rotation import SteadyRotation
 
 if TYPE_CHECKING:
@@ -30,9 +33,10 @@ def steady_rotation(discrete: DiscreteModel, settings: SteadySettings) -> Steady
     """Find a steady rotation; see ``Model.steady``."""
     discrete.static.stop = discrete.options.stop
     discrete.require_independent()
-    problem, start = discrete.problem, discrete.options.start
+    require_no_initial_strain(discrete)
+    problem, start = discrete.problem, settings.start
     require_steady(discrete.model, problem, settings)
-    first = None if start is None else last_state(problem, start)
+    first = None if start is None else StartState(discrete, start).state
     search = Search(discrete.static, settings, first)
     try:
         found = search.run()
@@ -40,31 +44,6 @@ def steady_rotation(discrete: DiscreteModel, settings: SteadySettings) -> Steady
         text = f"Stopped after {search.effort.iterations} iterations: {interruption(asked)}"
         raise SolveError(text) from None
     return Steady(_data_set(discrete, settings, found))
-
-
-def last_state(problem: Problem, start: Result) -> State:
-    """Return the last state of a result on the nodes of a problem.
-
-    Raises:
-        InputError: the result belongs to another mesh.
-    """
-    if not isinstance(start, Result):
-        raise InputError(f"start = {start!r}: give a result, such as that of simulate")
-    position = start.field("position", states=-1)
-    rotation = np.asarray(start.data["rotation"].values, dtype=float)[-1]
-    stations = problem.stations
-    count = len(stations.nodes) + len(problem.bodies.names)
-    if position.shape != (count, 3) or not np.allclose(
-        start.data["station_s"].values[: len(stations.s)], stations.s, rtol=1e-9, atol=0.0
-    ):
-        raise InputError(
-            f"start: it has {len(position)} stations, this model {count}, or they lie elsewhere; "
-            "give a result of a model with the same rods, elements and order"
-        )
-    still = "velocity" not in start.data
-    velocity = np.zeros_like(position) if still else start.field("velocity", states=-1)
-    spin = np.zeros_like(position) if still else np.asarray(start.data["angular_velocity"].values)[-1]
-    return nodal_state(problem, position, rotation, velocity, spin)
 
 
 def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRotation) -> xr.Dataset:
@@ -79,6 +58,7 @@ def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRo
         found.kinetic,
         found.elastic,
     )
+    discrete.watch.see_steady(snapshot, float(np.linalg.norm(found.spin)))
     account = EnergyAccount(kinetic=found.kinetic, elastic=found.elastic)
     history.record(float(np.linalg.norm(found.spin)), snapshot, account, 0.0, found.iterations)
     stability = found.stability
@@ -92,10 +72,27 @@ def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRo
         "unstable": stability.unstable,
         "neutral": stability.neutral,
         "growth_rate": stability.growth,
-    }
+    } | discrete.watch.attributes
     data = discrete.data_set("steady", history, attrs)()
     kept = s[: settings.modes]
+    problem, count = discrete.problem, len(kept)
+    increments = stability.increments(count)
+    shapes, rotations = station_shapes(problem, found.state, increments)
+    energies = StrainEnergies(discrete.system, found.state, nodal_motions(problem))
+    kinds = energies.kinds(increments)
+    real = np.abs(kept.imag) <= REAL * np.abs(kept)
+    still = np.abs(kept) <= SLOW * np.linalg.norm(found.spin)
+    kinds = ["neutral" if rests else kind for kind, rests in zip(kinds, still, strict=True)]
+
+    def parts(values: np.ndarray) -> np.ndarray:
+        return np.stack([values.real, values.imag], axis=1)
+
     return data.assign(
+        mode_shape=(("small_motion", "part", "station", "axis"), parts(shapes)),
+        mode_rotation=(("small_motion", "part", "station", "axis"), parts(rotations)),
+        mode_name=("small_motion", np.array(numbered(kinds, real & ~still), dtype=str)),
+        mode_share=(("small_motion", "component"), energies.shares(increments)),
+        mode_residual=("small_motion", stability.residuals(count)),
         spin_vector=("axis", found.spin),
         joint_spin=("axis", found.body_spin),
         centre=("axis", found.centre),

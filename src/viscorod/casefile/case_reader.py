@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from viscorod.errors import Fault, InputError, join_path
-from viscorod.model.actions.initial_strain import InitialStrain
+from viscorod.model.actions.initial_strain import InitialStrain, RestStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import load
 from viscorod.model.bodies.body import one_body
@@ -55,7 +55,7 @@ ANALYSES: dict[str, type[AnySettings]] = {
 """The analyses by their table in a case file; exactly one of them stands in a file."""
 
 TABLES = ("materials", "sections", "rods", "bodies")
-LISTS = ("supports", "loads", "attachments", "joints", "springs", "velocities", "strains")
+LISTS = ("supports", "loads", "attachments", "joints", "springs", "velocities", "strains", "rest_strains")
 KEYS = ("title", *TABLES, *LISTS, *ANALYSES)
 
 SECTION_KEYS = ("section", "sections", "taper")
@@ -106,6 +106,7 @@ class CaseReader:
         self.model.springs = self._list("springs", spring)
         self.model.velocities = self._list("velocities", InitialVelocity.model_validate)
         self.model.strains = self._list("strains", InitialStrain.model_validate)
+        self.model.rest_strains = self._list("rest_strains", RestStrain.model_validate)
         self._analysis()
         if not self.problems:
             try:

@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 from viscorod.casefile.case_reader import ANALYSES, ROD_KEYS
 from viscorod.model.actions.event import EVENTS
-from viscorod.model.actions.initial_strain import InitialStrain
+from viscorod.model.actions.initial_strain import InitialStrain, RestStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import LOADS
 from viscorod.model.actions.time_table import TIME_FUNCTIONS
@@ -30,6 +30,8 @@ from viscorod.model.sections.composite import CompositeRegion
 from viscorod.model.sections.section_profile import SECTIONS, Piece, Taper
 from viscorod.model.sections.stiffness_section import MaxwellBranch
 from viscorod.solve.formulations.registry import FORMULATIONS
+from viscorod.solve.stage_settings import Stage
+from viscorod.solve.start import Start
 from viscorod.solve.transient.integrators import INTEGRATORS
 
 __all__ = ["GROUPS", "PARTS", "case_schema", "fields_of", "forms", "is_required"]
@@ -61,6 +63,9 @@ SINGLE: dict[str, type[Definition]] = {
     "attachments": Attachment,
     "velocities": InitialVelocity,
     "strains": InitialStrain,
+    "rest_strains": RestStrain,
+    "start": Start,
+    "equilibrium.stage": Stage,
     **ANALYSES,
 }
 
@@ -149,7 +154,7 @@ def _forms(kinds: tuple[tuple[str, type[Definition]], ...], methods: tuple[objec
     properties["rods"]["minProperties"] = 1
     for key in ("supports", "loads", "joints", "springs"):
         properties[key] = listed(of_kind(key.removesuffix("s")))
-    for key in ("attachments", "velocities", "strains"):
+    for key in ("attachments", "velocities", "strains", "rest_strains"):
         properties[key] = listed(of_kind(key))
     properties |= {key: of_kind(key) for key in ANALYSES}
     return {

@@ -46,11 +46,12 @@ def _text(report: CheckReport, conversions: Sequence[Conversion]) -> str:
     modes = [
         {
             "mode": str(number),
+            "name": name,
             "frequency [Hz]": frequency,
             "damping ratio": "overdamped" if ratio > 1.0 - 1e-9 else round(ratio, 10) + 0.0,
         }
-        for number, (frequency, ratio) in enumerate(
-            zip(report.frequencies, report.damping_ratios, strict=True), 1
+        for number, (name, frequency, ratio) in enumerate(
+            zip(report.mode_names, report.frequencies, report.damping_ratios, strict=True), 1
         )
     ]
     conditions = f", {report.conditions} conditions of joints and held strains" if report.conditions else ""
@@ -67,6 +68,11 @@ def _text(report: CheckReport, conversions: Sequence[Conversion]) -> str:
         rows_text("Joints", report.joints),
         rows_text("Springs", report.springs),
         rows_text("First natural modes about the reference shape (a quick estimate)", modes),
+        "\n".join(
+            [f"Rigid motions: {len(report.rigid_motions)}", *(f"  - {text}" for text in report.rigid_motions)]
+        )
+        if report.rigid_motions
+        else "",
         f"{report.nodes} nodes, {report.unknowns} unknowns{conditions}\nLinear systems: {report.linear_solver}",
         "\n".join(["Assumptions about damping", *(f"  - {text}" for text in report.assumptions)])
         if report.assumptions

@@ -21,8 +21,6 @@ if TYPE_CHECKING:
 __all__ = ["plot"]
 
 KINDS = ("tip", "energy", "strain", "space-time", "modes", "phase")
-_RIGID = 12
-"""Eigenvalues of the free motions of a body, two each; as many more are computed, to leave these out."""
 _TAKES = {
     "place": ("tip", "phase"),
     "axis": ("tip", "phase"),
@@ -101,7 +99,7 @@ def plot(
         from viscorod.pictures.style import write
 
         if what == "modes":
-            picture = _modes(opened(result), count or 6, about or "equilibrium")
+            picture = _modes(opened(result), count or 6, about)
         elif what == "strain":
             from viscorod.pictures.plots.plot_strain import draw_strain
 
@@ -127,16 +125,23 @@ def plot(
         typer.echo(f"Written: {write(picture, target)}")
 
 
-def _modes(result: Result, count: int, about: str) -> Figure:
-    """Draw the modes of the model that the result was computed from."""
+def _modes(result: Result, count: int, about: str | None) -> Figure:
+    """Draw the modes of the model that the result was computed from, or of the rotation that it is."""
     from viscorod.analyses.case_run import as_model
     from viscorod.casefile.case import case_from_dict
     from viscorod.pictures.plots.plot_modes import draw_modes
+    from viscorod.results.steady_result import Steady
 
+    if isinstance(result, Steady):
+        if about is not None:
+            raise InputError(
+                f"--about: {about}: the modes of a steady rotation are those about its own shape"
+            )
+        return draw_modes(result, result.modes, count)
     content = json.loads(result.data.attrs.get("case", "{}"))
     try:
         case = case_from_dict({**content, "equilibrium": {}})
     except InputError as error:
         raise InputError(f"the model in this result cannot be rebuilt for its modes: {error}") from None
     model = as_model(case.description)
-    return draw_modes(result, model.modes(count + _RIGID, about=cast(Any, about)), count)
+    return draw_modes(result, model.modes(count, about=cast(Any, about or "equilibrium")))

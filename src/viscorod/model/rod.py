@@ -20,6 +20,8 @@ from viscorod.model.fields.metadata import Check, Key, accepts
 from viscorod.model.fields.values import LARGEST, OptionalDirection, choose, number, whole_number
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
+from viscorod.model.sections.section_kinks import SAMPLES as MANY_SAMPLES
+from viscorod.model.sections.section_kinks import kinks
 from viscorod.model.sections.section_profile import Piecewise, SectionProfile, Taper, section_profile
 from viscorod.model.strain_constraints import constrained_strains, constraint_words
 from viscorod.typing import Floats
@@ -42,9 +44,17 @@ DEFAULT_ORDER = 5
 TURN_PER_NODE = 2.0 * math.pi / 15.0
 """Bending and twisting of the reference shape from node to node: an element of the default order, which turns by a
 third of a circle then, follows it to 4e-7 of its length."""
+SLACK = 1e-12
+"""Bending stiffness of a cable over axial stiffness times the square of its length: its sections need a direction.
+Its influence on the shape is of this order over the strain of the cable."""
+GYRATION = 1e-5
+"""Radius of gyration of a cable over its length, against rotation and twist: twist waves are as fast as those of
+stretch, or each cable had slow vibrations of twist that mean nothing."""
 NODES_PER_ROD = 10
 SAMPLES, MOST_SAMPLES = 64, 4096
 """Pieces of a rod in which it is measured how far the reference shape turns."""
+FEW_SAMPLES = 32
+"""Intervals in which kinks of sections are sought that need a mesh of their own at every station."""
 FINE = 0.5
 """Turning of a piece that needs no smaller ones, rad."""
 
@@ -72,6 +82,19 @@ def _whole_or_auto(high: int) -> Check[int | None]:
             raise RefusedError(error.why, f"{error.instead}, or 'auto'") from None
 
     return parse
+
+
+def _with_direction(stiffness: Floats, inertia: Floats, length: float) -> tuple[Floats, Floats]:
+    """Return stiffness and inertia of a section of a rod; those of a cable with what gives its sections a direction."""
+    if stiffness[3:].any():
+        return stiffness, inertia
+    bending, turning = SLACK * length**2, (GYRATION * length) ** 2
+    inertia = inertia.copy()
+    inertia[3:], inertia[:, 3:] = 0.0, 0.0
+    return (
+        stiffness + stiffness[2, 2] * np.diag([0, 0, 0, bending, bending, turning]),
+        inertia + inertia[2, 2] * np.diag([0, 0, 0, turning, turning, turning]),
+    )
 
 
 class Rod(Definition):
@@ -244,6 +267,33 @@ class Rod(Definition):
             return ()
         return tuple(piece.until for piece in self.section.pieces[:-1])
 
+    @cached_property
+    def kinks(self) -> tuple[float, ...]:
+        """Interior stations where a function of the section or the twist has a kink or jumps, m.
+
+        A function that knows them says so by an attribute `stations` (m); others are sampled.
+        """
+        found: list[float] = []
+        if callable(self.section):
+            known = getattr(self.section, "stations", None)
+            costly = not self.section_at(0.0).can_taper
+            samples = FEW_SAMPLES if costly else MANY_SAMPLES
+            found += kinks(self._section_values, self.length, samples) if known is None else list(known)
+        if callable(self.twist):
+            known = getattr(self.twist, "stations", None)
+            twist = self.twist
+            found += kinks(lambda s: np.array([twist(s)]), self.length) if known is None else list(known)
+        return tuple(s for s in sorted(found) if 0.0 < s < self.length)
+
+    def _section_values(self, s: float) -> Floats:
+        """Return stiffness and inertia of the section at the arc length `s` as one array (72,)."""
+        section = self.section_at(s)
+        material = self.material if section.needs_material else None
+        if material is not None and material.pending:
+            material = material.with_damping(None)
+        stiffness, _, inertia = section.matrices(material)
+        return np.concatenate([stiffness.ravel(), inertia.ravel()])
+
     def section_at(self, s: float) -> AnySection:
         """Return the section at the arc length `s`; where it jumps, the one that starts there."""
         if isinstance(self.section, Piecewise):
@@ -264,7 +314,29 @@ class Rod(Definition):
     def matrices_at(self, s: float) -> Matrices:
         """Return stiffness C, damping D and inertia M per length (6, 6) of the section at the arc length `s`."""
         section = self.section_at(s)
-        return section.matrices(self.material if section.needs_material else None)
+        stiffness, damping, inertia = section.matrices(self.material if section.needs_material else None)
+        stiffness, inertia = _with_direction(stiffness, inertia, self.length)
+        return stiffness, damping, inertia
+
+    @property
+    def assumptions(self) -> list[str]:
+        """What is assumed of its sections and material, one sentence each."""
+        found = [] if self.material is None else list(self.material.assumptions)
+        if self.is_cable:
+            found.append(
+                f"a cable, which bends and twists at no cost: {SLACK:g} of its axial stiffness times length squared "
+                f"gives its sections a direction, {GYRATION**2:g} one about its axis, and their radius of gyration is "
+                f"{GYRATION:g} of its length"
+            )
+        return found
+
+    @property
+    def is_cable(self) -> bool:
+        """Whether a section bends and twists at no cost."""
+        return any(
+            not section.matrices(self.material if section.needs_material else None)[0][3:].any()
+            for _, section in self._sections()
+        )
 
     def branches_at(self, s: float) -> Branches:
         """Return Maxwell branches of the section at the arc length `s`: times (n,), s, and stiffnesses (n, 6, 6)."""
@@ -275,12 +347,13 @@ class Rod(Definition):
         """Return positions (n, 3) and frames (n, 3, 3; columns d1, d2, d3) of the reference shape, global axes."""
         return self.centreline.frames(s, self.d1, self.twist)
 
-    def chosen_elements(self, start: float, end: float) -> int:
+    def chosen_elements(self, start: float, end: float, order: int | None = None) -> int:
         """Return the number of elements chosen from `start` to `end` [m]: by nodes along the rod, and by its turns.
 
-        From node to node the reference shape turns by a fifteenth of a circle then, on average.
+        From node to node the reference shape turns by a fifteenth of a circle then, on average. Elements have the
+        rod's order or, if it leaves that to the program, `order`.
         """
-        order = self.order or DEFAULT_ORDER
+        order = self.order or order or DEFAULT_ORDER
         turning = float(np.diff(self.turned([start, end]))[0])
         nodes = NODES_PER_ROD * (end - start) / self.length
         return max(1, math.ceil(turning / (TURN_PER_NODE * order) - 1e-6), round(nodes / order))
@@ -376,6 +449,7 @@ class Rod(Definition):
             stiffness = damping = inertia = np.full((6, 6), math.nan)
         except InputError as error:
             raise RefusedError(str(error)) from None
+        stiffness, inertia = _with_direction(stiffness, inertia, self.length)
         diagonal = np.concatenate([np.diag(stiffness), np.diag(inertia)])
         if not np.isfinite(damping).all() or not (np.isfinite(diagonal) & (diagonal > 0.0)).all():
             entry = int(np.argmin(np.where(np.isfinite(diagonal), diagonal, -math.inf)))

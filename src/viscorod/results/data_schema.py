@@ -13,7 +13,9 @@ motors of the work from outside. Runs with joints or held strains have the attri
 ``drift_velocity``: the largest gap that was found between what these hold and the motion, over the size of the
 model (or in rad, or strain), and that of velocities over the fastest one, before it was removed. The attributes
 ``damping_assumptions`` and ``damping_laws`` (JSON by rod) state what was assumed of the damping and what it was
-computed with (``viscorod.analyses.provenance``).
+computed with (``viscorod.analyses.provenance``). Strains are measured from the reference shape and the rest strains.
+``found_by`` says how an equilibrium was found, ``stage_ends`` (JSON) are the states at the ends of its stages,
+``began_from`` is what a motion started from.
 """
 
 from __future__ import annotations
@@ -87,6 +89,11 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "centre": ("m", "point on the axis of rotation"),
     "momentum": ("N m s", "angular momentum about the centre, global axes"),
     "eigenvalue": ("1/s", "real and imaginary part of s, small motions exp(s t) about the rotation"),
+    "mode_shape": ("1", "displacement in a small motion, largest component 1, real and imaginary part"),
+    "mode_rotation": ("rad/m", "rotation in it, body axes, per displacement of 1 m"),
+    "mode_name": ("", "what most of the strain energy of a small motion is in, and its number among these"),
+    "mode_share": ("1", "part of the strain energy of a small motion in every strain"),
+    "mode_residual": ("1", "what a small motion leaves of its equations, as a part of what adds up to them"),
     "negative_eigenvalues": (
         "1",
         "number of negative eigenvalues of the tangent stiffness, or of growing motions if it is not symmetric",
@@ -123,6 +130,9 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("linear_momentum", "angular_momentum"), (STATES, "axis")),
     **dict.fromkeys(("spin_vector", "joint_spin", "centre", "momentum"), ("axis",)),
     "eigenvalue": ("small_motion", "part"),
+    **dict.fromkeys(("mode_shape", "mode_rotation"), ("small_motion", "part", "station", "axis")),
+    **dict.fromkeys(("mode_name", "mode_residual"), ("small_motion",)),
+    "mode_share": ("small_motion", "component"),
 }
 """Name -> dimensions of every variable."""
 
@@ -138,11 +148,15 @@ FRAMES = {
             "spin_vector",
             "centre",
             "momentum",
+            "mode_shape",
         ),
         "global",
     ),
     **dict.fromkeys(("reference_rotation", "rotation"), "body to global"),
-    **dict.fromkeys(("angular_velocity", "strain", "section_force", "joint_spin"), "body (d1, d2, d3)"),
+    **dict.fromkeys(
+        ("angular_velocity", "strain", "section_force", "joint_spin", "mode_rotation", "mode_share"),
+        "body (d1, d2, d3)",
+    ),
     **dict.fromkeys(("joint_value", "joint_rate", "joint_force"), "of the joint"),
     "connection_arm": "of the station",
 }
@@ -160,7 +174,7 @@ PLACES = {
     "joint_coordinate": "motions of joints and springs",
     "connection": "joints and springs",
     "side": "the two places of a connection",
-    "small_motion": "eigenvalues, slowest first",
+    "small_motion": "eigenvalues and their shapes, slowest first",
     "part": "real and imaginary",
 }
 """Dimension -> what its places are."""

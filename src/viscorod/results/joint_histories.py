@@ -29,8 +29,12 @@ def unique(names: Sequence[str]) -> list[str]:
 def bodies_of_stations(problem: Problem, reader: StationReader) -> np.ndarray:
     """Return the name of the body that each station is part of, or is rigidly attached to; empty for none."""
     bodies = problem.bodies
-    names = {int(node): name.partition(".")[0] for node, name in zip(bodies.nodes, bodies.names, strict=True)}
-    return np.array([names.get(node, "") for node in reader.nodes.tolist()])
+    of_points = [name.partition(".")[0] for name in bodies.names]
+    names: dict[int, str] = {}
+    for node, name in zip(bodies.nodes.tolist(), of_points, strict=True):
+        names.setdefault(node, name)
+    on_rods = reader.nodes[: len(reader.nodes) - len(of_points)]
+    return np.array([*(names.get(node, "") for node in on_rods.tolist()), *of_points])
 
 
 def connections(problem: Problem, reader: StationReader) -> dict[str, Any]:

@@ -32,9 +32,11 @@ def run_report(run: Run) -> str:
     steps = f" in {attrs['steps']} steps" if "steps" in attrs else ""
     size = f" of {attrs['time_step']:g} s" if "time_step" in attrs else ""
     size += f" that follow the error, tolerance {attrs['tolerance']:g}" if "tolerance" in attrs else ""
+    size += f" ({100.0 * attrs['part_of_motion']:g} % of the motion)" if "part_of_motion" in attrs else ""
     method = f", {str(attrs['integrator']).replace('_', '-')}" if attrs.get("integrator") else ""
     blocks = [
         _heading(run, f"{time[-1] - time[0]:g} s simulated{steps}{size}{method}{_formulation(run)}"),
+        _began(run),
         _ends(run, *_shown_state(run)),
         _decay(run),
         str(run.energy),
@@ -45,6 +47,12 @@ def run_report(run: Run) -> str:
         _warnings(run),
     ]
     return "\n\n".join(block for block in blocks if block)
+
+
+def _began(run: Run) -> str:
+    """Report what the motion started from, unless it is the reference shape or the plain equilibrium."""
+    text = str(run.data.attrs.get("began_from", ""))
+    return f"Started from {text}" if "settling" in text or " at " in text else ""
 
 
 def _events(run: Run) -> str:
@@ -320,6 +328,8 @@ def _stability(equilibrium: Equilibrium) -> str:
                 if count
                 else f"Stable: no small motion grows ({why})"
             )
+    if equilibrium.found_by:
+        lines.append(f"Found by {equilibrium.found_by}")
     return "\n".join(lines)
 
 

@@ -72,6 +72,17 @@ class Result(ABC):
         """The word "completed", or what stopped the solution."""
         return str(self.data.attrs.get("outcome", "completed"))
 
+    def at(self, level: float) -> tuple[Self, float]:
+        """Return the state at a time [s] of a motion, or at a load factor, for the ``start`` of another analysis."""
+        return self, float(level)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the result says against itself, in sentences; they stand in its report, its file and its page too."""
+        from viscorod.results.result_warnings import warnings_of
+
+        return warnings_of(self)
+
     def history(self, place: str | int, quantity: Quantity = "position") -> xr.DataArray:
         """Return how a vector at a place changes, in global axes.
 

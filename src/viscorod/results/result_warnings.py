@@ -32,15 +32,9 @@ def warnings_of(result: Result) -> list[str]:
     """
     data = result.data
     texts = [str(text) for text in json.loads(data.attrs.get("warnings", "[]"))]
-    if "numerical" in data and "kinetic" in data:
-        from viscorod.results.energy import Energy
-
-        fraction = Energy.of(data).numerical_fraction
-        if fraction > _NUMERICAL:
-            texts.append(
-                f"the numerical remainder of the energy account reaches {100.0 * fraction:.2g} % "
-                f"of the energy that moved; use a smaller {'tolerance' if 'tolerance' in data.attrs else 'time_step'}"
-            )
+    lost = energy_doubt(data)
+    if lost and lost not in texts:
+        texts.append(lost)
     rejected = int(data.attrs.get("rejected", 0))
     # steps that follow the error, or a path, are rejected now and then
     if rejected and not {"tolerance", "limit_points"} & set(data.attrs):
@@ -62,6 +56,23 @@ def warnings_of(result: Result) -> list[str]:
         if error > _MESH
     ]
     return texts + _strain_warnings(result)
+
+
+def energy_doubt(data: xr.Dataset) -> str:
+    """Return a warning if the remainder of the energy account is above 1 % of the energy that moved, else nothing."""
+    if not {"numerical", "kinetic"} <= set(data):
+        return ""
+    from viscorod.results.energy import Energy
+
+    fraction = Energy.of(data).numerical_fraction
+    if fraction <= _NUMERICAL:
+        return ""
+    setting = "tolerance" if "tolerance" in data.attrs else "time_step"
+    used = f" than {data.attrs[setting]:.2g}" if setting in data.attrs else ""
+    return (
+        f"the numerical remainder of the energy account reaches {100.0 * fraction:.2g} % "
+        f"of the energy that moved; use a smaller {setting}{used}"
+    )
 
 
 def _strain_warnings(result: Result) -> list[str]:

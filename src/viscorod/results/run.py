@@ -282,6 +282,17 @@ class Equilibrium(Result):
         return int(self.data.attrs.get("negative_eigenvalues", 0))
 
     @property
+    def found_by(self) -> str:
+        """How it was found, in words: load steps, or settling where these fail or end at an unstable equilibrium."""
+        return str(self.data.attrs.get("found_by", ""))
+
+    @property
+    def stage_ends(self) -> Integers:
+        """Numbers of the states at the ends of its stages; the last one without stages."""
+        ends = json.loads(self.data.attrs.get("stage_ends", "null"))
+        return np.array([len(self.load_factor) - 1] if ends is None else ends, dtype=np.int64)
+
+    @property
     def stable(self) -> bool:
         """True if no small motion about the equilibrium grows."""
         return self.negative_eigenvalues == 0

@@ -8,7 +8,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from viscorod.errors import InputError
 from viscorod.results.result import Result
+from viscorod.solve.modes.vibrations import Modes
 from viscorod.typing import Floats
 
 
@@ -88,6 +90,41 @@ class Steady(Result):
         s = self.eigenvalues
         ratios: Floats = np.divide(-s.real, np.abs(s), out=np.zeros(len(s)), where=np.abs(s) > 0.0)
         return ratios
+
+    @cached_property
+    def modes(self) -> Modes:
+        """The small motions with their shapes about the shape that turns, in the order of the eigenvalues.
+
+        Shapes are seen from the turning axes, at the instant that is stored. All small motions are computed, so that
+        none is missing among the slowest.
+
+        Raises:
+            InputError: the result is of a version that kept no shapes.
+        """
+        if "mode_shape" not in self.data:
+            raise InputError("this result has no shapes of its small motions; compute it again")
+        shapes, rotations = (
+            self._values(name)[:, 0] + 1j * self._values(name)[:, 1]
+            for name in ("mode_shape", "mode_rotation")
+        )
+        return Modes(
+            eigenvalues=self.eigenvalues,
+            frequencies=self.frequencies,
+            damping_ratios=self.damping_ratios,
+            shapes=shapes,
+            rotations=rotations,
+            positions=self.field("position", states=-1),
+            residuals=self._values("mode_residual"),
+            names=tuple(str(name) for name in self.data["mode_name"].values),
+            shares=self._values("mode_share"),
+            rigid=0,
+            certified=True,
+        )
+
+    @property
+    def shapes(self) -> np.ndarray:
+        """Displacements in the small motions ``(eigenvalues, stations, 3)``, global axes, complex; see ``modes``."""
+        return self.modes.shapes
 
     @property
     def stable(self) -> bool:

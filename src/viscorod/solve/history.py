@@ -32,12 +32,14 @@ class StationReader:
         self._offset = np.zeros((count, 3))
         self._offset[rods:] = bodies.arms
         self._turn = np.tile([1.0, 0.0, 0.0, 0.0], (count, 1))
+        self._turn[rods:] = bodies.turns
         self._map = np.tile(np.eye(6), (count, 1, 1))
         for k in np.flatnonzero(stations.links >= 0):
             link = stations.links[k]
             self._offset[k] = problem.link_positions[link]
             self._turn[k] = problem.link_quaternions[link]
-        moved = np.flatnonzero(np.append(stations.links >= 0, self._offset[rods:].any(axis=1)))
+        beside = self._offset[rods:].any(axis=1) | self._turn[rods:, 1:].any(axis=1)
+        moved = np.flatnonzero(np.append(stations.links >= 0, beside))
         for k in moved:
             link_map(self._offset[k], self._turn[k], self._map[k])
         self._linked = len(moved) > 0

@@ -15,6 +15,7 @@ from viscorod.model.fields.forms import POSITIVE, TEXT, listed, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
 from viscorod.model.fields.values import (
     TRIPLE,
+    Flag,
     Number,
     OneOfRegistry,
     OptionalDirection,
@@ -33,14 +34,17 @@ from viscorod.model.fields.values import (
     word,
 )
 from viscorod.solve.formulations.registry import FORMULATIONS, damping_words, dampings, formulation_words
+from viscorod.solve.stage_settings import Stages
+from viscorod.solve.start import OptionalStart, Start, as_start
 from viscorod.solve.transient.integrators import INTEGRATORS, Method, integrators_that
 
-LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-10, 0.1
+LEAST_TOLERANCE, LARGEST_TOLERANCE, LEAST_ACCURACY = 1e-10, 0.1, 1e-8
 
 __all__ = [
     "AnySettings",
     "CoSimulationSettings",
     "EquilibriumSettings",
+    "Meshed",
     "ModesSettings",
     "PathSettings",
     "SimulateSettings",
@@ -52,7 +56,27 @@ def _has(parameter: str, method: Method) -> bool:
     return parameter in method.parameters
 
 
-class SimulateSettings(Definition):
+@accepts(quantity(bounds=POSITIVE), "number from 1e-8 to 0.1")
+def _accuracy(value: Any) -> float:
+    wanted = positive(value)
+    if not LEAST_ACCURACY <= wanted <= LARGEST_TOLERANCE:
+        raise RefusedError("out of reach", f"give {LEAST_ACCURACY:g} to {LARGEST_TOLERANCE:g}")
+    return wanted
+
+
+class Meshed(Definition):
+    """What is wanted of a mesh."""
+
+    accuracy: Annotated[float, _accuracy] = Key(
+        "wanted accuracy of the mesh where a rod leaves out elements: estimated error of positions over the largest "
+        "displacement, of section forces over the largest one, of each listed frequency over itself. The mesh is "
+        "refined until it is reached",
+        default=1e-4,
+        kw_only=True,
+    )
+
+
+class SimulateSettings(Meshed):
     """How a motion is computed."""
 
     duration: Positive = Key("simulated time", "s")
@@ -64,8 +88,8 @@ class SimulateSettings(Definition):
     )
     tolerance: OptionalPositive = Key(
         "wanted accuracy of the motion: displacements over the size of the model and rotations in rad; the steps "
-        'follow from it. 1e-4 for "radau" unless given, less for free vibrations that start from displacements below '
-        'a tenth of the size; "generalized_alpha" has equal steps without it',
+        'follow from it. Unless given, for "radau" 0.03 % of the amplitude of the motion that there is, and 1e-4 at '
+        'most; "generalized_alpha" has equal steps without it',
         default=None,
     )
     initial: Annotated[Literal["equilibrium", "reference"], one_of("equilibrium", "reference")] = Key(
@@ -103,6 +127,22 @@ class SimulateSettings(Definition):
         "what is watched for and recorded, and may end the run: `Crossing`, `Decayed`, `SteadyState`",
         default=(),
     )
+    start: OptionalStart = Key(
+        "state of an earlier result that the motion starts from instead of `initial`, with its velocities; its own "
+        "time begins at 0",
+        default=None,
+    )
+
+    @model_validator(mode="after")
+    def _one_start(self) -> Self:
+        if self.start is not None and "initial" in self.model_fields_set:
+            raise RefusedError(
+                "the motion starts from an earlier result",
+                "leave initial out, or start",
+                found=show(self.initial),
+                at=("initial",),
+            )
+        return self
 
     @model_validator(mode="after")
     def _fits_formulation(self) -> Self:
@@ -191,7 +231,7 @@ def _factors(value: Any) -> tuple[float, ...]:
     return numbers(value, at_least=0)
 
 
-class EquilibriumSettings(Definition):
+class EquilibriumSettings(Meshed):
     """How a static equilibrium is computed."""
 
     load_steps: Annotated[int | None, optional(whole_number(1, 10_000))] = Key(
@@ -201,6 +241,20 @@ class EquilibriumSettings(Definition):
         default=None,
     )
     load_factor: Number = Key("multiple of all loads and prescribed motions", default=1.0)
+    search: Flag = Key(
+        "whether the search goes on by itself to a stable equilibrium where load steps fail or end at an unstable "
+        "one; false keeps to the equilibrium that load steps lead to, such as that of a straight strut",
+        default=True,
+    )
+    start: OptionalStart = Key(
+        "state of an earlier result from which the search begins instead of the reference shape; loads act in full "
+        "from there on, prescribed motions grow from what they are in it",
+        default=None,
+    )
+    stages: Stages = Key(
+        "stages, each from the equilibrium at the end of the one before: which loads and motions grow in it",
+        default=(),
+    )
     load_factors: Annotated[tuple[float, ...], _factors] = Key(
         "multiples of all loads and prescribed motions that are wanted, in this order, in place of load_factor and "
         "load_steps; exactly these are stored",
@@ -217,6 +271,13 @@ class EquilibriumSettings(Definition):
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
+        if self.load_factors and (self.stages or self.start is not None):
+            raise RefusedError(
+                f"loads of {'stages' if self.stages else 'a start'} go from what they are to their full size",
+                "leave it out, or give load_steps",
+                found=show(list(self.load_factors)),
+                at=("load_factors",),
+            )
         if self.load_factors and (self.load_steps is not None or self.load_factor != 1.0):
             other = "load_steps" if self.load_steps is not None else "load_factor"
             raise RefusedError(
@@ -237,7 +298,7 @@ def _branch(value: Any) -> int:
     return value
 
 
-class PathSettings(Definition):
+class PathSettings(Meshed):
     """How a path of equilibria is followed."""
 
     renamed: ClassVar[dict[str, str]] = {"turns": "limit_point"}
@@ -270,6 +331,11 @@ class PathSettings(Definition):
         "largest distance between two points, in which a displacement by the model's length, a rotation by 1 rad and a "
         "change of the load factor by its unit count alike. The unit is load_factor, or what moves the reference shape "
         "by its length if that is less. Left out, 0.1, or a hundredth of prescribed motions if that is more",
+        default=None,
+    )
+    start: OptionalStart = Key(
+        "state of an earlier result near which the path begins, at its load factor (1 for a motion), instead of the "
+        "reference shape without loads",
         default=None,
     )
 
@@ -311,7 +377,7 @@ def _spin(value: Any) -> float | Triple:
     return positive(value)
 
 
-class SteadySettings(Definition):
+class SteadySettings(Meshed):
     """Which steady rotation is sought.
 
     Exactly one of `spin`, `energy` and `momentum` is given.
@@ -351,6 +417,9 @@ class SteadySettings(Definition):
     )
     modes: Annotated[int, whole_number(1, 1000)] = Key(
         "number of small motions about the rotation to report, 1 to 1000", default=6
+    )
+    start: OptionalStart = Key(
+        "state of an earlier result, a motion that turns, as first guess", default=None
     )
 
     @property
@@ -397,17 +466,32 @@ class SteadySettings(Definition):
         return self
 
 
-class ModesSettings(Definition):
+ABOUT = ("equilibrium", "released", "reference")
+
+
+@accepts(None, '"equilibrium", "released" or "reference"', "a result, or one with a time: `(run, 1.5)`")
+def _about(value: Any) -> str | Start:
+    if isinstance(value, str) and (value in ABOUT or not value.endswith(".nc")):
+        return one_of(*ABOUT)(value)
+    found = as_start(value)
+    assert found is not None
+    return found
+
+
+class ModesSettings(Meshed):
     """Which small vibrations are sought."""
 
     count: Annotated[int, whole_number(1, 100_000)] = Key("number of modes, 1 to 100 000", default=6)
-    about: Annotated[
-        Literal["equilibrium", "released", "reference"], one_of("equilibrium", "released", "reference")
-    ] = Key(
+    about: Annotated[str | Start, _about] = Key(
         '"equilibrium" under the loads at t = 0- (just before t = 0), the equilibrium once "released", under those '
-        'just after t = 0, or the "reference" shape (as if free of load)',
+        'just after t = 0, or the "reference" shape (as if free of load); a state of an earlier result: about the '
+        "equilibrium under the loads at t = 0- that is found from there",
         default="equilibrium",
     )
+    near: OptionalPositive = Key(
+        "those whose natural frequencies are nearest to this one, in place of the slowest", "Hz", default=None
+    )
+    oscillating: bool = Key("leave out rigid motions and overdamped modes", default=False)
 
 
 LONGEST_COUPLING = 1e6

@@ -35,11 +35,10 @@ def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
 
 
 def unfit_for_steady(model: ModelDescription) -> Iterator[Fault]:
-    """Yield what a steady rotation cannot be computed with: joints, springs, constrained strains, Maxwell branches."""
+    """Yield what a steady rotation cannot be computed with: joints, constrained strains, Maxwell branches."""
     why = "steady rotations are computed without {}"
     instead = "leave it out, or compute the motion with simulate"
     yield from _joints(model, why.format("joints"), instead)
-    yield from _springs(model, why.format("springs"), instead)
     yield from _constraints(model, why.format("constrained strains"), instead)
     yield from _branches(
         model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("compute the motion with simulate")
@@ -90,12 +89,17 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
                 find(model, event.at)
             except RefusedError as error:
                 yield Fault(f"events[{index}].at", show(event.at), error.why, error.instead)
-    if model.strains and settings.initial == "equilibrium":
+    if model.strains and settings.start is None and settings.initial == "equilibrium":
         yield Fault(
             "initial",
             "'equilibrium'",
             "the model has initial strains, which are not an equilibrium",
             "give initial = 'reference' to start from the shape that they make, or remove the strains",
+        )
+
+    if model.strains and settings.start is not None:
+        yield Fault(
+            "start", "", "the model has initial strains, which are another start", "leave one of them out"
         )
 
 

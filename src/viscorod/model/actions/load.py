@@ -27,6 +27,7 @@ from viscorod.model.fields.values import (
     OptionalNonNegative,
     OptionalNumber,
     OptionalPositive,
+    OptionalText,
     Vector,
     choose,
     vector,
@@ -68,6 +69,9 @@ class AnyLoad(Definition):
     #: Whether its place or direction changes with time.
     travels: ClassVar[bool] = False
 
+    name: OptionalText = Key(
+        "by which stages of an equilibrium call it; its kind unless given", default=None, kw_only=True
+    )
     time: TimeField = Key("function of time that scales it", default=None, kw_only=True)
     until: OptionalNumber = Key("time from which on it is zero", "s", default=None, kw_only=True)
 

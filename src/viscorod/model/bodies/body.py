@@ -12,8 +12,9 @@ from viscorod.model.bodies.body_base import AXES, AnyBody
 from viscorod.model.bodies.body_shapes import Box, Cylinder, Sphere
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.directions import OptionalAxes, columns
-from viscorod.model.fields.forms import POSITIVE, listed, quantity
+from viscorod.model.fields.forms import NOT_NEGATIVE, listed, quantity
 from viscorod.model.fields.metadata import Key, accepts
+from viscorod.model.fields.symmetry import skew_entry
 from viscorod.model.fields.values import TRIPLE, Positive, Triple, choose, each, numbers, sequence, vector
 from viscorod.typing import Floats
 
@@ -28,8 +29,8 @@ SLACK = 1e-9
 
 
 @accepts(
-    {"anyOf": [listed(quantity(bounds=POSITIVE), 3, 3), listed(TRIPLE, 3, 3)]},
-    "3 numbers > 0, or 3 rows of 3",
+    {"anyOf": [listed(quantity(bounds=NOT_NEGATIVE), 3, 3), listed(TRIPLE, 3, 3)]},
+    "3 numbers >= 0, or 3 rows of 3",
 )
 def _inertia(value: Any) -> Inertia:
     rows = sequence(value)
@@ -43,24 +44,28 @@ def _inertia(value: Any) -> Inertia:
         return i1, i2, i3
     full = each(rows, vector)
     matrix = np.array(full)
-    for i, j in ((0, 1), (0, 2), (1, 2)):
-        if abs(matrix[i, j] - matrix[j, i]) > SLACK * (abs(matrix[i, j]) + abs(matrix[j, i])):
-            raise RefusedError(
-                "the matrix must be symmetric",
-                f"give the same number in row {i + 1}, column {j + 1} and in row {j + 1}, column {i + 1}",
-                found=f"{show(full[i][j])} against {show(full[j][i])}",
-            )
+    if (skew := skew_entry(matrix)) is not None:
+        i, j = skew
+        raise RefusedError(
+            "the matrix must be symmetric",
+            f"give the same number in row {i + 1}, column {j + 1} and in row {j + 1}, column {i + 1}",
+            found=f"{show(full[i][j])} against {show(full[j][i])}",
+        )
     first, second, third = (tuple(row) for row in (matrix / 2.0 + matrix.T / 2.0).tolist())
     return first, second, third
 
 
 class Body(AnyBody):
-    """A rigid body given by its mass and its inertia."""
+    """A rigid body given by its mass and its inertia; zeros make it a point mass, one zero a thin rod.
+
+    The turning of a point mass needs an inertia from elsewhere: a rod, or another body, that it is attached to.
+    """
 
     shape: Literal["mass"] = Field(default="mass", kw_only=True, repr=False)
     mass: Positive = Key("", "kg")
     inertia: Annotated[Inertia, _inertia] = Key(
-        "about the mass centre along the body's axes: three principal values, or three rows of a symmetric matrix; {}",
+        "about the mass centre along the body's axes: three principal values (0, 0, 0 for a point mass), or three rows "
+        "of a symmetric matrix; {}",
         "kg m^2",
     )
     axes: OptionalAxes = Key(AXES, default=None, kw_only=True)
@@ -131,10 +136,10 @@ class Body(AnyBody):
         principal = (np.sort(np.diag(matrix) / scale) if np.ndim(self.inertia) == 1 else
                      np.linalg.eigvalsh(matrix / scale)) * scale  # fmt: skip
         i1, i2, i3 = principal.tolist()
-        if i1 <= 1e-15 * scale:
+        if i1 < -SLACK * scale:
             raise RefusedError(
-                "principal inertias are positive numbers",
-                "give three numbers > 0, or a positive definite matrix",
+                "principal inertias are not negative",
+                "give three numbers >= 0 (all zero for a point mass), or a positive semi-definite matrix",
                 found=f"the principal inertia {i1:.6g} kg m^2",
                 at=("inertia",),
             )

@@ -12,7 +12,6 @@ from viscorod.model.connections.place import GROUND, AnyPlace, BodyPlace, Place
 from viscorod.model.connections.resolved_places import (
     find,
     is_located,
-    joined_places,
     position_of,
     resolved_joints,
     resolved_springs,
@@ -34,7 +33,7 @@ GAP = 1e-6
 
 
 def wrong_attachments(model: ModelDescription) -> Iterator[Fault]:
-    """Find attachments of places that do not meet, of one place, of two bodies, or given twice."""
+    """Find attachments of places that do not meet, of one place, or given twice."""
     seen: set[frozenset[AnyPlace]] = set()
     for index, attachment in enumerate(model.attachments):
         a, b = find(model, attachment.a), find(model, attachment.b)
@@ -42,15 +41,9 @@ def wrong_attachments(model: ModelDescription) -> Iterator[Fault]:
         where = f"attachments[{index}]"
         positions = [position_of(model, place)[0] for place in (a, b)]
         gap = float(np.linalg.norm(positions[0] - positions[1]))
-        reach = GAP * max((model.rods[p.rod].length for p in (a, b) if isinstance(p, Place)), default=0.0)
-        if isinstance(a, BodyPlace) and isinstance(b, BodyPlace):
-            yield Fault(
-                where,
-                f"{attachment.a} and {attachment.b}",
-                "two rigid bodies held together are one",
-                "make them one body, or join them by a joint",
-            )
-        elif same(model, a, b):
+        lengths = [model.rods[p.rod].length for p in (a, b) if isinstance(p, Place)]
+        reach = GAP * max(lengths or (rod.length for rod in model.rods.values()), default=0.0)
+        if same(model, a, b):
             yield Fault(where, str(a), "a place cannot be attached to itself", "give two places")
         elif is_located(a) and is_located(b) and gap > reach:
             yield Fault(
@@ -64,7 +57,6 @@ def wrong_attachments(model: ModelDescription) -> Iterator[Fault]:
                 where, f"{attachment.a} and {attachment.b}", "they are attached already", "leave one out"
             )
         seen.add(pair)
-    yield from _bodies_in_one(model)
 
 
 def _closed(a: AnyPlace, b: AnyPlace) -> str:
@@ -72,19 +64,6 @@ def _closed(a: AnyPlace, b: AnyPlace) -> str:
         if isinstance(place, BodyPlace):
             return f"move the rod or the point, or attach the rod to {place.body!r}, which reaches everywhere"
     return "move one of the rods so that the places meet"
-
-
-def _bodies_in_one(model: ModelDescription) -> Iterator[Fault]:
-    for group in joined_places(model):
-        bodies = list(dict.fromkeys(place.body for place in group if isinstance(place, BodyPlace)))
-        if len(bodies) > 1:
-            last = max(k for k, a in enumerate(model.attachments) if bodies[-1] in _named(model, (a.a, a.b)))
-            yield Fault(
-                f"attachments[{last}]",
-                " and ".join(bodies),
-                "these rigid bodies are attached to one and the same place, so they are one",
-                "make them one body, or join one of them by a joint",
-            )
 
 
 def wrong_joints(model: ModelDescription) -> Iterator[Fault]:

@@ -82,19 +82,23 @@ def _wrong_velocities(model: ModelDescription) -> Iterator[Fault]:
                 refused = no_part(given.rod, model.rods, model.bodies) if model.bodies else error
                 yield Fault(f"{where}.rod", refused.found or "", refused.why, refused.instead)
                 continue
-        yield from _twice(first, given.rod, index, model, "velocities", "velocity")
+        yield from _twice(first, given.rod, index, model, "velocities", "initial velocity")
 
 
 def _wrong_strains(model: ModelDescription) -> Iterator[Fault]:
-    """Find initial strains of unknown rods, or given twice."""
-    first: dict[str, int] = {}
-    for index, given in enumerate(model.strains):
-        try:
-            find_rod(given.rod, model.rods, model.bodies)
-        except RefusedError as error:
-            yield Fault(f"strains[{index}].rod", error.found or "", error.why, error.instead)
-            continue
-        yield from _twice(first, given.rod, index, model, "strains", "strain")
+    """Find initial and rest strains of unknown rods, or given twice."""
+    for key, strains, noun in (
+        ("strains", model.strains, "initial strain"),
+        ("rest_strains", model.rest_strains, "rest strain"),
+    ):
+        first: dict[str, int] = {}
+        for index, given in enumerate(strains):
+            try:
+                find_rod(given.rod, model.rods, model.bodies)
+            except RefusedError as error:
+                yield Fault(f"{key}[{index}].rod", error.found or "", error.why, error.instead)
+                continue
+            yield from _twice(first, given.rod, index, model, key, noun)
 
 
 def _twice(
@@ -105,7 +109,7 @@ def _twice(
         yield Fault(
             f"{key}[{index}].rod",
             show(name),
-            f"the {part} has its initial {noun} already from {key}[{first[name]}]",
+            f"the {part} has its {noun} already from {key}[{first[name]}]",
             f"give each {part} one at most",
         )
     first.setdefault(name, index)
@@ -126,7 +130,8 @@ def _unfit_strains(model: ModelDescription) -> Iterator[Fault]:
                     f"strains[{index}].rod",
                     show(strain.rod),
                     f"initial strains move all of the rod but its start, and {path} holds {text}",
-                    "leave the strain out and start from an equilibrium, or hold the rod at its start only",
+                    "give it as a rest strain (rest_strain, [[rest_strains]]) if the rod is to be free of stress at it,"
+                    " or hold the rod at its start only",
                 )
                 break
         constrained = model.rods[strain.rod].constraints

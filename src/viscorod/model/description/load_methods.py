@@ -24,16 +24,34 @@ class Loaded:
     loads: list[AnyLoad]
 
     def force(
-        self, at: str, value: Vector, following: bool = False, time: Time = None, until: float | None = None
+        self,
+        at: str,
+        value: Vector,
+        following: bool = False,
+        time: Time = None,
+        until: float | None = None,
+        *,
+        name: str | None = None,
     ) -> None:
         """Load a place with a force, N; see `Force`."""
-        self.loads.append(Force(**given(at=at, value=value, following=following, time=time, until=until)))
+        self.loads.append(
+            Force(**given(at=at, value=value, following=following, time=time, until=until, name=name))
+        )
 
     def moment(
-        self, at: str, value: Vector, following: bool = False, time: Time = None, until: float | None = None
+        self,
+        at: str,
+        value: Vector,
+        following: bool = False,
+        time: Time = None,
+        until: float | None = None,
+        *,
+        name: str | None = None,
     ) -> None:
         """Load a place with a moment, N m; see `Moment`."""
-        self.loads.append(Moment(**given(at=at, value=value, following=following, time=time, until=until)))
+        self.loads.append(
+            Moment(**given(at=at, value=value, following=following, time=time, until=until, name=name))
+        )
 
     def distributed_force(
         self,
@@ -45,10 +63,18 @@ class Loaded:
         *,
         from_s: float | None = None,
         to_s: float | None = None,
+        name: str | None = None,
     ) -> None:
         """Load a rod with a force per length, N/m; see `DistributedForce`."""
         span = given(
-            rod=rod, value=value, following=following, time=time, until=until, from_s=from_s, to_s=to_s
+            rod=rod,
+            value=value,
+            following=following,
+            time=time,
+            until=until,
+            from_s=from_s,
+            to_s=to_s,
+            name=name,
         )
         self.loads.append(DistributedForce(**span))
 
@@ -62,18 +88,31 @@ class Loaded:
         *,
         from_s: float | None = None,
         to_s: float | None = None,
+        name: str | None = None,
     ) -> None:
         """Load a rod with a moment per length, N m/m; see `DistributedMoment`."""
         span = given(
-            rod=rod, value=value, following=following, time=time, until=until, from_s=from_s, to_s=to_s
+            rod=rod,
+            value=value,
+            following=following,
+            time=time,
+            until=until,
+            from_s=from_s,
+            to_s=to_s,
+            name=name,
         )
         self.loads.append(DistributedMoment(**span))
 
     def gravity(
-        self, acceleration: Vector = (0.0, 0.0, -9.81), time: Time = None, until: float | None = None
+        self,
+        acceleration: Vector = (0.0, 0.0, -9.81),
+        time: Time = None,
+        until: float | None = None,
+        *,
+        name: str | None = None,
     ) -> None:
         """Add the weight of all rods and bodies; see `Gravity`."""
-        self.loads.append(Gravity(**given(acceleration=acceleration, time=time, until=until)))
+        self.loads.append(Gravity(**given(acceleration=acceleration, time=time, until=until, name=name)))
 
     def moving_force(
         self,
@@ -86,7 +125,10 @@ class Loaded:
         following: bool = False,
         time: Time = None,
         until: float | None = None,
+        name: str | None = None,
     ) -> None:
         """Load a rod with a force that travels along it; see `MovingForce`."""
         travel = given(rod=rod, value=value, speed=speed, position=position, start=start)
-        self.loads.append(MovingForce(**travel, **given(following=following, time=time, until=until)))
+        self.loads.append(
+            MovingForce(**travel, **given(following=following, time=time, until=until, name=name))
+        )

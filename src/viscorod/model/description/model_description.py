@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Self
 
 from viscorod.errors import Fault, InputError
-from viscorod.model.actions.initial_strain import InitialStrain
+from viscorod.model.actions.initial_strain import InitialStrain, RestStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import AnyLoad
 from viscorod.model.bodies.body_base import AnyBody
@@ -43,6 +43,7 @@ class ModelDescription(Held, Loaded, Joined):
         attachments: pairs of places that are one rigid node.
         joints, springs: in order.
         velocities, strains: at t = 0.
+        rest_strains: at which rods are free of stress.
     """
 
     def __init__(self) -> None:
@@ -55,6 +56,7 @@ class ModelDescription(Held, Loaded, Joined):
         self.springs: list[AnySpring] = []
         self.velocities: list[InitialVelocity] = []
         self.strains: list[InitialStrain] = []
+        self.rest_strains: list[RestStrain] = []
 
     def add(self, name: str, part: Rod | AnyBody) -> None:
         """Add a rod or a rigid body under a new name (letters, digits, _ and -).
@@ -111,6 +113,11 @@ class ModelDescription(Held, Loaded, Joined):
         """Give a rod an initial strain; see `InitialStrain`."""
         fields: dict[str, Any] = {"value": value}
         self.strains.append(InitialStrain(rod, **fields))
+
+    def rest_strain(self, rod: str, value: Sequence[float] | Callable[[float], Sequence[float]]) -> None:
+        """Give a rod the strain at which it is free of stress; see `RestStrain`."""
+        fields: dict[str, Any] = {"value": value}
+        self.rest_strains.append(RestStrain(rod, **fields))
 
     def validate(self) -> None:
         """Check that the parts fit together.
@@ -177,6 +184,7 @@ class ModelDescription(Held, Loaded, Joined):
             "springs": self.springs,
             "velocities": self.velocities,
             "strains": self.strains,
+            "rest_strains": self.rest_strains,
         }
 
     @classmethod
@@ -192,6 +200,7 @@ class ModelDescription(Held, Loaded, Joined):
         bodies: Mapping[str, AnyBody] | None = None,
         joints: Iterable[AnyJoint] = (),
         springs: Iterable[AnySpring] = (),
+        rest_strains: Iterable[RestStrain] = (),
     ) -> Self:
         """Make a model from its parts."""
         model = cls()
@@ -206,4 +215,5 @@ class ModelDescription(Held, Loaded, Joined):
         model.springs.extend(springs)
         model.velocities.extend(velocities)
         model.strains.extend(strains)
+        model.rest_strains.extend(rest_strains)
         return model

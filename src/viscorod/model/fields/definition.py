@@ -18,7 +18,7 @@ from typing import Any, ClassVar, TypeVar, dataclass_transform
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, users_level
 from viscorod.model.fields.metadata import Key, accepted, expected, meaning
 
 __all__ = [
@@ -177,19 +177,8 @@ def _with_present_names(cls: type[Definition], data: Mapping[Any, Any]) -> Mappi
     """Return the values of a table under the present names of its keys; a former name beside the present one stays."""
     former = {key: cls.renamed[key] for key in data if key in cls.renamed and cls.renamed[key] not in data}
     for key, name in former.items():
-        warnings.warn(f"{key} is now {name}", DeprecationWarning, stacklevel=_users_level())
+        warnings.warn(f"{key} is now {name}", DeprecationWarning, stacklevel=users_level())
     return {former.get(key, key): value for key, value in data.items()} if former else data
-
-
-def _users_level() -> int:
-    """Return the stack level, for a warning of the caller, of the line outside this package that led to it.
-
-    Python shows a `DeprecationWarning` only where it is the user's own line.
-    """
-    level, frame = 1, inspect.currentframe()
-    while frame is not None and str(frame.f_globals.get("__name__")).startswith(("viscorod.", "pydantic.")):
-        level, frame = level + 1, frame.f_back
-    return level - 1
 
 
 def plain_value(value: Any) -> Any:

@@ -17,12 +17,14 @@ from viscorod.model.fields.values import (
     LARGEST,
     OptionalText,
     frequency_band,
+    number,
     numbers,
     one_of,
     whole_number,
 )
+from viscorod.model.materials.column_units import FREQUENCY_UNITS, MODULUS_UNITS
 from viscorod.model.materials.damping_model import Behaviour, Damping, Elastic, bulk_time_of
-from viscorod.model.materials.dma_table import FREQUENCY_UNITS, MODULUS_UNITS, DmaTable, read_dma_table
+from viscorod.model.materials.dma_table import read_dma_table
 from viscorod.model.materials.nearest_kelvin_voigt import (
     Viscous,
     errors,
@@ -31,6 +33,7 @@ from viscorod.model.materials.nearest_kelvin_voigt import (
 )
 from viscorod.model.materials.prony import maxwell_branches
 from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
+from viscorod.model.materials.sweeps import DmaTable, perhaps_percent, tidied
 from viscorod.typing import Floats
 
 __all__ = ["ComplexModuli", "ModulusTable"]
@@ -66,10 +69,14 @@ class ModulusTable(Definition):
         default=None,
     )
     frequency_unit: Annotated[str | None, optional(one_of(*FREQUENCY_UNITS))] = Key(
-        '"Hz", "kHz" or "rad/s", where the file does not say', default=None
+        '"Hz", "kHz", "rad/s", "mHz" or "MHz", where the file does not say', default=None
     )
     modulus_unit: Annotated[str | None, optional(one_of(*MODULUS_UNITS))] = Key(
-        '"Pa", "kPa", "MPa", "GPa", "N/mm2", "N/m2" or "psi", where the file does not say', default=None
+        '"Pa", "kPa", "MPa", "GPa", "N/mm2", "N/m2", "psi", "ksi", "bar" or "dyn/cm2", where the file does not say',
+        default=None,
+    )
+    temperature: Annotated[float | None, optional(number)] = Key(
+        "of the sweep, degrees C, where the file has sweeps at several", default=None
     )
 
     @model_validator(mode="after")
@@ -84,11 +91,13 @@ class ModulusTable(Definition):
                 found="given: " + (", ".join([*lists, "file"]) if lists else "nothing"),
             )
         if self.file is None:
-            for key in ("frequency_unit", "modulus_unit"):
+            for key, why in (
+                ("frequency_unit", "lists are in Hz and Pa"),
+                ("modulus_unit", "lists are in Hz and Pa"),
+                ("temperature", "lists are one sweep"),
+            ):
                 if getattr(self, key) is not None:
-                    raise RefusedError(
-                        "lists are in Hz and Pa", "leave it out", found=show(getattr(self, key)), at=(key,)
-                    )
+                    raise RefusedError(why, "leave it out", found=show(getattr(self, key)), at=(key,))
             self._lists_fit(lists)
         _ = self.table
         return self
@@ -119,10 +128,6 @@ class ModulusTable(Definition):
                         found=show(value),
                         at=(name, index),
                     )
-        if len(set(self.frequency or ())) < rows:
-            raise RefusedError(
-                "a frequency stands twice", "give each frequency once", found="", at=("frequency",)
-            )
 
     @cached_property
     def table(self) -> DmaTable:
@@ -130,15 +135,21 @@ class ModulusTable(Definition):
         if self.file is not None:
             try:
                 return read_dma_table(
-                    self.file, frequency_unit=self.frequency_unit, modulus_unit=self.modulus_unit
+                    self.file,
+                    frequency_unit=self.frequency_unit,
+                    modulus_unit=self.modulus_unit,
+                    temperature=self.temperature,
                 )
             except RefusedError as error:
+                if error.at:
+                    raise
                 found = f"{self.file}: {error.found}" if error.found else self.file
                 raise RefusedError(error.why, error.instead, found=show(found), at=("file",)) from None
-        order = np.argsort(np.array(self.frequency))
-        storage = np.array(self.storage)
-        loss = np.array(self.loss) if self.loss is not None else np.array(self.tan_delta) * storage
-        return DmaTable(2.0 * math.pi * np.array(self.frequency)[order], storage[order], loss[order])
+        omega, storage = 2.0 * math.pi * np.array(self.frequency), np.array(self.storage)
+        if self.loss is not None:
+            return tidied(omega, storage, np.array(self.loss))
+        tangent = np.array(self.tan_delta)
+        return tidied(omega, storage, tangent * storage, notes=perhaps_percent(omega, storage, tangent))
 
 
 @accepts(of_kind("damping.other"), "table, see below")
@@ -225,8 +236,9 @@ class ComplexModuli(ModulusTable, Damping):
         inside = (hertz >= low * (1.0 - slack)) & (hertz <= high * (1.0 + slack))
         least = 1 if self.fit == "low_frequency" else 2
         if np.count_nonzero(inside) < least:
+            count = int(np.count_nonzero(inside))
             raise RefusedError(
-                f"the table of {strain} has {np.count_nonzero(inside)} rows there",
+                f"the table of {strain} has {count} row{'' if count == 1 else 's'} there",
                 f"{least} at least are needed; its frequencies go from {hertz[0]:.6g} to {hertz[-1]:.6g} Hz",
                 found=show(list(self.band)) if self.band else "",
                 at=("band",) if self.band else (),
@@ -316,7 +328,7 @@ class ComplexModuli(ModulusTable, Damping):
                 f"{word} is kept as given, {mine:.4g} Pa; the table would say {fit.modulus:.4g} Pa "
                 f"({100.0 * (fit.modulus / mine - 1.0):+.2g} %), and only the time of {fit.time:.4g} s comes from it"
             )
-        return known
+        return [*known, *(f"the table of {strain}: {note}" for note in self.tables[strain].notes)]
 
 
 _CONSTANT = "Poisson's ratio is taken as constant: the same loss factor in extension and shear"

@@ -1,271 +1,306 @@
 """Tables of storage and loss modulus over frequency, as instruments of dynamic mechanical analysis export them.
 
-A table is text in columns: one line with the names of the columns, with their units in brackets or after a slash, or in
-a line below; then the numbers. Lines before the names are skipped, and so are lines that begin with ``#`` (but NETZSCH
-marks the line of the names itself with ``##``) and empty ones.
+A table is text in columns: one line with the names of the columns, with their units beside the names or in a line
+below; then the numbers. Lines before the names are skipped, and so are lines that begin with ``#`` (but NETZSCH marks
+the line of the names itself with ``##``), empty ones, and remarks at the end. The names may come again, where a
+program writes one table for every sweep.
+
+A column is taken by the place of its name, and a row whose number of cells is another is refused, unless columns that
+say the same twice (both frequencies, tan delta, the size of the complex modulus) leave one way to read it.
 """
 
 from __future__ import annotations
 
-import csv
 import math
-import re
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from viscorod.limits import LARGEST_TABLE
 from viscorod.model.fields.definition import RefusedError, show
-from viscorod.model.fields.values import LARGEST
+from viscorod.model.materials.column_names import unit_of
+from viscorod.model.materials.column_units import NOUNS, factor
+from viscorod.model.materials.sweeps import DmaTable, Points, one_sweep, perhaps_percent
+from viscorod.model.materials.table_blocks import Block, blocks_of
+from viscorod.model.materials.table_text import Numbers, lines_of
 from viscorod.typing import Floats
 
-__all__ = ["FREQUENCY_UNITS", "MODULUS_UNITS", "DmaTable", "read_dma_table"]
+__all__ = ["read_dma_table"]
 
-FREQUENCY_UNITS = {"Hz": 2.0 * math.pi, "kHz": 2e3 * math.pi, "rad/s": 1.0}
-"""Angular frequency [rad/s] of the unit."""
-MODULUS_UNITS = {
-    "Pa": 1.0,
-    "kPa": 1e3,
-    "MPa": 1e6,
-    "GPa": 1e9,
-    "N/mm2": 1e6,
-    "N/m2": 1.0,
-    "psi": 6894.757293168361,
-}
-"""Pa of the unit."""
-
-NAMES = {
-    "frequency": r"(ang(ular|\.)? ?)?freq(uency|\.)?|f|omega|ω",
-    "storage": r"([eg]'[- ]*)?((shear|tensile|young'?s|flexural|dynamic) )?storage modulus|storage|[eg]'|[eg]_storage",
-    "loss": r"([eg]''[- ]*)?((shear|tensile|young'?s|flexural|dynamic) )?loss modulus|loss|[eg](''|\")|[eg]_loss",
-    "tan_delta": r"tan ?[(_ ]?(d|delta|δ)\)?|loss factor",
-}
-STRAINS = {"extension": r"e['_]|tensile|young|flexural", "shear": r"g['_]|shear"}
-"""Beginnings of the name of the storage modulus that show the strain."""
-SEPARATORS = ("\t", ";", ",")
-
-
-@dataclass(frozen=True, eq=False)
-class DmaTable:
-    """Storage and loss modulus over frequency.
-
-    Attributes:
-        omega: increasing angular frequencies (n,), rad/s.
-        storage, loss: moduli (n,), Pa.
-        strain: "shear" or "extension" where the names of the columns show it, else None.
-    """
-
-    omega: Floats
-    storage: Floats
-    loss: Floats
-    strain: str | None = None
+_AGREE = 0.03
+"""Relative difference, of half the rows, that rounding explains between columns that say the same twice."""
+_ROUNDED = 0.0051
+"""Difference of tan delta that its printed digits explain."""
 
 
 def read_dma_table(
-    path: str | Path, *, frequency_unit: str | None = None, modulus_unit: str | None = None
+    path: str | Path,
+    *,
+    frequency_unit: str | None = None,
+    modulus_unit: str | None = None,
+    temperature: float | None = None,
 ) -> DmaTable:
-    """Read a table of a frequency sweep at one temperature.
+    """Read a table of one frequency sweep, or one sweep of a table of several.
 
     Args:
-        path: of a text file with columns of frequency, storage modulus, and loss modulus or tan delta, separated by
-            tabs, semicolons or commas; decimal commas are understood where commas do not separate.
-        frequency_unit: "Hz", "kHz" or "rad/s", where the file does not state it.
-        modulus_unit: "Pa", "kPa", "MPa", "GPa", "N/mm2", "N/m2" or "psi", where the file does not state it.
+        path: of a text file with columns of frequency or angular frequency, storage modulus, and loss modulus, tan
+            delta or phase angle, separated by tabs, semicolons, commas, bars or blanks; decimal commas are
+            understood where commas do not separate.
+        frequency_unit: "Hz", "kHz", "rad/s", "mHz" or "MHz", where the file does not state it.
+        modulus_unit: a word of `MODULUS_UNITS`, where the file does not state it.
+        temperature: of the sweep, degrees C, where the file has sweeps at several.
 
     Raises:
-        InputError: the file cannot be read, a column or a unit is missing, or a text stands in place of a number.
+        RefusedError: the file cannot be read, a column or a unit is missing, a row does not fit the names, a text
+            stands in place of a number, columns contradict each other, or several sweeps leave a choice.
     """
-    lines = _text(Path(path)).splitlines()
-    start, separator, columns, header = _names(lines)
-    units, first = _units(lines, start, separator, columns, header)
-    for name, unit in (("frequency", frequency_unit), ("storage", modulus_unit), ("loss", modulus_unit)):
-        _declare(units, name, unit, columns)
-    values = _values(lines, first, separator, columns)
-    omega = values["frequency"] * FREQUENCY_UNITS[units["frequency"]]
-    storage = values["storage"] * MODULUS_UNITS[units["storage"]]
-    loss = (
-        values["loss"] * MODULUS_UNITS[units["loss"]] if "loss" in values else values["tan_delta"] * storage
+    blocks = blocks_of(lines_of(Path(path)))
+    given = {"frequency": frequency_unit, "modulus": modulus_unit}
+    numbers = Numbers(
+        row[at] for block in blocks for _, row in block.rows for at in range(len(row)) if at in _near(block)
     )
-    name = _bare(header[columns["storage"]])[0]
-    strain = next((strain for strain, pattern in STRAINS.items() if re.match(pattern, name)), None)
-    order = np.argsort(omega, kind="stable")
-    return DmaTable(omega[order], storage[order], loss[order], strain)
-
-
-def _text(path: Path) -> str:
-    try:
-        if not path.is_file():
-            raise RefusedError("there is no such file", "give the path of a table of a frequency sweep")
-        size = path.stat().st_size
-        if size > LARGEST_TABLE:
-            raise RefusedError(
-                "the file is larger than any table of a measurement",
-                f"give one of less than {LARGEST_TABLE // 1_000_000} MB",
-                found=f"{size / 1e6:.0f} MB",
-            )
-        content = path.read_bytes()
-    except (OSError, ValueError) as error:
-        if isinstance(error, RefusedError):
-            raise
-        raise RefusedError(f"it cannot be read ({error})", "check the path and its permissions") from None
-    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return content.decode("utf-16", errors="replace")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return content.decode("latin-1")
-
-
-def _cells(line: str, separator: str) -> list[str]:
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
-
-
-def _bare(cell: str) -> tuple[str, str | None]:
-    """Return name and unit of a cell such as ``E'/MPa``, ``Storage Modulus (MPa)`` or ``Frequency [Hz]``."""
-    text = (
-        cell.strip()
-        .lstrip("#")
-        .strip()
-        .replace("\N{PRIME}", "'")
-        .replace("\N{RIGHT SINGLE QUOTATION MARK}", "'")
-    )
-    text = text.replace("\N{DOUBLE PRIME}", "''")
-    found = re.fullmatch(r"(.*?)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\]|/\s*([A-Za-z].*))", text)
-    if found is None or re.fullmatch(NAMES["tan_delta"], text.lower()):
-        return text.lower(), None
-    name, *units = found.groups()
-    return name.strip().lower(), next(unit.strip() for unit in units if unit is not None)
-
-
-def _kind(cell: str) -> str | None:
-    name = _bare(cell)[0]
-    return next((kind for kind, pattern in NAMES.items() if re.fullmatch(pattern, name)), None)
-
-
-def _names(lines: list[str]) -> tuple[int, str, dict[str, int], list[str]]:
-    """Return the line of the names, the separator, the column of every known name, and the names."""
-    for index, line in enumerate(lines):
-        for separator in SEPARATORS:
-            cells = _cells(line, separator)
-            kinds = [_kind(cell) for cell in cells]
-            if not {"frequency", "storage"} <= set(kinds) or not {"loss", "tan_delta"} & set(kinds):
-                continue
-            columns: dict[str, int] = {}
-            for column, kind in enumerate(kinds):
-                if kind in columns:
-                    raise RefusedError(
-                        f"line {index + 1} names two columns for the same: {cells[columns[kind]]} and {cells[column]}",
-                        "leave one of them in the file",
-                    )
-                if kind is not None:
-                    columns[kind] = column
-            if "loss" in columns:
-                columns.pop("tan_delta", None)
-            return index, separator, columns, cells
-    raise RefusedError(
-        "no line names columns of frequency, storage modulus, and loss modulus or tan delta",
-        "begin the file with a line such as: Frequency (Hz), Storage Modulus (MPa), Loss Modulus (MPa)",
-    )
-
-
-def _units(
-    lines: list[str], start: int, separator: str, columns: dict[str, int], header: list[str]
-) -> tuple[dict[str, str], int]:
-    """Return the units declared beside the names or in the line below, and the first line that may hold numbers."""
-    units = {name: unit for name, column in columns.items() if (unit := _bare(header[column])[1])}
-    first = start + 1
-    if first < len(lines):
-        below = _cells(lines[first], separator)
-        cells = {name: below[column] for name, column in columns.items() if column < len(below)}
-        if "frequency" in cells and cells["frequency"] and _number(cells["frequency"]) is None:
-            first += 1
-            for name, cell in cells.items():
-                text = cell.strip("()[]")
-                if text and name not in units:
-                    units[name] = text
-    return {name: _known_unit(name, unit) for name, unit in units.items() if name != "tan_delta"}, first
-
-
-def _known_unit(name: str, unit: str) -> str:
-    known = FREQUENCY_UNITS if name == "frequency" else MODULUS_UNITS
-    plain = unit.replace("²", "2").replace("^", "").replace("rad/sec", "rad/s").replace(" ", "")
-    for word in known:
-        if plain == word or (plain.lower() == word.lower() and word not in ("MPa", "Pa")):
-            return word
-    if plain.lower() in ("pa", "mpa") and plain not in ("mPa",):
-        return {"pa": "Pa", "mpa": "MPa"}[plain.lower()]
-    raise RefusedError(
-        f"the unit {show(unit)} of the column of {_noun(name)} is not known",
-        f"use one of {', '.join(known)}",
-    )
-
-
-def _declare(units: dict[str, str], name: str, given: str | None, columns: dict[str, int]) -> None:
-    """Take a unit from the file or the keys, and refuse neither or both."""
-    if name not in columns:
-        return
-    key = "frequency_unit" if name == "frequency" else "modulus_unit"
-    if given is None and name not in units:
-        raise RefusedError(
-            f"the file does not give the unit of the column of {_noun(name)}",
-            f"write it beside the name, or give {key}",
-        )
-    if given is not None and units.setdefault(name, given) != given:
-        raise RefusedError(
-            f"the file gives the {_noun(name)} in {units[name]}, and {key} says {given}",
-            f"leave {key} out",
-        )
-
-
-def _noun(name: str) -> str:
-    return {"frequency": "frequency", "storage": "storage modulus", "loss": "loss modulus"}[name]
-
-
-def _number(cell: str) -> float | None:
-    try:
-        value = float(cell.replace(",", "."))
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
-
-
-def _values(lines: list[str], first: int, separator: str, columns: dict[str, int]) -> dict[str, Floats]:
-    """Return the numbers of the known columns."""
-    rows: list[list[float]] = []
-    seen: dict[float, int] = {}
-    marks: set[str] = set()
-    for index in range(first, len(lines)):
-        line = lines[index]
-        if not line.strip(f"{separator} ") or line.lstrip().startswith("#"):
-            continue
-        cells = _cells(line, separator)
-        texts = [cells[column] if column < len(cells) else "" for column in columns.values()]
-        marks |= {mark for mark in ",." for text in texts if mark in text}
-        row = [_number(text) for text in texts]
-        for name, text, value in zip(columns, texts, row, strict=True):
-            zero = name in ("loss", "tan_delta")
-            if value is None or not (1.0 / LARGEST <= value <= LARGEST or (zero and value == 0.0)):
-                allowed = "a number >= 0" if zero else "a number > 0"
-                raise RefusedError(
-                    f"line {index + 1}: the {name.replace('_', ' ')} is not usable",
-                    f"give {allowed}",
-                    found=show(text),
-                )
-        numbers = [value for value in row if value is not None]
-        frequency = numbers[list(columns).index("frequency")]
-        if frequency in seen:
-            raise RefusedError(
-                f"lines {seen[frequency]} and {index + 1} have the same frequency",
-                "keep one sweep at one temperature in the file",
-                found=f"{frequency:g}",
-            )
-        seen[frequency] = index + 1
-        rows.append(numbers)
-    if len(marks) == 2:
-        raise RefusedError(
-            "the numbers have both points and commas", "write decimals one way, and no thousands"
-        )
-    if not rows:
+    parts = [_points(block, index, numbers, given) for index, block in enumerate(blocks)]
+    parts = [part for part in parts if part.line.size]
+    if not parts:
         raise RefusedError("there are no numbers below the names of the columns", "give one row at least")
-    return {name: np.array(rows)[:, index] for index, name in enumerate(columns)}
+    strains = {part.strain for part in parts}
+    if len(strains) > 1:
+        raise RefusedError("the file has tables of different strains", "keep one of them in the file")
+    return one_sweep(parts, temperature)
+
+
+def _near(block: Block) -> set[int]:
+    return {at + shift for at in block.columns for shift in (-1, 0, 1)}
+
+
+def _points(block: Block, index: int, numbers: Numbers, given: dict[str, str | None]) -> Points:
+    """Return the measured points of a table in rad/s and Pa; nan where there is none."""
+    factors = _used_factors(block, given)
+    by_count: dict[int, list[int]] = {}
+    for k, (_, cells) in enumerate(block.rows):
+        by_count.setdefault(len(cells), []).append(k)
+    values = {at: np.full(len(block.rows), math.nan) for at in factors}
+    for count, rows in by_count.items():
+        for at, column in _placed(block, count, rows, numbers, factors).items():
+            values[at][rows] = column
+    return _quantities(block, index, _single(block, values))
+
+
+def _used_factors(block: Block, given: dict[str, str | None]) -> dict[int, float]:
+    """Return the SI value of the unit of every column that is used; columns that only confirm others may lack one."""
+    kinds = {known.kind for known in block.columns.values()}
+    needed = {"storage", "loss" if "loss" in kinds else "tan_delta" if "tan_delta" in kinds else "phase"}
+    if "storage" not in kinds:
+        needed = {"complex", "tan_delta" if "tan_delta" in kinds else "phase"}
+    factors, refused = {}, {}
+    for at, known in block.columns.items():
+        if known.kind in ("temperature", "set_temperature", "group"):
+            factors[at] = 1.0
+            continue
+        try:
+            factors[at] = factor(known, given)
+        except RefusedError as error:
+            refused[at] = error
+            if known.kind in needed:
+                raise
+    if not any(block.columns[at].kind in ("frequency", "angular") for at in factors):
+        raise next(
+            error for at, error in refused.items() if block.columns[at].kind in ("frequency", "angular")
+        )
+    return factors
+
+
+def _placed(
+    block: Block, count: int, rows: list[int], numbers: Numbers, factors: dict[int, float]
+) -> dict[int, Floats]:
+    """Return the columns of rows of one number of cells, placed by the names or by what two columns say together."""
+    missing = len(block.names) - count
+    as_named = {at: at for at in factors}
+    if missing == 0 or _ends_blank(block, rows, missing):
+        found = _columns(block, rows, as_named, numbers, factors)
+        checks = list(_checks(block, rows, found))
+        contradiction = next((text for ok, text in checks if not ok), None)
+        if contradiction:
+            raise RefusedError(
+                "the columns contradict each other: " + contradiction,
+                "check names and units in the file, or leave the wrong column out",
+            )
+        if checks or not _label_above_numbers(block, rows):
+            return found
+    if missing == -1 and _counted_from_zero(block, rows):
+        return _columns(block, rows, {at: at + 1 for at in factors}, numbers, factors)
+    if missing == 1 and block.names[0].endswith(":"):  # a label before the names, and none before the rows
+        found = _columns(block, rows, {at: at - 1 for at in factors}, numbers, factors)
+        agree = [ok for ok, _ in _checks(block, rows, found)]
+        if agree and all(agree):
+            return found
+    line, cells = block.rows[rows[0]]
+    raise RefusedError(
+        f"line {line} has {count} cells, and line {block.line} names {len(block.names)} columns "
+        f"({', '.join(block.names)}): which column a number belongs to is not known",
+        "give every row as many cells as there are names, empty ones too, and decimals with a point where commas "
+        "separate",
+        found=show(" ".join(cells)),
+    )
+
+
+def _label_above_numbers(block: Block, rows: list[int]) -> bool:
+    """Return whether the first name is a label, such as "Interval data:", and the first cells are no count of rows."""
+    first = [block.rows[row][1][0] for row in rows]
+    counts = [[str(k) for k in range(start, start + len(first))] for start in (0, 1)]
+    return block.names[0].endswith(":") and 0 not in block.columns and any(first) and first not in counts
+
+
+def _counted_from_zero(block: Block, rows: list[int]) -> bool:
+    """Return whether an index 0, 1, ... stands before the first column, which zero shows to be none of its values."""
+    first = block.columns.get(0)
+    positive = first is not None and first.kind in ("frequency", "angular", "storage", "complex")
+    return positive and len(rows) > 1 and all(block.rows[row][1][0] == str(k) for k, row in enumerate(rows))
+
+
+def _ends_blank(block: Block, rows: list[int], missing: int) -> bool:
+    """Return whether rows are short because their last cells are empty.
+
+    The separators show it; or other rows are as long as the names, and the short ones end before the last column.
+    """
+    if missing < 0:
+        return False
+    if all(block.full.get(block.rows[k][0], 0) >= len(block.names) for k in rows):
+        return True
+    whole = any(len(cells) == len(block.names) for _, cells in block.rows)
+    return block.separated and whole and max(block.columns) < len(block.names) - missing
+
+
+def _columns(
+    block: Block, rows: list[int], places: dict[int, int], numbers: Numbers, factors: dict[int, float]
+) -> dict[int, Floats]:
+    """Return the columns of rows, from the cells at the places given for each."""
+    found = {}
+    for at, size in factors.items():
+        known = block.columns[at]
+        column = np.full(len(rows), math.nan)
+        for k, row in enumerate(rows):
+            line, cells = block.rows[row]
+            place = places.get(at, len(cells))
+            cell = cells[place] if place < len(cells) else ""
+            value = numbers.of(cell)
+            if value is None and known.kind in NOUNS:
+                allowed = "> 0" if known.kind in ("frequency", "angular", "storage", "complex") else ">= 0"
+                raise RefusedError(
+                    f"line {line}: the {known.kind.replace('_', ' ')} is not usable",
+                    f"give a number {allowed}",
+                    found=show(cell),
+                )
+            column[k] = math.nan if value is None else value * size
+        found[at] = column
+    return found
+
+
+def _checks(block: Block, rows: list[int], columns: dict[int, Floats]) -> Iterator[tuple[bool, str]]:
+    """Compare columns that say the same twice; yields whether they agree, and a sentence."""
+    by_kind: dict[str, tuple[str, Floats]] = {}
+    for at, column in columns.items():
+        by_kind.setdefault(block.columns[at].kind, (block.columns[at].text, column))
+    lines = [block.rows[row][0] for row in rows]
+
+    def compared(
+        first: str, a: Floats, second: str, b: Floats, slack: float = 0.0
+    ) -> Iterator[tuple[bool, str]]:
+        known = np.flatnonzero(np.isfinite(a) & np.isfinite(b) & ((a > 0.0) | (b > 0.0)))
+        if known.size:
+            x, y = a[known], b[known]
+            off = np.maximum(np.abs(x - y) - slack, 0.0) / np.maximum(np.abs(x), np.abs(y))
+            worst = int(np.argsort(off)[(len(off) - 1) // 2])
+            text = f"in line {lines[known[worst]]} {first} is {x[worst]:.4g} and {second} {y[worst]:.4g}"
+            yield bool(off[worst] <= _AGREE), text
+
+    with np.errstate(all="ignore"):
+        if "angular" in by_kind and "frequency" in by_kind:
+            (first, omega), (second, same) = by_kind["angular"], by_kind["frequency"]
+            yield from compared(f"{first} [rad/s]", omega, f"2 pi {second} [rad/s]", same)
+        if "storage" not in by_kind:
+            return
+        storage = by_kind["storage"][1]
+        loss = by_kind["loss"][1] if "loss" in by_kind else None
+        if "tan_delta" in by_kind:
+            name, tangent = by_kind["tan_delta"]
+            if loss is not None:
+                yield from compared(name, tangent, "loss over storage", loss / storage, _ROUNDED)
+            else:
+                loss = tangent * storage
+        if "complex" in by_kind and loss is not None:
+            name, size = by_kind["complex"]
+            yield from compared(
+                f"{name} [Pa]", size, "the size of storage and loss [Pa]", np.hypot(storage, loss)
+            )
+
+
+def _single(block: Block, values: dict[int, Floats]) -> dict[str, Floats]:
+    """Return one column of each kind; two of a kind must agree."""
+    found: dict[str, tuple[int, Floats]] = {}
+    for at, column in values.items():
+        kind = block.columns[at].kind
+        if kind in found and kind in NOUNS:
+            first, other = found[kind]
+            both = np.isfinite(column) & np.isfinite(other)
+            off = np.abs(column - other)[both] / np.maximum(np.abs(column), np.abs(other))[both]
+            if off.size == 0 or not np.median(off) <= 0.01:
+                raise RefusedError(
+                    f"line {block.line} names two columns for the same: {block.columns[first].text} and "
+                    f"{block.columns[at].text}",
+                    "leave one of them in the file",
+                )
+        found.setdefault(kind, (at, column))
+    return {kind: column for kind, (_, column) in found.items()}
+
+
+def _quantities(block: Block, index: int, values: dict[str, Floats]) -> Points:
+    """Return frequencies, moduli and temperatures of the rows of a table."""
+    omega = values.get("frequency")
+    if omega is None or (
+        "angular" in values and _digits(values["angular"]) > _digits(omega / (2.0 * math.pi))
+    ):
+        omega = values["angular"]
+    with np.errstate(all="ignore"):
+        tangent = (
+            values["tan_delta"]
+            if "tan_delta" in values
+            else np.tan(values.get("phase", np.full(1, math.nan)))
+        )
+        if "storage" in values:
+            storage = values["storage"]
+            loss = values["loss"] if "loss" in values else tangent * storage
+        else:
+            storage = values["complex"] / np.hypot(1.0, tangent)
+            loss = storage * tangent
+    notes = []
+    if "loss" not in values and "tan_delta" in values:
+        notes += perhaps_percent(omega, storage, tangent)
+    strains = {known.strain for known in block.columns.values() if known.kind in ("storage", "complex")}
+    strains.discard(None)
+    unknown = np.full(len(block.rows), math.nan)
+    units = {known.kind: known.unit or "C" for known in block.columns.values()}
+    return Points(
+        line=np.array([line for line, _ in block.rows], dtype=np.int64),
+        omega=omega,
+        storage=storage,
+        loss=loss,
+        temperature=_celsius(values.get("temperature", unknown), units.get("temperature", "C")),
+        set_temperature=_celsius(values.get("set_temperature", unknown), units.get("set_temperature", "C")),
+        group=values.get("group", unknown) * 1.0 + 0.0,
+        block=np.full(len(block.rows), index),
+        strain=strains.pop() if len(strains) == 1 else None,
+        notes=tuple(notes),
+    )
+
+
+def _celsius(values: Floats, unit: str) -> Floats:
+    known = unit_of(unit, "temperature")
+    return values - 273.15 if known == "K" else (values - 32.0) / 1.8 if known == "F" else values
+
+
+def _digits(values: Floats) -> float:
+    """Return the mean number of digits of numbers, at most 12."""
+    texts = [f"{value:.12g}" for value in values if math.isfinite(value) and value > 0.0]
+    plain = [len(text.split("e")[0].replace(".", "").strip("0")) for text in texts]
+    return sum(plain) / max(len(plain), 1)

@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, blocks, listed, of_kind, quantity
 from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts
+from viscorod.model.fields.symmetry import skew_entry
 from viscorod.model.fields.values import Positive, each, items, numbers, sequence
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
@@ -54,10 +55,8 @@ def symmetric(value: Any, words: tuple[str, ...]) -> Matrix:
         return tuple(map(tuple, np.diag(numbers(rows, count=6)).tolist()))
     full = each(rows, lambda row: numbers(row, count=6))
     matrix = np.array(full)
-    size = np.abs(matrix) + np.abs(matrix.T)
-    skew = np.abs(matrix - matrix.T) > 1e-9 * size
-    if skew.any():
-        i, j = (int(k) for k in np.argwhere(skew)[0])
+    if (skew := skew_entry(matrix)) is not None:
+        i, j = skew
         raise RefusedError(
             "the matrix must be symmetric",
             f"give the same number twice for {words[i]} and {words[j]}, in row {i + 1}, column {j + 1} "
@@ -143,8 +142,19 @@ def _plain(words: Sequence[str]) -> str:
 @accepts(blocks(), _MATRIX)
 def _stiffness(value: Any) -> Matrix:
     matrix = symmetric(value, STRAINS)
-    refuse_indefinite(matrix, STRAINS, zero_allowed=False, meaning="every strain must cost energy")
+    if not np.array(matrix)[3:].any():  # a cable
+        refuse_indefinite(_with_moments(matrix), STRAINS, zero_allowed=False, meaning=_COSTS)
+    else:
+        refuse_indefinite(matrix, STRAINS, zero_allowed=False, meaning=_COSTS)
     return matrix
+
+
+_COSTS = "every strain must cost energy, unless bending and twist cost none at all (three zeros: a cable)"
+
+
+def _with_moments(matrix: Matrix) -> Matrix:
+    """Return the matrix with moments of 1 for bending and twist."""
+    return tuple(map(tuple, (np.array(matrix) + np.diag([0, 0, 0, 1, 1, 1])).tolist()))
 
 
 @accepts(blocks(), _MATRIX)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 
 _SIZE = 0.15  # of the largest displacement, as a part of the model
 _COLUMNS = 3
-_ZERO = 1e-5  # eigenvalues below this part of the largest are round-off
+_WIDTH = 44  # letters of a title
 
 
 def draw_modes(result: Result, modes: Modes, count: int | None = None) -> Figure:
@@ -25,18 +26,18 @@ def draw_modes(result: Result, modes: Modes, count: int | None = None) -> Figure
 
     Args:
         result: with the stations of the rods and the supports.
-        modes: of its model.
-        count: how many are drawn, all by default; the others help to distinguish rigid motions from slow ones.
+        modes: of its model; count: how many are drawn, all by default.
     """
     base = modes.positions
     count = min(count or len(modes.frequencies), len(modes.frequencies))
     columns = min(_COLUMNS, count)
     rows = -(-count // columns)
-    width, height = 1.2 + 3.6 * columns, 1.4 + 3.5 * rows
+    width, height = 1.2 + 3.6 * columns, 1.6 + 3.7 * rows
     picture = titled(result, width, height)
-    picture.subplots_adjust(top=1.0 - 1.3 / height, hspace=0.42, wspace=0.3)
+    picture.subplots_adjust(top=1.0 - 1.5 / height, hspace=0.5, wspace=0.3)
     curves = Curves(result)
     reach = _SIZE * float(np.max(np.ptp(base, axis=0)))
+    rest = "turning" if result.kind == "steady" else "at rest"
     for k in range(count):
         shape = modes.shapes[k]
         # the instant of the swing at which most is displaced
@@ -49,7 +50,7 @@ def draw_modes(result: Result, modes: Modes, count: int | None = None) -> Figure
         view.prepare(axes, _name(k, modes, view))
         curves.draw(axes, view, base + swing, color=BLUE, linewidth=2.0, label="mode")
         curves.draw(axes, view, base - swing, color=SKY, linewidth=1.2, label="half a period later")
-        curves.draw(axes, view, base, color=GREY, linestyle=(0, (4, 3)), linewidth=1.1, label="at rest")
+        curves.draw(axes, view, base, color=GREY, linestyle=(0, (4, 3)), linewidth=1.1, label=rest)
         axes.margins(0.08)
         mark_supports(axes, view, result, base)
         axes.title.set_fontsize(SMALL)
@@ -69,9 +70,10 @@ def draw_modes(result: Result, modes: Modes, count: int | None = None) -> Figure
 
 
 def _name(k: int, modes: Modes, view: View) -> str:
-    eigenvalue, ratio = modes.eigenvalues[k], modes.damping_ratios[k]
-    if abs(eigenvalue) <= _ZERO * np.max(np.abs(modes.eigenvalues)):
-        return f"{k + 1}: free motion without stiffness\n{view.name}"
+    eigenvalue, ratio, name = modes.eigenvalues[k], modes.damping_ratios[k], modes.names[k]
+    title = f"{fill(f'{k + 1}: {name}', _WIDTH)}\n"
+    if k < modes.rigid:
+        return f"{title}nothing resists it\n{view.name}"
     if abs(eigenvalue.imag) <= 1e-9 * abs(eigenvalue):
-        return f"{k + 1}: overdamped, decays at {-eigenvalue.real:.4g} 1/s\n{view.name}"
-    return f"{k + 1}: {modes.frequencies[k]:.4g} Hz, damping ratio {ratio:.3g}\n{view.name}"
+        return f"{title}overdamped, decays at {-eigenvalue.real:.4g} 1/s\n{view.name}"
+    return f"{title}{modes.frequencies[k]:.4g} Hz, damping ratio {ratio:.3g}\n{view.name}"

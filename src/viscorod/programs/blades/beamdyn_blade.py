@@ -14,15 +14,19 @@ from pathlib import Path
 import numpy as np
 
 from viscorod.errors import Fault, InputError, writing
+from viscorod.model.fields.symmetry import skew_entry
 from viscorod.programs.blades.blade_text import Lines
 from viscorod.programs.energy_creation import EnergyCheck, check_product
 from viscorod.programs.matrices import symmetric_part
 from viscorod.programs.times import six_times
 from viscorod.typing import Floats
 
-__all__ = ["BeamDynBlade", "read_beamdyn_blade", "write_beamdyn_blade_file"]
+__all__ = ["BeamDynBlade", "read_beamdyn_blade", "station_name", "write_beamdyn_blade_file"]
 
-_SYMMETRIC = 1e-6  # relative difference of two entries that printed digits explain
+
+def station_name(index: int, eta: float) -> str:
+    """Return how messages name a station: counted from one, with its fraction of the line."""
+    return f"station {index + 1} (eta = {eta:g})"
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,31 +90,35 @@ def read_beamdyn_blade(path: str | Path) -> BeamDynBlade:
     for k in range(count):
         lines.skip_blank()
         (stations[k],) = lines.numbers(1, f"the position of station {k + 1}")
-        stiffness[k] = _matrix(lines, f"a row of the stiffness of station {k + 1}")
+        station = station_name(k, stations[k])
+        stiffness[k] = _matrix(lines, f"the stiffness of {station}")
         lines.skip_blank()
-        inertia[k] = _matrix(lines, f"a row of the mass of station {k + 1}")
-    if stations[0] != 0.0 or stations[-1] != 1.0 or (np.diff(stations) <= 0.0).any():
+        inertia[k] = _matrix(lines, f"the mass of {station}")
+    falls = np.flatnonzero(np.diff(stations) <= 0.0)
+    if stations[0] != 0.0 or stations[-1] != 1.0 or falls.size:
+        found = f"stations from {stations[0]:g} to {stations[-1]:g}"
+        if falls.size:
+            first = int(falls[0])
+            found += f", {station_name(first + 1, stations[first + 1])} after eta = {stations[first]:g}"
         raise InputError(
             Fault(
                 str(path),
-                f"stations from {stations[0]:g} to {stations[-1]:g}",
+                found,
                 "they must rise from 0 to 1",
-                "give each station once, in order",
+                "give each station once, in order, as fractions of the length",
             )
         )
     return BeamDynBlade(stations, stiffness, inertia, six_times(mu, "mu"), damp_type, title)
 
 
 def _matrix(lines: Lines, what: str) -> Floats:
-    """Read six rows of six, symmetric to the printed digits, and return them exactly symmetric."""
-    matrix = np.array([lines.numbers(6, what) for _ in range(6)])
-    size = np.sqrt(np.abs(np.outer(np.diag(matrix), np.diag(matrix))))
-    skew = np.abs(matrix - matrix.T)
-    if (skew > _SYMMETRIC * np.maximum(np.abs(matrix) + np.abs(matrix.T), 1e-9 * size)).any():
-        i, j = (int(k) for k in np.argwhere(skew == skew.max())[0])
+    """Read six rows of six, symmetric but for round-off and printed digits, and return them exactly symmetric."""
+    matrix = np.array([lines.numbers(6, f"a row of {what}") for _ in range(6)])
+    if (skew := skew_entry(matrix)) is not None:
+        i, j = skew
         raise lines.problem(
-            f"{matrix[i, j]:g} against {matrix[j, i]:g} in rows {i + 1} and {j + 1}",
-            f"the matrix must be symmetric ({what.removeprefix('a row of ')})",
+            f"{float(matrix[i, j])!r} against {float(matrix[j, i])!r} in rows {i + 1} and {j + 1}",
+            f"{what} must be symmetric",
             "give the same number twice",
         )
     return symmetric_part(matrix)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal
 
@@ -14,6 +15,7 @@ from viscorod.model.sections.stiffness_section import StiffnessSection
 from viscorod.programs.blades.beamdyn_blade import (
     BeamDynBlade,
     read_beamdyn_blade,
+    station_name,
     write_beamdyn_blade_file,
 )
 from viscorod.programs.blades.beamdyn_line import BladeTwist, LineLike, beamdyn_axis, reference_line
@@ -59,6 +61,11 @@ class BladeSections:
 
     def __init__(self, blade: BeamDynBlade, length: float, law: Law = "symmetric") -> None:
         self.blade, self.length, self.law = blade, length, law
+
+    @property
+    def stations(self) -> Floats:
+        """Arc lengths of the stations (n,), m, at which the sections have kinks."""
+        return np.asarray(self.blade.stations * self.length)
 
     def damping(self, stiffness: Floats) -> Floats:
         """Return D (6, 6) for a stiffness (6, 6)."""
@@ -128,11 +135,12 @@ def rod_from_blade(
     line = reference_line(centreline)
     curve = line.centreline()
     sections = BladeSections(blade, curve.length, law)
-    for station, stiffness, inertia in zip(blade.stations, blade.stiffness, blade.inertia, strict=True):
+    for k, (stiffness, inertia) in enumerate(zip(blade.stiffness, blade.inertia, strict=True)):
         try:
             StiffnessSection(stiffness, inertia, sections.damping(stiffness))
         except InputError as error:
-            raise InputError([problem.within(f"station {station:g}") for problem in error.problems]) from None
+            station = station_name(k, blade.stations[k])
+            raise InputError([replace(p, where=f"{station}, {p.where}") for p in error.problems]) from None
     tangent = curve.bishop(np.zeros(1))[1][0][:, 2]
     d1 = beamdyn_axis(tangent, -float(np.deg2rad(line.initial_twist[0])))
     twist = BladeTwist(line, curve, d1) if line.initial_twist.any() or len(line.points) > 2 else 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,16 @@ from viscorod.errors import Fault, InputError
 from viscorod.typing import Floats
 
 __all__ = ["Lines"]
+
+
+def _number(text: str) -> float | None:
+    """Return a finite number as Fortran writes it (1.0D+03, 1.0+103), or None."""
+    plain = re.sub(r"(?<=[\d.])(?:[dD]|(?=[-+]\d+$))", "e", text)
+    try:
+        value = float(plain)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
 
 
 class Lines:
@@ -66,12 +77,15 @@ class Lines:
     def numbers(self, count: int, what: str) -> Floats:
         """Take a line and return the `count` numbers it starts with."""
         line = self._take(what)
-        parts = line.replace(",", " ").split()[:count]
-        try:
-            values = [float(part.lower().replace("d", "e")) for part in parts]
-        except ValueError:
-            values = []
-        if len(values) != count or not all(map(math.isfinite, values)):
+        parts = line.replace(",", " ").split()
+        values = [value for part in parts[:count] if (value := _number(part)) is not None]
+        if len(parts) > count and _number(parts[count]) is not None:
+            raise self.problem(
+                repr(line.strip()[:60]),
+                f"{what} is expected here, and the line has more numbers than {count}",
+                f"give {count} {'number' if count == 1 else 'numbers'} in this line",
+            )
+        if len(values) != count:
             raise self.problem(
                 repr(line.strip()[:60]), f"{what} is expected here", f"give {count} numbers in this line"
             )

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from viscorod.errors import Fault, InputError
+from viscorod.model.fields.symmetry import skew_entry
 from viscorod.model.rod import Rod
 from viscorod.model.sections.section_profile import Piecewise
 from viscorod.model.sections.stiffness_section import StiffnessSection
@@ -74,6 +75,9 @@ def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "sym
     else:
         stiffness = np.array([_inverse(c) for c in _per_element(data, "compliance", (6, 6), count)])
     mass = _per_element(data, "mass", (6, 6), count)
+    for key, arrays in (("compliance" if "compliance" in data else "stiffness", stiffness), ("mass", mass)):
+        for k, array in enumerate(arrays):
+            _refuse_skew(key, k, array)
     mu = _per_element(data, "damping", (6,), count) if "damping" in data else np.zeros((count, 6))
     frames = (
         _per_element(data, "frames", (3, 3), count) if "frames" in data else np.tile(np.eye(3), (count, 1, 1))
@@ -153,6 +157,19 @@ def section_turn(frame: Floats, natural: Floats, element: int) -> Floats:
     c, s = math.cos(angle), math.sin(angle)
     rotation = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     return np.kron(np.eye(2), rotation)
+
+
+def _refuse_skew(key: str, element: int, matrix: Floats) -> None:
+    if (skew := skew_entry(matrix)) is not None:
+        i, j = skew
+        raise InputError(
+            Fault(
+                f"{key} of element {element + 1}",
+                f"{float(matrix[i, j])!r} against {float(matrix[j, i])!r} in rows {i + 1} and {j + 1}",
+                "the matrix must be symmetric",
+                "give the same number twice",
+            )
+        )
 
 
 def _inverse(compliance: Floats) -> Floats:

@@ -35,7 +35,7 @@ FOLDER = "run.partial"
 _LAYOUT, _RECORDS, _FIELDS, _CHECKPOINT = "layout.nc", "states.bin", "states.json", "checkpoint.npz"
 CHUNK = 16e6
 """Bytes that are copied at once."""
-EDITION = 2
+EDITION = 3
 """Edition of saved states, whose parts go by the names of attributes: it grows when one of them changes."""
 
 

@@ -50,6 +50,8 @@ class Constraints:
         target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
         near: values ``(c,)`` that angles are to be near.
         pace: rate [1/s] with the square of which inertia counts in the present matrix.
+        reference_gaps: values of held coordinates in the reference shape ``(c,)``.
+        stage: values of held coordinates at the start of a stage of statics, and parts of motors at its end ``(c,)``.
         gap: gaps that multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
     """
 
@@ -75,13 +77,14 @@ class Constraints:
         )
         self._balls = sorted({int(self.joints.joint[k]) for k in self._rotations})
         self.is_held = self.arrays.place >= 0
-        self._first_gap = self._gaps_of_reference()
+        self.reference_gaps = self._gaps_of_reference()
         taken = np.zeros(places, dtype=bool)
         taken[self.arrays.place[self.is_held]] = True
         taken[self.held.place] = True
         self.idle: Integers = np.flatnonzero(~taken)
         self.used: Integers = np.flatnonzero(taken)
-        self.target[:] = self._first_gap
+        self.stage: tuple[Floats, Floats] = self.reference_gaps, np.ones(c)
+        self.target[:] = self.reference_gaps
         self.unit = np.ones(places)
         self.unit[self.arrays.place[self.is_held]] = self.joints.unit[self.is_held]
 
@@ -159,7 +162,7 @@ class Constraints:
         Args:
             part: of the gaps that is left; driven: where motors are to be instead of 0 ``(c,)``.
         """
-        gaps = part * self._first_gap - (0.0 if driven is None else driven)
+        gaps = part * self.reference_gaps - (0.0 if driven is None else driven)
         lengths = np.isin(self.arrays.kind, (TRANSLATION, DISTANCE))
         return [
             f"{self.joints.label(int(c))} by {abs(gaps[c]):.6g} {'m' if lengths[c] else 'rad'}"
@@ -182,9 +185,10 @@ class Constraints:
         """
         if self.joints.count == 0:
             return
-        self.target[:] = (1.0 - scale) * self._first_gap
+        first, part = self.stage
+        self.target[:] = (1.0 - scale) * first
         for c, motion in self.joints.motions:
-            self.target[c] = scale * motion.value(t, before)
+            self.target[c] += scale * part[c] * motion.value(t, before)
             self.target_rate[c] = scale * motion.rate(t, before)
         self.near[self.is_held] = self.target[self.is_held]
         for joint in self._balls:

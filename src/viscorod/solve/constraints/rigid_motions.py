@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -41,62 +42,157 @@ def free_motions(problem: Problem) -> list[FreeMotion]:
 
     A part is what shares nodes: rods with their attachments and bodies. Parts move together where joints join them.
     """
-    found: list[FreeMotion] = []
-    parts, labels = _parts(problem)
-    centres = np.zeros((parts, 3))
-    np.add.at(centres, labels, problem.positions)
-    centres /= np.bincount(labels, minlength=parts)[:, None]
-    conditions = _conditions(problem, labels, centres)
-    for group, mine in _groups(parts, conditions):
-        rows = [_row(condition, group) for condition in mine]
-        matrix = np.concatenate([np.zeros((1, 6 * len(group))), *rows])
-        for motion in _null_space(matrix):
-            found.append(_free_motion(problem, labels, centres, group, motion))
-    return found
+    r, q = problem.positions, problem.quaternions
+    R, joints = matrices(q), problem.joints
+    held = []
+    for k, node in enumerate(problem.supports.nodes):
+        A = R[node] if problem.supports.in_body[k] else problem.supports.axes[k]
+        held.append(np.kron(np.eye(2), A.T @ R[node]))
+    gradients = joints.measure(r, q, np.zeros((problem.size, 6)))[2]
+    counted = (joints.arrays.place >= 0) | joints.has_spring
+    parts = _Parts.of(problem, r, q)
+    return [parts.motion(group, motion) for group, motion in parts.free(held, gradients, counted)]
+
+
+def motions_of_parts(
+    problem: Problem, r: Floats, q: Floats, held: list[Floats], gradients: Floats
+) -> RigidParts:
+    """Return the rigid motions of all parts that supports and joints allow in a state; springs resist them.
+
+    Elements do not, however they are strained, so that loads and springs alone decide which of them are free.
+
+    Args:
+        problem: whose parts they are; r, q: poses of its nodes.
+        held: derivatives ``(6, 6)`` of the motions of every support by the body increment of its node.
+        gradients: of all coordinates of joints ``(c, 12)``.
+    """
+    parts = _Parts.of(problem, r, q)
+    found = parts.free(held, gradients, problem.joints.arrays.place >= 0)
+    return RigidParts(parts, found)
+
+
+@dataclass(frozen=True)
+class RigidParts:
+    """Rigid motions of parts; ``increments (6 n, k)`` are their nodal body increments, in lengths of the model."""
+
+    parts: _Parts
+    found: list[tuple[list[int], Floats]]
+
+    @cached_property
+    def increments(self) -> Floats:
+        """Nodal body increments ``(6 n, k)``."""
+        columns = [self.parts.motion(group, motion).increments.ravel() for group, motion in self.found]
+        return np.array(columns).T.reshape(6 * self.parts.problem.size, len(columns))
+
+    def combined(self, weights: Floats) -> list[FreeMotion]:
+        """Return as many motions as ``weights (k, m)`` combine, single ones of single parts where possible."""
+        if weights.shape[1] == len(self.found):
+            return [self.parts.motion(group, motion) for group, motion in self.found]
+        every = list(range(self.parts.count))
+        columns = np.zeros((6 * self.parts.count, len(self.found)))
+        for k, (group, motion) in enumerate(self.found):
+            columns.reshape(-1, 6, len(self.found))[group, :, k] = motion.reshape(-1, 6)
+        allowed, _ = np.linalg.qr(columns @ weights)
+        across = np.eye(len(allowed)) - allowed @ allowed.T
+        return [self.parts.motion(every, motion) for motion in _null_space(across, 1e-6)]
 
 
 Condition: TypeAlias = list[tuple[int, Floats]]
 """Parts and the rows ``(k, 6)`` by which their motions (velocity of the centre, spin times length) must vanish."""
 
 
-def _conditions(problem: Problem, labels: np.ndarray, centres: Floats) -> list[Condition]:
-    R = matrices(problem.quaternions)
+@dataclass(frozen=True)
+class _Parts:
+    """Parts of a problem in a state: their number, the part of every node, and the mean positions of their nodes."""
 
-    def increments(node: int) -> Floats:
+    problem: Problem
+    r: Floats
+    R: Floats
+    count: int
+    labels: np.ndarray
+    centres: Floats
+
+    @classmethod
+    def of(cls, problem: Problem, r: Floats, q: Floats) -> _Parts:
+        count, labels = _parts(problem)
+        centres = np.zeros((count, 3))
+        np.add.at(centres, labels, r)
+        centres /= np.bincount(labels, minlength=count)[:, None]
+        return cls(problem, r, matrices(q), count, labels, centres)
+
+    def free(
+        self, held: list[Floats], gradients: Floats, counted: np.ndarray
+    ) -> list[tuple[list[int], Floats]]:
+        """Return groups of parts, each with a motion of them that supports and ``counted`` coordinates allow."""
+        found = []
+        conditions = self._conditions(held, gradients, counted)
+        for group, mine in _groups(self.count, conditions):
+            place = {part: 6 * k for k, part in enumerate(group)}
+            rows = [_row(condition, place) for condition in mine]
+            matrix = np.concatenate([np.zeros((1, 6 * len(group))), *rows])
+            found += [(group, motion) for motion in _null_space(matrix)]
+        return found
+
+    def _increments(self, node: int) -> Floats:
         """Return the body increments (6, 6) of a node per motion of its part."""
-        out = np.zeros((6, 6))
-        out[:3, :3] = R[node].T
-        out[:3, 3:] = R[node].T @ skew(centres[labels[node]] - problem.positions[node]) / problem.length
-        out[3:, 3:] = R[node].T
+        R, out, length = self.R[node], np.zeros((6, 6)), self.problem.length
+        out[:3, :3] = R.T
+        out[:3, 3:] = R.T @ skew(self.centres[self.labels[node]] - self.r[node]) / length
+        out[3:, 3:] = R.T / length
         return out
 
-    found: list[list[tuple[int, Floats]]] = []
-    for k, node in enumerate(problem.supports.nodes):
-        A = R[node] if problem.supports.in_body[k] else problem.supports.axes[k]
-        moves = np.kron(np.eye(2), A.T @ R[node]) @ increments(node)
-        found.append([(int(labels[node]), moves[problem.supports.fixed[k] > 0.0])])
-    joints = problem.joints.arrays
-    _, _, gradients = problem.joints.measure(
-        problem.positions, problem.quaternions, np.zeros((problem.size, 6))
-    )
-    for c in np.flatnonzero((joints.place >= 0) | problem.joints.has_spring):
-        sides = [(side, int(node)) for side, node in enumerate(joints.nodes[c]) if node >= 0]
-        unit = np.repeat([1.0, 1.0 / problem.length], 3)  # per spin times length
-        rows = [
-            (int(labels[n]), (gradients[c, 6 * side : 6 * side + 6] * unit) @ increments(n))
-            for side, n in sides
-        ]
-        size = max(float(np.abs(row).max()) for _, row in rows)
-        found.append([(part, row[None] / size) for part, row in rows])
-    return found
+    def _conditions(self, held: list[Floats], gradients: Floats, counted: np.ndarray) -> list[Condition]:
+        problem, labels, found = self.problem, self.labels, []
+        unit = np.repeat([1.0, problem.length], 3)
+        for k, node in enumerate(problem.supports.nodes):
+            moves = unit[:, None] * (held[k] @ self._increments(node))
+            rows = moves[problem.supports.fixed[k] > 0.0]
+            size = np.linalg.norm(rows, axis=1, keepdims=True)
+            found.append([(int(labels[node]), rows / np.where(size > 0.0, size, 1.0))])
+        for c in np.flatnonzero(counted):
+            sides = [
+                (side, int(node)) for side, node in enumerate(problem.joints.arrays.nodes[c]) if node >= 0
+            ]
+            rows = [
+                (int(labels[n]), gradients[c, 6 * side : 6 * side + 6] @ self._increments(n))
+                for side, n in sides
+            ]
+            size = max(float(np.abs(row).max()) for _, row in rows)
+            if size > 0.0:
+                found.append([(part, row[None] / size) for part, row in rows])
+        return found
+
+    def motion(self, group: list[int], motion: Floats) -> FreeMotion:
+        """Describe one motion of a group of parts and give its nodal increments."""
+        problem, centres, labels = self.problem, self.centres, self.labels
+        increments = np.zeros((problem.size, 6))
+        moves = motion.reshape(-1, 6)
+        of_part = np.zeros((self.count, 6))
+        of_part[group] = moves
+        moved = np.asarray(of_part.any(axis=1))
+        nodes = np.flatnonzero(moved[labels])
+        mine = labels[nodes]
+        w = of_part[mine, 3:] / problem.length
+        velocity = of_part[mine, :3] + np.cross(w, self.r[nodes] - centres[mine])
+        increments[nodes, :3] = np.einsum("nji,nj->ni", self.R[nodes], velocity)
+        increments[nodes, 3:] = np.einsum("nji,nj->ni", self.R[nodes], w)
+        size = np.linalg.norm(moves, axis=1)
+        moving = [k for k in np.argsort(-size, kind="stable") if size[k] > 1e-6 * size.max()]
+        first = moving[0]
+        text = f"{_describe(moves[first] / size[first], centres[group[first]], problem.length)}"
+        text += _name(problem, np.flatnonzero(labels == group[first]))
+        if len(moving) > 1:
+            others = len(moving) - 1
+            text += f", with {others} more part{'s' if others > 1 else ''} moving along"
+        still = float(np.abs(moves[:, 3:]).max()) < 1e-6 * float(np.abs(moves).max())
+        return FreeMotion(text, still, increments)
 
 
-def _row(condition: Condition, group: list[int]) -> Floats:
-    """Return the rows of a condition in the motions of a group of parts."""
-    row = np.zeros((len(condition[0][1]), 6 * len(group)))
+def _row(condition: Condition, place: dict[int, int]) -> Floats:
+    """Return the rows of a condition in the motions of parts, whose first columns are those of ``place``."""
+    row = np.zeros((len(condition[0][1]), 6 * len(place)))
     for part, values in condition:
-        at = 6 * group.index(part)
-        row[:, at : at + 6] += values
+        row[:, place[part] : place[part] + 6] += values
     return row
 
 
@@ -116,31 +212,6 @@ def _groups(parts: int, conditions: list[Condition]) -> list[tuple[list[int], li
     for condition in conditions:
         groups[label[condition[0][0]]][1].append(condition)
     return groups
-
-
-def _free_motion(
-    problem: Problem, labels: np.ndarray, centres: Floats, group: list[int], motion: Floats
-) -> FreeMotion:
-    """Describe one motion of a group of parts and give its nodal increments."""
-    R = matrices(problem.quaternions)
-    increments = np.zeros((problem.size, 6))
-    moves = motion.reshape(-1, 6)
-    for part, move in zip(group, moves, strict=True):
-        nodes = np.flatnonzero(labels == part)
-        w = move[3:] / problem.length
-        velocity = move[:3] + np.cross(w, problem.positions[nodes] - centres[part])
-        increments[nodes, :3] = np.einsum("nji,nj->ni", R[nodes], velocity)
-        increments[nodes, 3:] = np.einsum("nji,j->ni", R[nodes], w)
-    size = np.linalg.norm(moves, axis=1)
-    moving = [k for k in np.argsort(-size, kind="stable") if size[k] > 1e-6 * size.max()]
-    first = moving[0]
-    text = f"{_describe(moves[first] / size[first], centres[group[first]], problem.length)}"
-    text += _name(problem, np.flatnonzero(labels == group[first]))
-    if len(moving) > 1:
-        others = len(moving) - 1
-        text += f", with {others} more part{'s' if others > 1 else ''} moving along"
-    still = float(np.abs(moves[:, 3:]).max()) < 1e-6 * float(np.abs(moves).max())
-    return FreeMotion(text, still, increments)
 
 
 def undetermined(
@@ -204,17 +275,16 @@ def skew(a: Floats) -> Floats:
     return out
 
 
-def _null_space(rows: Floats) -> list[Floats]:
+def _null_space(rows: Floats, tolerance: float = 1e-9) -> list[Floats]:
     """Return a basis of the null space, along the coordinate motions of single parts where possible."""
     _, values, basis = np.linalg.svd(rows)
-    rank = int(np.count_nonzero(values > 1e-9))
+    rank = int(np.count_nonzero(values > tolerance))
     null = basis[rank:]
     count = rows.shape[1]
     result: list[Floats] = []
     for i in range(count):
-        unit = np.eye(count)[i]
-        if len(null) and np.linalg.norm(null @ unit) > 1.0 - 1e-9:
-            result.append(unit)
+        if len(null) and np.linalg.norm(null[:, i]) > 1.0 - tolerance:
+            result.append(np.eye(1, count, i)[0])
     if result:
         known = np.array(result)
         null = null - (null @ known.T) @ known

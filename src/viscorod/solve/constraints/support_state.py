@@ -34,10 +34,23 @@ class SupportState:
         self.complete = s.complete
         self.partial = s.partial
         self.moving = bool(s.motions)
+        self.stage: tuple[Floats, Floats] | None = (
+            None  # motions at the start (m, 6), parts of them at the end
+        )
         self.twist: Floats = np.zeros((len(self.complete), 6))
         self.twist_rate: Floats = np.zeros((len(self.complete), 6))
 
     def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
+        """Evaluate all prescribed motions; in a stage of statics between what they are at its start and at its end."""
+        if self.stage is None:
+            self._update(t, before, scale)
+            return
+        first, part = self.stage
+        self.target.fill(0.0)
+        self._update(t, before, 1.0)
+        self.target[:] = first + scale * (part * self.target - first)
+
+    def _update(self, t: float, before: bool, scale: float) -> None:
         """Evaluate all prescribed motions and their derivatives at time ``t`` [s]."""
         for k, component, motion in self.set.motions:
             self.target[k, component] = scale * motion.value(t, before)
@@ -176,6 +189,17 @@ class SupportState:
             psi,
         )
         return value, G, Z, psi
+
+    def measured(self, state: State) -> Floats:
+        """Return the motions of all supports in a state ``(m, 6)``, rotations nearest to the present targets."""
+        out = np.zeros_like(self.target)
+        for k in np.flatnonzero(~self.set.in_body):
+            out[k] = self.set.fixed[k] * self._directions(int(k), state)[0]
+        return out
+
+    def free_directions(self, k: int, state: State) -> Floats:
+        """Return the body increments of a support's node, one column for each motion along its axes ``(6, 6)``."""
+        return self._directions(k, state)[2]
 
     def free_rows(self) -> np.ndarray:
         """Return the indices of the balance rows that remain after :meth:`impose`."""

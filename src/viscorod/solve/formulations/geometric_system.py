@@ -19,7 +19,13 @@ from viscorod.solve.formulations.dashpot_memory import DashpotMemory
 from viscorod.solve.formulations.element_forces import ElementForces, GeometricForces
 from viscorod.solve.formulations.system import GaussPoints, GaussPositions, State
 from viscorod.solve.linear.matrix import Matrix
-from viscorod.solve.problem.element_arrays import all_branches, all_elements, gauss_indices, gauss_positions
+from viscorod.solve.problem.element_arrays import (
+    all_branches,
+    all_elements,
+    gauss_indices,
+    gauss_positions,
+    rest_strains,
+)
 from viscorod.solve.problem.external_loads import NO_LOADS, LoadState
 from viscorod.solve.problem.problem import ElementSet, Problem
 from viscorod.typing import Floats, Integers
@@ -54,12 +60,24 @@ class _Part:
             self.reference,
             np.zeros((*elements.section.shape, 4)),
         )
+        self.unstressed = self.reference.copy()
+        self.rest = rest_strains(problem, elements)
         self.damped = elements.damped
         self.coupled = elements.coupled
         self.points = elements.section.shape[1]
         self.constrained = bool(elements.held.any())
         self.held_at = tuple(np.zeros(0, dtype=np.int64) for _ in range(3))  # elements, points, components
         self.place, self.weight = np.zeros(0, dtype=np.int64), np.zeros(0)
+
+    def impose_rest(self, part: float) -> None:
+        """Measure strains from the reference shape with a part of the rest strains."""
+        if self.rest is not None:
+            self.reference[:] = self.unstressed + part * self.rest
+
+    @property
+    def whole_reference(self) -> Floats:
+        """Strains of the reference shape with the whole rest strains ``(elements, points, 6)``."""
+        return self.unstressed if self.rest is None else self.unstressed + self.rest
 
     def set_held_strains(self, held: HeldStrains, first: int) -> None:
         """Set the held strains of this set, whose elements count from ``first`` on."""
@@ -71,7 +89,8 @@ class _Part:
 class GeometricSystem:
     """Assembles the geometric element of model.md section 4 for a whole problem.
 
-    Strains are measured from those of the interpolated reference shape, so a curved rod is free of stress as built.
+    Strains are measured from those of the interpolated reference shape, so a curved rod is free of stress as built, and
+    from the rest strains of the problem.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -119,6 +138,7 @@ class GeometricSystem:
         self._update_sections()
         first = 0
         for part in self.parts:
+            part.impose_rest(loads.rest)
             part.stress[part.held_at] = state.multiplier[part.place] / part.weight
             strain_operator = (
                 np.empty_like(part.operator) if tangent and part.constrained else self._no_operator
@@ -407,7 +427,7 @@ class GeometricSystem:
 
     @cached_property
     def _all(self) -> Elements:
-        return all_elements(self.problem, [part.reference for part in self.parts])
+        return all_elements(self.problem, [part.whole_reference for part in self.parts])
 
     def elements(self) -> Elements:
         """See :class:`~viscorod.solve.formulations.system.System`."""

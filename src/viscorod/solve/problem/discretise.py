@@ -8,7 +8,9 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.model.actions.load import AnyLoad
 from viscorod.model.actions.time_function import Sine, TimeFunction
+from viscorod.model.actions.time_table import FunctionOfTime, TimeTable
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.connections.place import AnyPlace, BodyPlace
 from viscorod.model.connections.resolved_places import find, required_breaks
@@ -16,28 +18,36 @@ from viscorod.model.connections.support_base import ResolvedSupport
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.strain_multipliers import held_strains, multiplier_cliques
 from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.problem.division import Divisions, divided
 from viscorod.solve.problem.joint_set import joint_set
 from viscorod.solve.problem.load_placing import place_loads
+from viscorod.solve.problem.massless_turns import refuse_massless_turns
 from viscorod.solve.problem.mesh import Mesh, divide, element_nodes, element_sets, join, stations_of
 from viscorod.solve.problem.placement import Placement
 from viscorod.solve.problem.prescribed_turns import prescribed_turn
 from viscorod.solve.problem.problem import Problem, SupportSet
 from viscorod.typing import Floats, Integers
 
+MANY_ROWS = 100
+"""Rows from which on a table is a record, whose rows are no corners."""
 
-def discretise(model: ModelDescription, *, validated: bool = False) -> Problem:
+
+def discretise(
+    model: ModelDescription, *, validated: bool = False, divisions: Divisions | None = None
+) -> Problem:
     """Divide the rods, number the nodes, lump the masses and place supports, loads and joints.
 
     Args:
         model: what is to be computed.
         validated: whether ``model.validate()`` has passed already.
+        divisions: of the rods into elements; by default those that the rods say or the program chooses.
 
     Raises:
         InputError: the model is inconsistent, or its mesh cannot satisfy it.
     """
     if not validated:
         model.validate()
-    mesh = _mesh(model)
+    mesh = _mesh(model, chosen_divisions(model) if divisions is None else divisions)
     places = Placement(model, mesh)
     nodes = len(mesh.positions)
     length = max(m.rod.length for m in mesh.rods)
@@ -55,9 +65,12 @@ def discretise(model: ModelDescription, *, validated: bool = False) -> Problem:
     pattern = Pattern.of(nodes + multipliers, [*elements, *joints.cliques(nodes), *held_members])
     sets, mass, relaxation_times = element_sets(mesh, pattern)
     supports = _supports(model, places)
+    refuse_massless_turns(model.bodies, mesh, mass, supports)
     nodal_loads, station_loads = place_loads(model, places)
     motions = [motion for _, _, motion in supports.motions] + [motion for _, motion in joints.motions]
     breakpoints, jumps, periods = _times(model, motions)
+    times = {k: load.time for k, load in enumerate(model.loads)}
+    records = {k: f for k, f in times.items() if isinstance(f, TimeTable) and _sampled(model.loads[k])}
     return Problem(
         rods=tuple(m.name for m in mesh.rods),
         rod_lengths=np.array([m.rod.length for m in mesh.rods]),
@@ -79,26 +92,40 @@ def discretise(model: ModelDescription, *, validated: bool = False) -> Problem:
         station_loads=station_loads,
         stations=stations_of(mesh),
         initial_strain={mesh.rod_index(strain.rod): strain.at for strain in model.strains},
+        rest_strain={mesh.rod_index(strain.rod): strain.at for strain in model.rest_strains},
         initial_twist=_initial_twist(model, places),
         relaxation_times=relaxation_times,
         length=length,
         breakpoints=breakpoints,
         jumps=jumps,
+        rows=tuple(sorted({t for k in records for t in model.loads[k].breakpoints})),
+        records=records,
+        record_ends={k: np.inf if (end := model.loads[k].until) is None else end for k in records},
+        functions={k: f for k, f in times.items() if isinstance(f, FunctionOfTime)},
         periods=periods,
     )
 
 
-def _mesh(model: ModelDescription) -> Mesh:
+def chosen_divisions(model: ModelDescription) -> Divisions:
+    """Return how the rods of a model are divided unless told otherwise.
+
+    Raises:
+        InputError: a rod has too few elements.
+    """
     breaks: dict[str, list[float]] = {name: list(rod.section_breaks) for name, rod in model.rods.items()}
     wishes: dict[str, list[float]] = {name: [] for name in model.rods}
-    pairs = [(find(model, a.a), find(model, a.b)) for a in model.attachments]
     for place in required_breaks(model):
         breaks[place.rod].append(place.s)
     for load in model.loads:
         for place in load.breaks(model):
             wishes[place.rod].append(place.s)
     turn = prescribed_turn(model)
-    rods = [divide(name, rod, breaks[name], wishes[name], turn) for name, rod in model.rods.items()]
+    return {name: divided(name, rod, breaks[name], wishes[name], turn) for name, rod in model.rods.items()}
+
+
+def _mesh(model: ModelDescription, divisions: Divisions) -> Mesh:
+    pairs = [(find(model, a.a), find(model, a.b)) for a in model.attachments]
+    rods = [divide(name, rod, divisions[name]) for name, rod in model.rods.items()]
     bodies = {name: i for i, name in enumerate(model.bodies)}
     first = len(bodies) + np.cumsum([0, *(len(rod.s) for rod in rods)])
     index = {rod.name: i for i, rod in enumerate(rods)}
@@ -169,6 +196,17 @@ def _supports(model: ModelDescription, placement: Placement) -> SupportSet:
     return SupportSet(nodes, np.ascontiguousarray(axes), fixed, tuple(names), tuple(motions))
 
 
+def _sampled(load: AnyLoad) -> bool:
+    """Return whether the rows of a load's table are so many that they are samples of something smooth."""
+    own = type(load).factor is not AnyLoad.factor  # it does more with its time
+    return (
+        isinstance(load.time, TimeTable)
+        and not own
+        and not load.travels
+        and len(load.time.knots) >= MANY_ROWS
+    )
+
+
 def _times(
     model: ModelDescription, motions: list[TimeFunction]
 ) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...]]:
@@ -177,7 +215,10 @@ def _times(
     jumps: set[float] = set()
     functions: list[TimeFunction | None] = [load.time for load in model.loads]
     for load in model.loads:
-        corners.update(load.breakpoints)
+        if _sampled(load) and isinstance(load.time, TimeTable):
+            corners.update(t for t in load.breakpoints if t in {*load.time.corners, load.until})
+        else:
+            corners.update(load.breakpoints)
         jumps.update(load.jumps)
         passages = load.passages(model)
         corners.update(passages)
@@ -202,11 +243,23 @@ def _initial_twist(model: ModelDescription, places: Placement) -> Callable[[Floa
             turning = R[node].T @ angular
             twist[node, :3], twist[node, 3:] = R[node].T @ linear - np.cross(turning, arm), turning
 
-        for velocity in model.velocities:
+        given: dict[int, str] = {}
+        for index, velocity in enumerate(model.velocities):
             if velocity.rod in model.bodies:
                 spot = places.spot(BodyPlace(velocity.rod, None))
                 assert spot is not None
-                give(spot.node, spot.arm, *velocity.at(0.0, r[spot.node]))
+                before = twist[spot.node].copy()
+                give(spot.node, spot.arm, *velocity.at(0.0, r[spot.node] + R[spot.node] @ spot.arm))
+                other = given.setdefault(spot.node, velocity.rod)
+                if other != velocity.rod and not np.allclose(before, twist[spot.node], rtol=1e-6, atol=1e-12):
+                    raise InputError(
+                        Fault(
+                            f"velocities[{index}]",
+                            velocity.rod,
+                            f"it moves as one with {other!r}, which has another velocity",
+                            "give both the same rigid motion, or one of them only",
+                        )
+                    )
                 continue
             rod = mesh.rod_index(velocity.rod)
             for k, s in enumerate(mesh.rods[rod].s):

@@ -52,6 +52,19 @@ def gauss_indices(sets: tuple[ElementSet, ...]) -> Integers:
     return np.concatenate(places)
 
 
+def rest_strains(problem: Problem, e: ElementSet) -> Floats | None:
+    """Return the rest strains at the Gauss points of one element set ``(elements, points, 6)``; None without any."""
+    if not any(rod in problem.rest_strain for rod in e.rod):
+        return None
+    out = np.zeros((*e.section.shape, 6))
+    inside = e.shapes @ lobatto(e.order)[0]
+    for k, rod in enumerate(e.rod):
+        field = problem.rest_strain.get(int(rod))
+        if field is not None:
+            out[k] = [field(float(s)) for s in e.start[k] + e.half_lengths[k] * (1.0 + inside)]
+    return out
+
+
 def all_elements(problem: Problem, references: list[Floats]) -> Elements:
     """Return all elements of a problem as one structure; ``references`` are the unstressed strains by element set."""
     top = max(e.order for e in problem.sets)

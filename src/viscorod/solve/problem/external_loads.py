@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -24,7 +25,10 @@ class ActiveStation:
 
 @dataclass
 class LoadState:
-    """All loads at one time; ``nodes`` lists those that carry any nodal load; ``levers`` as in ``add_nodal_loads``."""
+    """All loads at one time; ``nodes`` lists those that carry any nodal load; ``levers`` as in ``add_nodal_loads``.
+
+    ``rest`` is the part of the rest strains that is imposed.
+    """
 
     nodes: Integers
     dead: Floats
@@ -32,6 +36,7 @@ class LoadState:
     gravity: Floats
     levers: Floats
     stations: list[ActiveStation] = field(default_factory=list)
+    rest: float = 1.0
 
     @property
     def none(self) -> bool:
@@ -45,36 +50,61 @@ NO_LOADS = LoadState(
 
 
 class ExternalLoads:
-    """Evaluates the loads of a problem; nodal sums are kept while the time factors stay the same."""
+    """Evaluates the loads of a problem; nodal sums are kept while the time factors stay the same.
+
+    Attributes:
+        stage: parts of the model's loads, and last of the rest strains, at ``scale`` 0 and 1 of a stage of statics;
+            None: none and all of them.
+    """
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.offset = any(load.arms.any() for load in problem.nodal_loads)
-        self._factors: tuple[float, ...] | None = None
+        self.stage: tuple[Floats, Floats] | None = None
+        self._factors: tuple[float, tuple[float, ...]] | None = None
         self._state: LoadState | None = None
         self.last: LoadState = NO_LOADS
 
-    def at(self, t: float, before: bool = False, scale: float = 1.0) -> LoadState:
-        """Return the loads at time ``t`` [s] times ``scale``; ``before`` takes the limit from the left at jumps."""
-        problem = self.problem
-        factors = tuple(scale * load.factor(t, before) for load in problem.nodal_loads)
-        if factors != self._factors or self._state is None:
-            self._factors = factors
-            self._state = self._nodal(factors)
+    def at(
+        self, t: float, before: bool = False, scale: float = 1.0, given: Mapping[int, float] | None = None
+    ) -> LoadState:
+        """Return the loads at time ``t`` [s] times ``scale``; ``before`` takes the limit from the left at jumps.
+
+        ``given`` are factors, by the number of the load, in place of those at ``t``.
+        """
+        problem, given = self.problem, given or {}
+        factors = tuple(
+            self._part(load.load, scale)
+            * (given[load.load] if load.load in given else load.factor(t, before))
+            for load in problem.nodal_loads
+        )
+        rest = self._part(-1, scale)
+        if (rest, factors) != self._factors or self._state is None:
+            self._factors = rest, factors
+            self._state = replace(self._nodal(factors), rest=rest)
         state = self._state
         self.last = state
         if not problem.station_loads:
             return state
         stations = []
         for load in problem.station_loads:
-            factor = scale * load.factor(t, before)
+            factor = self._part(load.load, scale) * (
+                given[load.load] if load.load in given else load.factor(t, before)
+            )
             s = load.position(t, before)
             if factor == 0.0 or not 0.0 <= s <= problem.rod_lengths[load.rod]:
                 continue
             part, element, shape = self.locate(load.rod, s)
             stations.append(ActiveStation(part, element, shape, factor * load.dead, factor * load.following))
-        self.last = LoadState(state.nodes, state.dead, state.following, state.gravity, state.levers, stations)
+        self.last = replace(state, stations=stations)
         return self.last
+
+    def _part(self, load: int, scale: float) -> float:
+        """Return the part of a load of the model, or of the rest strains (-1), at ``scale``."""
+        if self.stage is None:
+            return scale
+        first, last = self.stage
+        return float(first[load] + scale * (last[load] - first[load]))
 
     def _nodal(self, factors: tuple[float, ...]) -> LoadState:
         n = self.problem.size

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,10 @@ from viscorod.mechanics.elements.basis import gauss, gauss_table, lobatto
 from viscorod.mechanics.nodes.attached_poses import link_map
 from viscorod.mechanics.rotations.quaternion import conjugate, from_matrices, matrices, product
 from viscorod.model.bodies.body_base import AnyBody
-from viscorod.model.rod import DEFAULT_ORDER, TURN_PER_NODE, Rod
+from viscorod.model.rod import Rod
 from viscorod.model.sections.section_base import AnySection
 from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.problem.division import Division
 from viscorod.solve.problem.problem import ElementSet, Stations
 from viscorod.typing import Floats, Integers
 
@@ -43,14 +43,17 @@ class RodMesh:
 class Mesh:
     """All rods divided and joined.
 
-    ``shared[i][k]`` is the node of station k of rod i and ``links[i][k]`` its attachment (or -1), see ``ElementSet``.
-    The first nodes are those of the rigid bodies.
+    ``shared[i][k]`` is the node of station k of rod i and ``links[i][k]`` its attachment (or -1), see ``ElementSet``;
+    ``body_nodes`` and ``body_links`` are those of the rigid bodies, whose nodes are the first. Of several bodies that
+    are attached to each other, the first one has the node.
     """
 
     rods: tuple[RodMesh, ...]
     bodies: tuple[AnyBody, ...]
     shared: tuple[Integers, ...]
     links: tuple[Integers, ...]
+    body_nodes: Integers
+    body_links: Integers
     positions: Floats
     quaternions: Floats
     link_positions: Floats
@@ -65,59 +68,19 @@ class Mesh:
         return self._index[name]
 
 
-def divide(name: str, rod: Rod, breaks: list[float], wishes: list[float], turn: float = 0.0) -> RodMesh:
-    """Divide a rod into elements.
-
-    Elements end at ``breaks`` (sections change, supports, attachments); if the program chooses their number, at
-    ``wishes``
-    (point loads) too. The chosen mesh turns by a fifteenth of a circle from node to node, on average, in the
-    reference shape and when its ends are turned against each other by ``turn`` [rad].
+def divide(name: str, rod: Rod, division: Division) -> RodMesh:
+    """Put nodes on the elements of a rod.
 
     Raises:
-        InputError: there are too few elements for the breaks, or for the turns of the reference shape.
+        InputError: there are too few elements for the turns of the reference shape.
     """
-    order = rod.order or DEFAULT_ORDER
-    length = rod.length
-    corners = _distinct([0.0, *breaks, *(wishes if rod.elements is None else []), length], length)
-    spans = np.diff(corners)
-    if rod.elements is None:
-        counts = np.array([rod.chosen_elements(a, b) for a, b in pairwise(corners)])
-        if len(counts) == 1:
-            counts[0] = max(counts[0], 2)
-        if turn > 0.0:
-            turns = np.diff(rod.turned(corners)) + turn * spans / length
-            counts = np.maximum(counts, np.ceil(turns / (order * TURN_PER_NODE)).astype(np.int64))
-    elif rod.elements < len(spans):
-        raise InputError(
-            Fault(
-                f"rods.{name}.elements",
-                str(rod.elements),
-                "too few: elements must end where sections change and at supports, attachments and joints",
-                f"give at least {len(spans)}, or leave it out",
-            )
-        )
-    else:
-        counts = _distribute(spans, rod.elements)
-    ends = np.concatenate(
-        [
-            [0.0],
-            *(
-                np.linspace(a, b, n + 1)[1:]
-                for a, b, n in zip(corners[:-1], corners[1:], counts, strict=True)
-            ),
-        ]
-    )
+    order, ends = division.order, division.ends
     inner = 0.5 * (lobatto(order)[0] + 1.0)
     s = (ends[:-1, None] + np.diff(ends)[:, None] * inner[None, :-1]).ravel()
-    s = np.append(s, length)
+    s = np.append(s, rod.length)
     _require_turns(name, rod, s, len(ends) - 1)
     positions, frames = rod.frames(s)
     return RodMesh(name, rod, order, ends, s, positions, from_matrices(frames))
-
-
-def _distinct(stations: list[float], length: float) -> Floats:
-    ordered = np.sort(np.clip(stations, 0.0, length))
-    return np.asarray(ordered[np.concatenate([[True], np.diff(ordered) > 1e-9 * length])])
 
 
 def _require_turns(name: str, rod: Rod, s: Floats, count: int) -> None:
@@ -136,14 +99,6 @@ def _require_turns(name: str, rod: Rod, s: Floats, count: int) -> None:
                 f"give at least {needed}{', or leave it out' if given else ''}",
             )
         )
-
-
-def _distribute(spans: Floats, total: int) -> Integers:
-    """Share elements among spans by length, at least one each (largest remainders)."""
-    counts = np.ones(len(spans), dtype=np.int64)
-    for _ in range(total - len(spans)):
-        counts[np.argmax(spans / counts)] += 1
-    return counts
 
 
 def join(rods: list[RodMesh], bodies: list[AnyBody], attachments: list[tuple[int, int]]) -> Mesh:
@@ -171,6 +126,8 @@ def join(rods: list[RodMesh], bodies: list[AnyBody], attachments: list[tuple[int
         bodies=tuple(bodies),
         shared=tuple(np.ascontiguousarray(number[first[i] : first[i + 1]]) for i in range(len(rods))),
         links=tuple(np.ascontiguousarray(links[first[i] : first[i + 1]]) for i in range(len(rods))),
+        body_nodes=number[: len(bodies)],
+        body_links=links[: len(bodies)],
         positions=np.ascontiguousarray(positions[keep]),
         quaternions=np.ascontiguousarray(quaternions[keep]),
         link_positions=np.ascontiguousarray((matrices(back) @ arms[:, :, None])[:, :, 0]),
@@ -247,8 +204,9 @@ class SectionTable:
 def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], Floats, Floats]:
     """Return element arrays by order, nodal masses ``(n, 6, 6)`` lumped at Gauss-Lobatto nodes, relaxation times."""
     mass = np.zeros((len(mesh.positions), 6, 6))
-    for node, body in enumerate(mesh.bodies):
-        mass[node] = body.mass_matrix()
+    for body, node, link in zip(mesh.bodies, mesh.body_nodes, mesh.body_links, strict=True):
+        own = body.mass_matrix()
+        mass[node] += own if link < 0 else _moved(own, mesh, int(link))
     sets = []
     tables: list[SectionTable] = []
     for order in sorted({m.order for m in mesh.rods}):

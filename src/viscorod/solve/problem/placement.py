@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.mechanics.rotations.quaternion import from_matrices, matrices
 from viscorod.model.connections.place import AnyPlace, BodyPlace
 from viscorod.model.connections.resolved_places import find, position_of
 from viscorod.model.description.model_description import ModelDescription
@@ -38,7 +38,7 @@ class Placement:
 
     def __init__(self, model: ModelDescription, mesh: Mesh) -> None:
         self.model, self.mesh = model, mesh
-        self._bodies = {name: node for node, name in enumerate(model.bodies)}
+        self._bodies = {name: index for index, name in enumerate(model.bodies)}
 
     def find(self, text: str) -> AnyPlace:
         """Return the place that a text names."""
@@ -48,11 +48,11 @@ class Placement:
         """Return the node of a place, or None between the nodes of a rod."""
         mesh = self.mesh
         if isinstance(place, BodyPlace):
-            node = self._bodies[place.body]
+            body = self._bodies[place.body]
+            node, link = int(mesh.body_nodes[body]), int(mesh.body_links[body])
             R = matrices(mesh.quaternions[node][None])[0]
-            return MeshPlace(
-                node, R.T @ (position_of(self.model, place)[0] - mesh.positions[node]), np.eye(3)
-            )
+            turn = np.eye(3) if link < 0 else matrices(mesh.link_quaternions[link][None])[0]
+            return MeshPlace(node, R.T @ (position_of(self.model, place)[0] - mesh.positions[node]), turn)
         rod = mesh.rod_index(place.rod)
         station = mesh.rods[rod].node_at(place.s)
         if station is None:
@@ -75,7 +75,7 @@ class Placement:
 
     def bodies(self) -> Bodies:
         """Return mass centres and named points of all bodies."""
-        names, nodes, arms = [], [], []
+        names, nodes, arms, turns = [], [], [], []
         for name, body in self.model.bodies.items():
             for point in (None, *body.points):
                 spot = self.spot(BodyPlace(name, point))
@@ -83,4 +83,10 @@ class Placement:
                 names.append(name if point is None else f"{name}.{point}")
                 nodes.append(spot.node)
                 arms.append(spot.arm)
-        return Bodies(tuple(names), np.array(nodes, dtype=np.int64), np.array(arms).reshape(-1, 3))
+                turns.append(spot.turn)
+        return Bodies(
+            tuple(names),
+            np.array(nodes, dtype=np.int64),
+            np.array(arms).reshape(-1, 3),
+            from_matrices(np.array(turns).reshape(-1, 3, 3)),
+        )

@@ -11,6 +11,7 @@ import numpy as np
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.model.actions.load_effects import TimeFactor
 from viscorod.model.actions.time_function import TimeFunction
+from viscorod.model.actions.time_table import FunctionOfTime, TimeTable
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.problem.joint_set import JointSet
@@ -126,11 +127,16 @@ class Stations:
 
 @dataclass(frozen=True)
 class Bodies:
-    """Mass centres and named points of rigid bodies: names, nodes ``(k,)``, arms in node axes ``(k, 3)`` [m]."""
+    """Mass centres and named points of rigid bodies: names, nodes ``(k,)``, arms in node axes ``(k, 3)`` [m].
+
+    ``turns (k, 4)`` are quaternions from the body's axes to the node's; those of the first of the bodies that share a
+    node are no turn.
+    """
 
     names: tuple[str, ...]
     nodes: Integers
     arms: Floats
+    turns: Floats
 
 
 @dataclass(frozen=True)
@@ -147,9 +153,13 @@ class Problem:
         multipliers: block rows of multipliers, after those of the nodes; first those of joints.
         interiors: nodes within elements, element by element, that couple with nothing outside.
         initial_strain: strains ``(6,)`` at t = 0 by arc length [m], of the rods (by index) that have any.
+        rest_strain: strains ``(6,)`` at which rods (by index) are free of stress, by arc length [m].
         initial_twist: body twists at t = 0 for given poses, ``(r, q) -> (n, 6)``.
         length: size of the model [m], the measure of "small" for displacements.
         breakpoints, jumps: times [s] at which loads or motions are not smooth / an integrator must start anew.
+        rows: further breakpoints [s], of records, for integrators that do not look into their steps.
+        records: loads whose factors are tables of many rows, by their number; record_ends: until when they act [s].
+        functions: factors of loads that are Python functions, by the number of the load.
         periods: of harmonic loads and motions [s].
     """
 
@@ -173,11 +183,16 @@ class Problem:
     station_loads: tuple[StationLoad, ...]
     stations: Stations
     initial_strain: Mapping[int, Callable[[float], Floats]]
+    rest_strain: Mapping[int, Callable[[float], Floats]]
     initial_twist: Callable[[Floats, Floats], Floats]
     relaxation_times: Floats
     length: float
     breakpoints: tuple[float, ...]
     jumps: tuple[float, ...]
+    rows: tuple[float, ...]
+    records: Mapping[int, TimeTable]
+    record_ends: Mapping[int, float]
+    functions: Mapping[int, FunctionOfTime]
     periods: tuple[float, ...]
 
     @property

@@ -73,6 +73,7 @@ class PathFollower(ArcLength):
         self,
         state: State,
         *,
+        first: float = 0.0,
         load_factor: float | None = None,
         endings: Sequence[Ending] = (),
         wanted: Sequence[float] = (),
@@ -82,10 +83,10 @@ class PathFollower(ArcLength):
         branch: int | None = None,
         on_point: Callable[[PathPoint], None],
     ) -> Path:
-        """Follow the path from ``state``, the equilibrium without loads.
+        """Follow the path from an equilibrium, by default the one without loads.
 
         Args:
-            state: start.
+            state: start, the equilibrium at the load factor ``first``.
             load_factor: the path begins towards it, and ends where it is reached.
             endings: other places to end.
             wanted: load factors at which there is to be a point, each time the path passes one.
@@ -98,14 +99,14 @@ class PathFollower(ArcLength):
         path = self.path = Path()
         self.iterations, self.report = 0, None
         try:
-            self._begin(state, load_factor, largest)
-            self._follow(state, load_factor, endings, wanted, points, limit_point, branch, on_point)
+            self._begin(state, first, load_factor, largest)
+            self._follow(state, first, load_factor, endings, wanted, points, limit_point, branch, on_point)
         except KeyboardInterrupt as asked:
             path.outcome, path.reason = Outcome.INTERRUPTED, interruption(asked)
         path.iterations, path.report = self.iterations, self.report
         return path
 
-    def _begin(self, state: State, load_factor: float | None, largest: float | None) -> None:
+    def _begin(self, state: State, first: float, load_factor: float | None, largest: float | None) -> None:
         """Choose the unit of the load factor and the largest distance."""
         supports, constraints = self.supports, self.system.constraints
         supports.update(self.t, self.before)
@@ -121,8 +122,8 @@ class PathFollower(ArcLength):
         units = [abs(load_factor)] if load_factor else []
         self.unit = 1e-3 / max(motion, 1.0)
         try:
-            self.static.restore(state, self.t, before=self.before, scale=0.0)
-            _, per_factor = self.solve(state, 0.0)
+            self.static.restore(state, self.t, before=self.before, scale=first)
+            _, per_factor = self.solve(state, first)
         except SingularMatrixError:
             per_factor = np.zeros((1, 6))
         moved = np.sqrt(self.shape(per_factor[: self.system.problem.size]))
@@ -133,6 +134,7 @@ class PathFollower(ArcLength):
     def _follow(
         self,
         state: State,
+        first: float,
         load_factor: float | None,
         endings: Sequence[Ending],
         wanted: Sequence[float],
@@ -144,8 +146,8 @@ class PathFollower(ArcLength):
         path, largest = self.path, self.largest
         if load_factor is not None:
             endings = [*endings, lambda point: point.factor - load_factor]
-        begin = -1.0 if load_factor is not None and load_factor < 0.0 else 1.0
-        start = self.complete(state, 0.0, Direction(np.zeros_like(state.twist), begin), 0)
+        begin = -1.0 if load_factor is not None and load_factor < first else 1.0
+        start = self.complete(state, first, Direction(np.zeros_like(state.twist), begin), 0)
         if start is None:
             path.outcome = Outcome.SINGULAR
             return

@@ -16,7 +16,7 @@ from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
 from viscorod.typing import Floats
 
-__all__ = ["Stability", "stability_attributes", "stability_of"]
+__all__ = ["Stability", "circulatory", "stability_attributes", "stability_of"]
 
 ASYMMETRY = 1e-12
 """Difference of a stiffness from its transpose, as a part of its largest entry, that passes for round-off."""
@@ -63,7 +63,7 @@ def stability_of(
     motions.
     """
     tangent = static.tangent(state, t, before=before, scale=scale)
-    if not _circulatory(static.loads.at(t, before, scale)) or _symmetric(tangent):
+    if not circulatory(static.loads.at(t, before, scale)) or _symmetric(tangent):
         count = negative_eigenvalues(tangent)
         return Stability(count, count, False)
     linear = linearise(static, state, t, before=before, scale=scale)
@@ -88,7 +88,7 @@ def stability_attributes(found: Stability) -> dict[str, Any]:
     }
 
 
-def _circulatory(loads: LoadState) -> bool:
+def circulatory(loads: LoadState) -> bool:
     """Return whether loads may do work along a closed way: following ones, and moments about fixed axes."""
     if loads.following.any() or loads.dead[:, 3:].any():
         return True

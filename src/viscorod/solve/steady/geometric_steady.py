@@ -126,7 +126,7 @@ class GeometricSteady:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         elastic, dissipated = np.empty((2, 1))
         energies(self.elements, self._points.strain, self._points.strain_rate, elastic, dissipated)
-        return float(elastic[0])
+        return float(elastic[0]) + self.system.constraints.energy
 
     def update(self, change: Floats) -> None:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`.
@@ -173,6 +173,9 @@ class GeometricSteady:
         """Evaluate strains and elastic forces; without twists, whose strain rates are round-off."""
         resting = State(state.r, state.q, np.zeros_like(state.twist))
         self._forces.evaluate(resting, self._points, self._internal)
+        self.system.constraints.add_forces(
+            state, self._internal
+        )  # of springs, which are alike all around the axis
 
     def _linearise(self, state: State, stress: Floats) -> Floats:
         """Fill the blocks ``K`` and ``C``; returns ``ad(x)`` of every node."""
@@ -182,6 +185,8 @@ class GeometricSteady:
         self._K.fill(0.0)
         self._C.fill(0.0)
         self._forces.linearise(state, ad, stress, self._operators, self._K, self._C)
+        if self.problem.joints.count:
+            self.system.constraints.add_tangent(state, ad, self._K, self._C, moving=True, held=None)
         self._external(state, self._K, tangent=True)
         jacobian.add_inertia(
             self.problem.mass, state.twist, ad, self._K, self._C, self.problem.pattern.diagonal, product

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg
 
 from viscorod.mechanics.elements.internal_force import Elements
-from viscorod.solve.constraints.rigid_motions import free_motions
 from viscorod.solve.formulations.system import State
-from viscorod.solve.modes import vibrations as modes
+from viscorod.solve.modes.linearisation import linearise
+from viscorod.solve.modes.undamped import undamped_modes
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.steady.rigid_rotation import inertia_about
@@ -16,6 +15,8 @@ from viscorod.solve.steady.steady_poses import integrate_poses
 from viscorod.solve.steady.strain_rates import StrainRates
 from viscorod.typing import Floats
 
+TRIED = 20
+"""Modes among which the slowest one that bends is sought."""
 DEFLECTION = 0.02
 """Largest displacement of the bent guess, in lengths of the model."""
 
@@ -40,13 +41,10 @@ def bent_shape(
         poses, strains ``(e, points, 6)``, frequency [rad/s] and elastic energy [J] of the mode.
     """
     state = State.reference(problem)
-    linear = modes.linearise(solver, state, scale=0.0)
-    K, M = linear.stiffness.toarray(), linear.mass.toarray()
-    values, vectors = scipy.linalg.eigh(0.5 * (K + K.T), M)
-    rigid = len(free_motions(problem))
-    basis = linear.basis.toarray()
-    for k in range(rigid, len(values)):
-        shape = (basis @ vectors[:, k]).reshape(-1, 6)
+    linear = linearise(solver, state, scale=0.0)
+    found = undamped_modes(linear, TRIED)
+    for k in range(len(found.squares)):
+        shape = (found.linear.basis @ found.shapes[:, k]).reshape(-1, 6)
         moved = np.abs(shape[:, :3]).max()
         if moved > 0.05 * problem.length * np.abs(shape[:, 3:]).max():  # not one of pure twisting
             break
@@ -56,4 +54,4 @@ def bent_shape(
     strain[rates.used] = amplitude * (rates.unstrained @ shape.ravel())
     r, q = integrate_poses(problem, elements, strain, root, state.r[root], state.q[root])
     bent = State(r, q, np.zeros((problem.size, 6)))
-    return bent, strain, float(np.sqrt(values[k])), float(0.5 * values[k] * amplitude**2)
+    return bent, strain, float(np.sqrt(found.squares[k])), float(0.5 * found.squares[k] * amplitude**2)

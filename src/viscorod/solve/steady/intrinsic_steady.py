@@ -22,6 +22,7 @@ from viscorod.solve.steady.stability import FirstOrder
 from viscorod.solve.steady.steady_equations import Balance, Measure, imbalance
 from viscorod.solve.steady.steady_poses import poses_about
 from viscorod.solve.steady.strain_rates import StrainRates, force_map, strain_map
+from viscorod.solve.transient.integrators import jacobian
 from viscorod.typing import Floats
 
 
@@ -160,7 +161,18 @@ class IntrinsicSteady:
         matrix = self._matrix(viscous=True)
         matrix[count:] *= -1.0
         pick = np.ix_(self._columns, self._columns)
-        return FirstOrder(mass[pick], matrix[pick], np.abs(matrix[pick]))
+        return FirstOrder(mass[pick], matrix[pick], np.abs(matrix[pick]), self._increments)
+
+    def _increments(self, s: complex, z: np.ndarray) -> np.ndarray:
+        """Return the body increments ``d (6 n,)`` with which twists change by ``s d + ad(x) d``."""
+        count, n = self.strain.size, self.problem.size
+        whole = np.zeros(count + 6 * n, dtype=complex)
+        whole[self._columns] = z
+        ad = np.zeros((n, 6, 6))
+        jacobian.adjoint(self.twist, ad)
+        # s may be an eigenvalue of ad where all moves as one: then the part without that motion
+        found = np.linalg.pinv(s * np.eye(6) + ad, rcond=1e-9) @ whole[count:].reshape(n, 6, 1)
+        return np.asarray(found.ravel())
 
     def residual(self) -> tuple[Floats, float]:
         """Return the balance of the nodes ``(n, 6)`` before supports, and its gap."""

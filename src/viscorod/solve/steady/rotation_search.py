@@ -46,7 +46,7 @@ class Search:
         self.elements = solver.system.elements()
         self.held = support_kind(self.problem)
         self.loads: LoadState = solver.loads.at(0.0)
-        self.joint = int(self.problem.supports.nodes[0]) if self.held is not SupportKind.FREE else 0
+        self.joint = int(self.problem.supports.nodes[0]) if len(self.problem.supports.nodes) else 0
         self.effort = continuation.IterationCounts(solver.check_interrupt)
         solver.supports.update(0.0)
 

@@ -7,6 +7,7 @@ leaves the same eigenvalues.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,12 +44,14 @@ class FirstOrder:
     """Small motions about a steady rotation: ``mass z' = matrix z``.
 
     ``magnitude`` has the sizes of what adds up to the entries of the matrix: round-off is a part of them. From the
-    intrinsic formulation ``z`` are changes of strains, then of free twists.
+    intrinsic formulation ``z`` are changes of strains, then of free twists. ``increments`` returns the body increments
+    of the nodes ``(6 n,)`` that belong to ``s`` and ``z``.
     """
 
     mass: Floats
     matrix: Floats
     magnitude: Floats
+    increments: Callable[[complex, np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -56,13 +59,30 @@ class Stability:
     """Eigenvalues ``s`` [1/s] of small motions ``exp(s t)``, one of each conjugate pair (Im >= 0), slowest first.
 
     ``unstable`` and ``neutral`` count those (both of a pair) that grow, and that neither grow nor fade; ``growth`` is
-    the largest rate of those that grow [1/s].
+    the largest rate of those that grow [1/s]. ``vectors`` belong to the eigenvalues, one column each.
     """
 
+    system: FirstOrder
     eigenvalues: np.ndarray
+    vectors: np.ndarray
     unstable: int
     neutral: int
     growth: float
+
+    def increments(self, count: int) -> np.ndarray:
+        """Return the body increments of the nodes ``(6 n, m)`` in the ``count`` slowest motions."""
+        found = [
+            self.system.increments(complex(s), z)
+            for s, z in zip(self.eigenvalues[:count], self.vectors.T[:count], strict=True)
+        ]
+        return np.array(found).T.reshape(-1, len(found))
+
+    def residuals(self, count: int) -> Floats:
+        """Return what the ``count`` slowest motions leave of each equation, as a part of what adds up to it."""
+        s, z = self.eigenvalues[:count], self.vectors[:, :count]
+        left = np.abs(self.system.matrix @ z - s * (self.system.mass @ z))
+        size = self.system.magnitude @ np.abs(z) + np.abs(s) * (np.abs(self.system.mass) @ np.abs(z))
+        return np.asarray((left.max(axis=0, initial=0.0)) / np.maximum(size.max(axis=0, initial=0.0), 1e-300))
 
 
 def first_order(
@@ -110,7 +130,8 @@ def first_order(
     matrix = np.block([[-W.T @ A @ W, W.T], [-K1 @ W, -C1]])
     sizes = np.abs(W)
     magnitude = np.block([[sizes.T @ np.abs(A) @ sizes, sizes.T], [np.abs(K1) @ sizes, np.abs(C1)]])
-    return FirstOrder(mass, matrix, magnitude)
+    moved = basis @ W
+    return FirstOrder(mass, matrix, magnitude, lambda _, z: np.asarray(moved @ z[:kept]))
 
 
 def stability(system: FirstOrder, rate: float) -> Stability:
@@ -143,5 +164,6 @@ def stability(system: FirstOrder, rate: float) -> Stability:
     neutral = int(np.count_nonzero(np.abs(s.real) <= bound))
     upper = s.imag >= -1e-12 * np.abs(s)
     growth = float(s.real[s.real > bound].max(initial=0.0))
-    s = s[upper]
-    return Stability(s[np.argsort(np.abs(s), kind="stable")], unstable, neutral, growth)
+    s, right = s[upper], right[:, upper]
+    order = np.argsort(np.abs(s), kind="stable")
+    return Stability(system, s[order], right[:, order], unstable, neutral, growth)

@@ -10,8 +10,9 @@ import numpy as np
 from viscorod.errors import Fault, InputError
 from viscorod.model.actions.load import AnyLoad
 from viscorod.model.actions.time_function import Constant
+from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.solve.constraints.rigid_motions import free_motions
+from viscorod.solve.constraints.rigid_motions import free_motions, skew
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings import SteadySettings
@@ -36,6 +37,8 @@ class SupportKind(Enum):
 def support_kind(problem: Problem) -> SupportKind:
     """Return how a model is held; pins at one node make a ball joint."""
     supports = problem.supports
+    if problem.joints.count:  # springs, the only joints here
+        return SupportKind.HELD
     if len(supports.nodes) == 0:
         return SupportKind.FREE
     pinned = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
@@ -53,7 +56,7 @@ def require_steady(model: ModelDescription, problem: Problem, settings: SteadySe
     faults = [*unfit_for_steady(model), *_size(problem, settings)]
     held = support_kind(problem)
     if held is SupportKind.HELD and not settings.driven:
-        name = _label(model, problem.supports.names[0])
+        name = _label(model, problem.supports.names[0]) if problem.supports.names else model.springs[0].label
         faults.append(
             Fault(
                 settings.measure,
@@ -82,6 +85,7 @@ def require_steady(model: ModelDescription, problem: Problem, settings: SteadySe
                 "leave the motion out: supports turn with the given spin as they are",
             )
         )
+    faults += _springs(model, settings)
     for index, load in enumerate(model.loads):
         faults += _load(index, load, problem, settings)
     if settings.formulation == "intrinsic":
@@ -103,6 +107,52 @@ def _size(problem: Problem, settings: SteadySettings) -> Iterator[Fault]:
     most = {SupportKind.FREE: 6, SupportKind.JOINT: 3}.get(support_kind(problem))
     if most is not None and len(free_motions(problem)) > most:
         yield Fault("rods", "", "the rods are not connected", "attach them, or compute them one by one")
+
+
+def _springs(model: ModelDescription, settings: SteadySettings) -> Iterator[Fault]:
+    """Refuse springs that are not the same however the model has turned about the axis."""
+    advice = "make it alike in all directions across the axis, to the ground, on the axis; or compute with simulate"
+    totals: dict[tuple[float, ...], tuple[int, Floats]] = {}
+    for index, spring in enumerate(model.resolved_springs()):
+        label, where = model.springs[index].label, f"springs[{index}]"
+        numbers = not any(callable(law) for law in (*spring.stiffness.values(), *spring.damping.values()))
+        moves = all(word in MOTIONS[:3] for word in (*spring.stiffness, *spring.damping))
+        grounded = spring.a is None or spring.b is None
+        if settings.formulation == "intrinsic":
+            yield Fault(
+                where, label, "the intrinsic formulation has no springs here", "leave out formulation"
+            )
+        elif spring.kind == "line" or not grounded or not moves or not numbers:
+            why = "a steady rotation allows springs and dampers from a place to the ground along ux, uy and uz only"
+            yield Fault(where, label, why, advice)
+        elif settings.driven:
+            spin, point = np.asarray(settings.spin, dtype=float), spring.at_a
+            axis = spin / np.linalg.norm(spin)
+            arm = np.cross(point - np.asarray(settings.centre or (0.0, 0.0, 0.0)), axis)
+            rest = spring.frame @ np.array([spring.rest.get(word, 0.0) for word in MOTIONS[:3]])
+            length = max([float(np.linalg.norm(point)), *(rod.length for rod in model.rods.values())])
+            if (
+                np.linalg.norm(arm) > PARALLEL * length
+                or np.linalg.norm(np.cross(rest, axis)) > PARALLEL * length
+            ):
+                yield Fault(
+                    where, label, "its point without force is not on the axis of the rotation", advice
+                )
+                continue
+            both = [
+                spring.frame @ np.diag([laws.get(word, 0.0) for word in MOTIONS[:3]]) @ spring.frame.T
+                for laws in (spring.stiffness, spring.damping)
+            ]
+            first, total = totals.get(tuple(point), (index, np.zeros((2, 3, 3))))
+            totals[tuple(point)] = first, total + np.array(both)
+    turn = skew(np.asarray(settings.spin, dtype=float)) if settings.driven else np.zeros((3, 3))
+    for index, matrices in totals.values():
+        if (
+            np.abs(turn @ matrices - matrices @ turn).max()
+            > PARALLEL * np.abs(matrices).max() * np.abs(turn).max()
+        ):
+            why = "it is not the same in all directions across the axis, so it changes while everything turns"
+            yield Fault(f"springs[{index}]", model.springs[index].label, why, advice)
 
 
 def _load(index: int, load: AnyLoad, problem: Problem, settings: SteadySettings) -> Iterator[Fault]:

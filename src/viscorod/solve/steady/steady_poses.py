@@ -115,11 +115,15 @@ def nodal_state(
         position ``(stations, 3)`` [m], rotation ``(stations, 4)``; velocity: global axes; spin: body axes of the
             stations.
     """
-    n, stations = problem.size, problem.stations
-    state = State(np.zeros((n, 3)), np.zeros((n, 4)), np.zeros((n, 6)))
-    for k, node in enumerate(stations.nodes):
-        link = int(stations.links[k])
-        r, q = _detached(problem, position[k], rotation[k], link)
+    n, stations, bodies = problem.size, problem.stations, problem.bodies
+    state = State(np.zeros((n, 3)), np.zeros((n, 4)), np.zeros((n, 6)), np.zeros(6 * problem.multipliers))
+    on_rods = len(stations.nodes)
+    for k, node in enumerate([*stations.nodes, *bodies.nodes]):
+        if k < on_rods:
+            r, q = _detached(problem, position[k], rotation[k], int(stations.links[k]))
+        else:
+            q = product(rotation[k], conjugate(bodies.turns[k - on_rods]))
+            r = position[k] - matrices(q[None])[0] @ bodies.arms[k - on_rods]
         own = matrices(rotation[k : k + 1])[0]
         R, angular = matrices(q[None])[0], own @ spin[k]
         linear = velocity[k] + np.cross(angular, r - position[k])

@@ -29,6 +29,7 @@ from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
 from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, Relation, Solution
 from viscorod.solve.transient.integrators.stage_data import Discretisation
 from viscorod.solve.transient.integrators.tableau import Tableau
+from viscorod.solve.transient.load_content import StepContent
 
 SavedTree = Any
 """Nested dicts and lists of arrays, numbers, words, truth values and None."""
@@ -38,7 +39,7 @@ MADE: dict[str, type[Any]] = {kind.__name__: kind for kind in (State, Snapshot, 
 
 UNCHANGED = (
     Problem, ElementSet, SupportSet, Elements, Discretisation, Pattern, Plan, Tableau, HeldStrains, JointSet,
-    LawCallbacks, Callback, DirectSolver, ExternalLoads, LoadState, Coefficients, Relation, Solution,
+    LawCallbacks, StepContent, Callback, DirectSolver, ExternalLoads, LoadState, Coefficients, Relation, Solution,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 

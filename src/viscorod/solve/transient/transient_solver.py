@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -157,6 +158,7 @@ class Transient:
         """Start from ``state`` at t = 0, and record it."""
         integrator, account = self.integrator, self.account
         integrator.start(0.0, state)
+        integrator.watch(self.duration)
         account.elastic = integrator.elastic
         account.kinetic = integrator.kinetic
         account.start = account.kinetic + account.elastic
@@ -265,7 +267,8 @@ class Transient:
         near = 1e-12 * end
         corners = [start]
         jumps: set[float] = set()
-        for t in [*sorted(t for t in self.problem.breakpoints if start - near < t < end), end]:
+        known = self.problem.breakpoints if self.integrator.looks_within else self.all_breakpoints
+        for t in [*sorted(t for t in known if start - near < t < end), end]:
             jumped = t in self.problem.jumps and t < end
             if t - corners[-1] < near and len(corners) > 1:
                 jumped = jumped or corners[-1] in jumps
@@ -275,6 +278,11 @@ class Transient:
             if jumped:
                 jumps.add(corners[-1])
         return corners[1:], jumps
+
+    @cached_property
+    def all_breakpoints(self) -> tuple[float, ...]:
+        """Breakpoints with the rows of records [s]."""
+        return tuple(sorted({*self.problem.breakpoints, *self.problem.rows}))
 
     def restart(self, t: float) -> None:
         """Start the integrator anew at ``t`` [s], after a jump of loads or prescribed motions.

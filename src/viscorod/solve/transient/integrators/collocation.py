@@ -31,6 +31,7 @@ from viscorod.solve.transient.integrators.stage_systems import StageSystems
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.solve.transient.integrators.step_recorder import StepRecorder
 from viscorod.solve.transient.integrators.tableau import Tableau
+from viscorod.solve.transient.load_content import StepContent
 from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
 
@@ -50,6 +51,8 @@ class Collocation:
         tableau: the method.
         newton_tolerance: error left by the iteration (displacement over model length, rotation in rad).
     """
+
+    looks_within = True
 
     stale = 0.1
     """Convergence rate from which on the Jacobian is renewed."""
@@ -137,7 +140,7 @@ class Collocation:
 
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        h = end - self.t
+        h, self._end = end - self.t, end
         self._prepare_step(end, before)
         if not self._have_jacobian:
             self.system.constraints.pace = self.tableau.real / h
@@ -153,7 +156,6 @@ class Collocation:
         code, count, size, rate, unknown, error, worst = try_step(*self.step_arguments(h))
         self.systems.check()
         self.evaluations += (count + (code == iteration_verdict.CONVERGED)) * len(self.tableau.nodes)
-        self._end = end
         if code == iteration_verdict.CONVERGED:
             self._rate = rate
             error, worst = self._judge(error, worst)
@@ -264,6 +266,22 @@ class Collocation:
 
     # --- what methods differ in
 
+    def watch(self, duration: float) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        self.actions.content = StepContent.of(self.system.problem, self.tableau.nodes, duration)
+
+    def _unseen(self) -> tuple[float, int]:
+        """Return the displacement, over the length, or rotation that is missed between the stages, and the unknown."""
+        force = self.actions.unseen(self.t, self.state)
+        gap = 0.0 if self.actions.content is None else self.actions.content.gap
+        if force is None:
+            return gap, 0
+        force[self.supports.set.nodes] *= 1.0 - self.supports.set.fixed
+        none = np.zeros((self.system.problem.multipliers, 6))
+        moved = np.abs(self.systems.solve_real(np.concatenate([force, none]))[: len(force)])
+        moved[:, :3] /= self.body.length
+        return max(float(moved.max()), gap), int(moved.argmax())
+
     def _judge(self, error: float, unknown: int) -> tuple[float, int]:
         """Return the error of a converged step over the tolerated one, and the unknown where it is largest."""
         del error, unknown
@@ -271,6 +289,7 @@ class Collocation:
 
     def _prepare_step(self, end: float, before: bool) -> None:
         """Evaluate loads and prescribed motions at all stages of the step to ``end``."""
+        self.actions.look_within(self.t, end)
         for i, c in enumerate(self.tableau.nodes):
             last = i == self._last
             t = end if last else self.t + c * (end - self.t)

@@ -104,6 +104,13 @@ class Integrator(Protocol):
     def first_step(self, duration: float) -> float:
         """Return a step [s] to begin with at ``t`` when steps follow the error."""
 
+    @property
+    def looks_within(self) -> bool:
+        """Whether it sees what loads do within its steps, so that the rows of records are no corners."""
+
+    def watch(self, duration: float) -> None:
+        """Look from now on at what loads and motions do within steps, in a run of ``duration`` [s]; once started."""
+
     def start(self, t: float, state: State) -> None:
         """Begin at time ``t`` [s] from ``state``."""
 

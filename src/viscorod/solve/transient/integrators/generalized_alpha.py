@@ -86,6 +86,7 @@ class GeneralizedAlpha:
     """
 
     estimate_order = 2
+    looks_within = False
     records = 1
 
     def __init__(
@@ -102,6 +103,7 @@ class GeneralizedAlpha:
         self.supports = supports
         self.loads = ExternalLoads(system.problem)
         self.coefficients = Coefficients.of(spectral_radius)
+        self.tolerance = tolerance
         self.step_tolerance = None if tolerance is None else STEP_FACTOR * tolerance**1.5
         self.newton_tolerance = newton_tolerance
         self.iterations = iterations
@@ -218,6 +220,9 @@ class GeneralizedAlpha:
         size = np.abs(error) / ([self.system.problem.length] * 3 + [1.0] * 3)
         node, component = divmod(int(np.argmax(size)), 6)
         return report._replace(error=float(size.max()) / self.step_tolerance, node=node, component=component)
+
+    def watch(self, duration: float) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: rows of records are corners."""
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""

@@ -121,10 +121,14 @@ class LinearModel:
 
     # --- what an integrator asks
 
-    def loads(self, t: float, before: bool) -> Floats:
-        """Return the loads ``(6 n,)`` at time ``t`` [s], body axes of the state it is linear about."""
+    def loads(self, t: float, before: bool, stage: int | None = None) -> Floats:
+        """Return the loads ``(6 n,)`` at time ``t`` [s], body axes of the state it is linear about.
+
+        Those that are records have their mean course over the step where ``t`` is one of its stages.
+        """
         external = np.zeros((len(self.body.mass), 6))
-        self.actions.add_loads(t, self.base, external, before=before)
+        means = {} if stage is None else self.actions.means(stage)
+        self.actions.add_loads(t, self.base, external, before=before, given=means)
         return external.ravel()
 
     def internal(self, xi: Floats, x: Floats) -> Floats:

@@ -13,6 +13,8 @@ from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.contract import StepReport
 from viscorod.solve.transient.integrators.linear_model import LinearModel
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, RADAU, Tableau
+from viscorod.solve.transient.load_content import StepContent
+from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
 from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
 
@@ -39,14 +41,20 @@ class LinearMotion:
 
     estimate_order = 3
 
+    looks_within = True
+
     drift = 0.0, 0.0
     """There are no joints in linear motions."""
 
     def __init__(
-        self, system: System, supports: SupportState, tableau: Tableau, tolerance: float | None = None
+        self,
+        system: System,
+        supports: SupportState,
+        tableau: Tableau,
+        tolerance: float | Tolerance | None = None,
     ) -> None:
         self.system, self.supports, self.tableau = system, supports, tableau
-        self.tolerance = tolerance
+        self.tolerance = GivenTolerance(tolerance) if isinstance(tolerance, float) else tolerance
         problem, stages = system.problem, len(tableau.nodes)
         self.t = 0.0
         self.state = State.reference(problem)
@@ -91,12 +99,19 @@ class LinearMotion:
         self._load = self.body.loads(t, False)
         self.evaluations += 1
         self._set_state(self._now, np.zeros_like(self._load))
+        if self.tolerance is not None:
+            self.tolerance.begin(t, self.state, self._imbalance())
 
     def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         body = self.body.body
-        force = (self._load - self.body.internal(*self._now)).reshape(-1, 6)
-        return first_time_step(body.mass, force, self.state.twist, body.held, body.length, duration)
+        return first_time_step(
+            body.mass, self._imbalance(), self.state.twist, body.held, body.length, duration
+        )
+
+    def _imbalance(self) -> Floats:
+        """Return what accelerates the nodes ``(n, 6)``."""
+        return (self._load - self.body.internal(*self._now)).reshape(-1, 6)
 
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -105,7 +120,8 @@ class LinearMotion:
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         last = self._last
         times = [end if i == last and last else self.t + c * h for i, c in enumerate(tableau.nodes)]
-        self._stage_loads = np.array([body.loads(t, before and i == last) for i, t in enumerate(times)])
+        body.actions.look_within(self.t, end)
+        self._stage_loads = np.array([body.loads(t, before and i == last, i) for i, t in enumerate(times)])
         self.evaluations += len(times)
         xi, x = self._now
         D = tableau.derivative / h
@@ -131,9 +147,10 @@ class LinearMotion:
         report = StepReport(Outcome.CONVERGED, SWEEPS, size, 0.0, 0)
         if self.tolerance is None:
             return report
-        error = self._error(h, changes)
+        error = np.maximum(self._error(h, changes), self._unseen())
         node, component = divmod(int(np.argmax(error)), 6)
-        allowed = self.step_factor * self.tolerance
+        reached = body.state(*self._stages[:, last])
+        allowed = self.step_factor * self.tolerance.at(end, reached)
         return report._replace(error=float(error.max()) / allowed, node=node, component=component)
 
     def _error(self, h: float, changes: Floats) -> Floats:
@@ -144,6 +161,17 @@ class LinearMotion:
         side = self._load - body.internal(*self._now) + body.mass @ v + body.damping(p)
         basis = body.reduced.basis
         return np.asarray(np.abs(basis @ self._real.solve(basis.T @ side)) / body.unit)
+
+    def _unseen(self) -> Floats:
+        """Return what loads move between the stages ``(6 n,)``: displacements over model length, rotations."""
+        force, basis = self.body.actions.unseen(self.t, self.body.base), self.body.reduced.basis
+        if force is None:
+            return np.zeros(len(self.body.unit))
+        return np.asarray(np.abs(basis @ self._real.solve(basis.T @ force.ravel())) / self.body.unit)
+
+    def watch(self, duration: float) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        self.body.actions.content = StepContent.of(self.system.problem, self.tableau.nodes, duration)
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -159,6 +187,8 @@ class LinearMotion:
         self.t, self._step = self._end, h
         self._load = self._stage_loads[last] if last else body.loads(self.t, True)
         self._set_state(end, rates[1])
+        if self.tolerance is not None:
+            self.tolerance.accept(self.t, self.state)
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -232,7 +262,7 @@ def _quintic(
     return xi, x, a
 
 
-def linear_radau(system: System, supports: SupportState, *, tolerance: float) -> LinearMotion:
+def linear_radau(system: System, supports: SupportState, *, tolerance: float | Tolerance) -> LinearMotion:
     """Return Radau IIA of order 5 with error control."""
     return LinearMotion(system, supports, RADAU, tolerance)
 

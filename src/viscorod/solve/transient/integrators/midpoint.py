@@ -53,6 +53,7 @@ class Midpoint(Collocation):
     def _prepare_step(self, end: float, before: bool) -> None:
         h = end - self.t
         given, supports = self.actions.given, self.supports
+        self.actions.look_within(self.t, end)
         self.actions.prepare(0, self.t + 0.5 * h, before=False)
         if self.stage_constraints is not None:
             self.stage_constraints.prepare_end(self.t, end, before=before)

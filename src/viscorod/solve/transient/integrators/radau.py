@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.solve.constraints.support_state import SupportState
-from viscorod.solve.formulations.system import System
+from viscorod.solve.formulations.system import State, System
 from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.collocation_step import largest_turn
 from viscorod.solve.transient.integrators.tableau import RADAU
+from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
 
 LEAST_CHANGE = 1e-13
 """Change of a pose (over the length, or in rad) below which rounding decides."""
@@ -25,7 +26,8 @@ class Radau(Collocation):
 
     Args:
         system, supports: the model.
-        tolerance: wanted accuracy of the motion: displacement over model length, rotation in rad.
+        tolerance: wanted accuracy of the motion: displacement over model length, rotation in rad; a number, or one that
+            follows the motion.
     """
 
     step_factor = 2.0
@@ -40,16 +42,34 @@ class Radau(Collocation):
     largest_turn = 2.0
     """Rotation [rad] that a node may make in one step: coordinates of rotations are good to half a turn."""
 
-    def __init__(self, system: System, supports: SupportState, *, tolerance: float) -> None:
-        super().__init__(
-            system, supports, RADAU, max(self.newton_factor * tolerance**self.newton_power, LEAST_CHANGE)
-        )
-        self.step_tolerance = self.step_factor * tolerance
+    def __init__(self, system: System, supports: SupportState, *, tolerance: float | Tolerance) -> None:
+        self.tolerance = GivenTolerance(tolerance) if isinstance(tolerance, float) else tolerance
+        super().__init__(system, supports, RADAU, self._newton_tolerance())
         self._turn = 0.0
 
+    def _newton_tolerance(self) -> float:
+        return max(self.newton_factor * float(self.tolerance.value**self.newton_power), LEAST_CHANGE)
+
+    def start(self, t: float, state: State) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        super().start(t, state)
+        self.tolerance.begin(t, self.state, self._force)
+        self.newton_tolerance = self._newton_tolerance()
+
+    def accept(self) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        super().accept()
+        self.tolerance.accept(self.t, self.state)
+        self.newton_tolerance = self._newton_tolerance()
+
     def _judge(self, error: float, unknown: int) -> tuple[float, int]:
-        self._turn, node = largest_turn(self.stages.X[self._last])
-        error /= self.step_tolerance
+        last, stages = self._last, self.stages
+        self._turn, node = largest_turn(stages.X[last])
+        reached = State(stages.r[last], stages.q[last], stages.twist[last], self.state.multiplier)
+        unseen, where = self._unseen()
+        if unseen > error:
+            error, unknown = unseen, where
+        error /= self.step_factor * self.tolerance.at(self._end, reached)
         too_far = (self._turn / self.largest_turn) ** (self.estimate_order + 1)
         return (too_far, 6 * node + 3) if too_far > error else (error, unknown)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from viscorod.mechanics.nodes import applied_loads as loading
@@ -9,6 +11,7 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.transient.integrators.stage_data import Discretisation, StageInputs
+from viscorod.solve.transient.load_content import StepContent
 from viscorod.typing import Floats
 
 
@@ -21,6 +24,7 @@ class StepActions:
 
     Attributes:
         given: loads and motions at the stages of the step that is prepared.
+        content: of the steps, where anything has to be looked for.
     """
 
     def __init__(self, system: System, supports: SupportState, body: Discretisation, stages: int) -> None:
@@ -29,8 +33,30 @@ class StepActions:
         self.given = StageInputs.of(
             stages, body, max(1, len(system.problem.station_loads)), offset=self.loads.offset
         )
+        self.content: StepContent | None = None
+        nodal, inside = system.problem.nodal_loads, system.problem.station_loads
+        self._count = 1 + max([-1, *(load.load for load in nodal), *(load.load for load in inside)])
+        self._rest = ExternalLoads(system.problem)
         self._no_blocks = np.zeros((0, 6, 6))
         self._written: list[LoadState | None] = [None] * stages
+
+    def look_within(self, start: float, end: float) -> None:
+        """Look at what loads and motions do within the step from ``start`` to ``end`` [s]; before :meth:`prepare`."""
+        if self.content is not None:
+            self.content.look(start, end)
+
+    def means(self, i: int) -> dict[int, float]:
+        """Return the factors at stage ``i`` of loads that are records, by their number."""
+        return {} if self.content is None else {k: float(v[i]) for k, v in self.content.courses.items()}
+
+    def unseen(self, t: float, state: State) -> Floats | None:
+        """Return what loads do between the stages, as forces ``(n, 6)`` in body components; None: nothing."""
+        if self.content is None or not self.content.rest:
+            return None
+        factors = dict.fromkeys(range(self._count), 0.0) | self.content.rest
+        external = np.zeros_like(state.twist)
+        self._add(self._rest.at(t, given=factors), state, external, self._no_blocks, False)
+        return external
 
     def prepare(self, i: int, t: float, *, before: bool) -> None:
         """Evaluate loads and prescribed motions of stage ``i`` at time ``t`` [s]; ``before``: limits from the left."""
@@ -42,7 +68,7 @@ class StepActions:
             if len(c):
                 r, q, twist, rate = supports.complete_motion()
                 given.r[i, c], given.q[i, c], given.twist[i, c], given.twist_rate[i, c] = r, q, twist, rate
-        loads = self.loads.at(t, before)
+        loads = self.loads.at(t, before, given=self.means(i))
         if loads is self._written[i]:  # time factors are the same
             return
         self._written[i] = loads
@@ -66,9 +92,17 @@ class StepActions:
         if self.supports.moving:
             self.supports.update(t, before)
 
-    def add_loads(self, t: float, state: State, external: Floats, *, before: bool) -> None:
-        """Add the loads at time ``t`` [s] to ``external (n, 6)``, in body components."""
-        self._add(self.loads.at(t, before), state, external, self._no_blocks, False)
+    def add_loads(
+        self,
+        t: float,
+        state: State,
+        external: Floats,
+        *,
+        before: bool,
+        given: Mapping[int, float] | None = None,
+    ) -> None:
+        """Add the loads at time ``t`` [s] to ``external (n, 6)``, in body components; ``given`` factors come first."""
+        self._add(self.loads.at(t, before, given=given), state, external, self._no_blocks, False)
 
     def add_load_stiffness(
         self, t: float, state: State, external: Floats, K: Floats, *, before: bool = False

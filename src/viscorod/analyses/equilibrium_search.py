@@ -1,0 +1,178 @@
+"""The search for an equilibrium: load steps first, then settling where they fail or end at an unstable one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from viscorod.analyses.discrete import DiscreteModel, named, unheld
+from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions
+from viscorod.solve.formulations.system import State
+from viscorod.solve.statics.newton import Outcome, interruption
+from viscorod.solve.statics.settling import Settling, SettlingReport
+from viscorod.solve.statics.stability import Stability, circulatory, stability_of
+from viscorod.solve.statics.static_solver import StaticPath
+
+__all__ = ["Search"]
+
+OnStep = Callable[[float, State, int], None]
+
+
+@dataclass
+class Search:
+    """One search, and how it went.
+
+    Attributes:
+        discrete: the model, whose stage is begun.
+        factor: multiple of loads and motions, or of what the stage changes; before: time t = 0-, else 0+.
+        allowed: whether it may go on by settling. loose: motions that loads hold elsewhere only.
+        origin: where it begins, in words.
+        steps: the load steps; settling: what came after them, None if it was not needed.
+        stability: of the equilibrium at the end.
+    """
+
+    discrete: DiscreteModel
+    factor: float = 1.0
+    before: bool = True
+    allowed: bool = True
+    loose: list[FreeMotion] = field(default_factory=list)
+    origin: str = "the reference shape"
+    steps: StaticPath = field(default_factory=StaticPath)
+    settling: SettlingReport | None = None
+    stability: Stability = field(default_factory=lambda: Stability(0, 0, False))
+
+    def run(self, state: State, *, stops: Sequence[float] = (), on_step: OnStep | None = None) -> bool:
+        """Move ``state`` to an equilibrium; returns whether it was found.
+
+        Args:
+            state: start; overwritten by the last equilibrium that was found.
+            stops: load factors at which steps end, before the last one; on_step: called after each of them.
+
+        Raises:
+            InputError: nothing holds the model.
+        """
+        static, start = self.discrete.static, state.copy()
+        if not self.loose:
+            static.restore(state, 0.0, before=self.before, scale=0.0)
+            self.steps = static.solve(
+                state, before=self.before, factor=self.factor, stops=stops, on_step=on_step
+            )
+            if self.steps.outcome is Outcome.INTERRUPTED:
+                return False
+            if self.steps.outcome is Outcome.COMPLETED:
+                self.stability = stability_of(static, state, before=self.before, scale=self.factor)
+                loads = static.loads.at(0.0, self.before, self.factor)
+                if self.stability.unstable == 0 or not self.allowed or circulatory(loads):
+                    self._restore(state)
+                    return True
+        return self.allowed and self._settle(start, state)
+
+    def _settle(self, start: State, state: State) -> bool:
+        """Settle from ``start``; without success ``state`` stays where load steps led."""
+        static, led = (
+            self.discrete.static,
+            self.steps.outcome is Outcome.COMPLETED and bool(self.steps.factors),
+        )
+        unloaded = static.loads.at(0.0, self.before, self.factor).none
+        for careful in (True,) if unloaded else (False, True):
+            settling = Settling(static, before=self.before, factor=self.factor, careful=careful)
+            self.settling = settling.report
+            at = start.copy()
+            try:
+                settling.run(at)
+            except KeyboardInterrupt as asked:
+                self.steps.outcome, self.steps.reason = Outcome.INTERRUPTED, interruption(asked)
+                return False
+            if settling.report.found or settling.report.falls or not settling.moving:
+                break
+        if settling.report.found:
+            state.set(at)
+            if settling.downhill:  # neutral motions are none that leave
+                self.stability = Stability(settling.report.unstable, settling.report.unstable, False)
+            else:
+                self.stability = stability_of(
+                    self.discrete.static, state, before=self.before, scale=self.factor
+                )
+            self._restore(state)
+            return True
+        if settling.report.falls:
+            raise unheld(self.loose or free_motions(self.discrete.problem), settling.report.reason)
+        if led:
+            self._restore(state)
+        return led
+
+    def _restore(self, state: State) -> None:
+        self.discrete.static.restore(state, 0.0, before=self.before, scale=self.factor)
+
+    @property
+    def settled(self) -> bool:
+        """Whether it was found by settling."""
+        return self.settling is not None and self.settling.found
+
+    @property
+    def count(self) -> int:
+        """Steps that were taken."""
+        return len(self.steps.factors) + (0 if self.settling is None else self.settling.steps)
+
+    @property
+    def iterations(self) -> int:
+        """Newton iterations that were taken."""
+        done = sum(self.steps.iterations) + self.steps.wasted
+        return done + (0 if self.settling is None else self.settling.iterations)
+
+    @property
+    def found_by(self) -> str:
+        """How the equilibrium was found, in words."""
+        if not self.settled:
+            count = len(self.steps.factors)
+            return f"{count} load step{'s' if count != 1 else ''} from {self.origin}"
+        assert self.settling is not None
+        if self.loose:
+            why = "loads hold the model in another position only"
+        elif self.steps.outcome is Outcome.COMPLETED:
+            why = "load steps ended at an unstable equilibrium"
+        else:
+            why = f"load steps found none beyond {self._reached:.4g} of the loads"
+        text = (
+            f"settling from {self.origin} ({why}): pseudo-transient continuation, {self.settling.steps} steps"
+        )
+        if self.settling.knocks:
+            text += f", off {self.settling.knocks} unstable"
+        return f"{text}; where several equilibria are stable, this is one of them"
+
+    @property
+    def doubts(self) -> list[str]:
+        """Warnings about an equilibrium that was found."""
+        if self.settling is None or self.settling.found:
+            return []
+        return [
+            f"the equilibrium is unstable ({self.stability.unstable} negative eigenvalues), and the search for a "
+            f"stable one ended without any: {self.settling.reason}"
+        ]
+
+    @property
+    def _reached(self) -> float:
+        return self.steps.factors[-1] if self.steps.factors else 0.0
+
+    def failure(self) -> str:
+        """Say why none was found, and what to try."""
+        path, discrete, reached = self.steps, self.discrete, self._reached
+        if path.outcome is Outcome.INTERRUPTED:
+            return f"Stopped at {reached:.6g} of the loads (trying {path.load_level:.6g}): {path.reason}"
+        text = ""
+        if path.report is not None:
+            text = (
+                f"No equilibrium beyond {reached:.6g} of the loads (tried {path.load_level:.6g}): {path.outcome.value}."
+                f"{discrete.where(path.report)} What to try: {path.outcome.advice(static=True)}."
+            )
+        if self.settling is not None:
+            text += (
+                f" Settling from {self.origin} found no stable equilibrium either: {self.settling.reason}."
+            )
+        gaps = discrete.system.constraints.open_joints(1.0 - reached)
+        if gaps:
+            text += f" Joints that are open in the reference shape could not be closed; still open: {', '.join(gaps)}."
+        free = free_motions(discrete.problem)
+        if free:
+            text += f" Free rigid motions: {named(free)}."
+        return text.strip()

@@ -1,0 +1,188 @@
+"""Analyses on meshes that the program chooses: repeated on finer ones until the estimated error is as wanted."""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.equilibrium import find_initial_equilibrium
+from viscorod.errors import InputError, SolveError
+from viscorod.results.run import Run
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import Snapshot
+from viscorod.solve.modes.vibrations import Modes
+from viscorod.solve.problem.division import Division, divisions_of
+from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES, MeshWatch
+from viscorod.solve.settings import Meshed, ModesSettings, SimulateSettings
+from viscorod.typing import Floats
+
+__all__ = ["frequency_errors", "refined", "refined_modes", "refined_motion"]
+
+MOST_MESHES = 12
+"""Meshes that are tried at most."""
+MOST_REPEATS, REPEATED = 2, 10.0
+"""Times that a motion is computed again, and by how many times its estimated error is too large then."""
+RIGID = 1e-6
+"""Part of the highest listed frequency below which one is a rigid motion."""
+GAIN = 0.7
+"""Part of the error before that refinement leaves at most, where it is the mesh that makes the error."""
+
+S = TypeVar("S", bound=Meshed)
+R = TypeVar("R")
+
+
+def refined(analysis: Callable[[DiscreteModel, S], R], discrete: DiscreteModel, settings: S) -> R:
+    """Run an analysis, again and again on finer meshes while its estimated error is larger than ``accuracy``.
+
+    Rods whose elements are given keep them.
+    """
+    result = analysis(discrete, settings)
+    for _ in range(MOST_MESHES - 1):
+        divisions = discrete.watch.refined(settings.accuracy)
+        if divisions is None:
+            break
+        discrete = discrete.on_mesh(divisions)
+        result = analysis(discrete, settings)
+    return result
+
+
+def refined_motion(
+    analysis: Callable[[DiscreteModel, SimulateSettings], Run],
+    discrete: DiscreteModel,
+    settings: SimulateSettings,
+) -> Run:
+    """Compute a motion on a mesh that resolves the state it starts from and the slowest vibrations about it.
+
+    If its estimated error is still more than ``REPEATED`` times what is wanted, it is computed again on a finer mesh.
+    """
+    options = discrete.options
+    if options.resume and options.folder is not None:
+        discrete = _resumed(discrete, options.folder)
+    else:
+        discrete = _prepared(discrete, settings)
+    run = analysis(discrete, settings)
+    for _ in range(MOST_REPEATS):
+        motion, forces = REPEATED * settings.accuracy, np.inf
+        divisions = None if discrete.watch.lost else discrete.watch.refined(motion, forces)
+        if divisions is None:
+            break
+        logging.getLogger("viscorod").info(
+            "viscorod: the mesh is too coarse for this motion; again on a finer one"
+        )
+        discrete = discrete.on_mesh(divisions)
+        _watch_phases(discrete, settings)
+        run = analysis(discrete, settings)
+    return run
+
+
+def _resumed(discrete: DiscreteModel, folder: Path) -> DiscreteModel:
+    """Return the model on the mesh with which the motion in a folder began."""
+    from viscorod.results.files.journal import FOLDER, contents
+
+    stored = json.loads(str(contents(folder / FOLDER).attrs.get("divisions", "{}")))
+    if not stored:
+        return discrete
+    return discrete.on_mesh({name: Division(order, np.array(ends)) for name, (order, ends) in stored.items()})
+
+
+def _prepared(discrete: DiscreteModel, settings: SimulateSettings) -> DiscreteModel:
+    """Return the model on a mesh that is fine enough for where its motion begins."""
+    for _ in range(MOST_MESHES):
+        seen = _watch_phases(discrete, settings)
+        if seen is None or not seen.free:
+            break
+        divisions = seen.refined(settings.accuracy)
+        if divisions is None and seen.drift is not None and seen.drift.leading > settings.accuracy:
+            divisions = seen.halved()
+        if divisions is None:
+            break
+        discrete = discrete.on_mesh(divisions)
+    return discrete
+
+
+def _watch_phases(discrete: DiscreteModel, settings: SimulateSettings) -> MeshWatch | None:
+    """Let a motion be watched for what wrong frequencies make of it.
+
+    Returns:
+        What was seen of the state from which it starts; None if that is unknown, which the motion will say.
+    """
+    if not discrete.watch.feasible or discrete.problem.initial_strain:
+        return None
+    before = discrete.renewed(
+        discrete.options, {}
+    )  # its solvers keep stresses, those of the motion shall not
+    state, resting = State.reference(discrete.problem), settings.initial == "equilibrium"
+    try:
+        if resting:
+            find_initial_equilibrium(before, state)
+        before.static.restore(state, 0.0, before=True, scale=float(resting))
+        snapshot = Snapshot.of(state, before.system, before.supports)
+        if resting:
+            before.watch.see(snapshot)
+        before.watch.follow_phases(before.static, snapshot, float(resting))
+    except (InputError, SolveError):
+        return None
+    discrete.watch.drift = before.watch.drift
+    return before.watch
+
+
+def refined_modes(
+    analysis: Callable[[DiscreteModel, ModesSettings], Modes],
+    discrete: DiscreteModel,
+    settings: ModesSettings,
+) -> Modes:
+    """Find modes on a mesh and on the one with all elements halved; their differences are the estimated errors.
+
+    While a frequency differs by more than ``accuracy``, and the program may choose the mesh of a rod, the finer mesh
+    becomes the coarser one.
+    """
+    found, before = analysis(discrete, settings), np.inf
+    if not discrete.watch.feasible:
+        return found
+    free = {name for name, rod in discrete.model.rods.items() if rod.elements is None}
+    for _ in range(MOST_MESHES):
+        coarse = divisions_of(discrete.problem)
+        finer = discrete.on_mesh({name: division.halved() for name, division in coarse.items()})
+        try:
+            other = analysis(finer, settings)
+        except SolveError:
+            return found
+        errors = frequency_errors(found, other)
+        worst = float(errors.max(initial=0.0))
+        found = replace(found, frequency_errors=errors)
+        stuck, before = worst > GAIN * before, worst
+        if worst <= settings.accuracy or not free or stuck or finer.problem.size > MOST_CHOSEN_NODES:
+            return found
+        if len(free) == len(coarse):
+            discrete, found = finer, other
+        else:
+            halved = {name: d.halved() if name in free else d for name, d in coarse.items()}
+            discrete = discrete.on_mesh(halved)
+            found = analysis(discrete, settings)
+    return found
+
+
+def frequency_errors(found: Modes, other: Modes) -> Floats:
+    """Return how far each frequency is from that of the ``other`` modes, in parts of it.
+
+    Oscillating modes are compared in their order, so that a missing or an invented one shows. Overdamped ones crowd,
+    the more the finer the mesh is: each is compared with the nearest.
+    """
+    s, better = found.eigenvalues, other.eigenvalues
+    highest = max(np.abs(s).max(initial=0.0), np.abs(better).max(initial=0.0))
+    floor = max(RIGID * highest, np.finfo(float).tiny)
+    oscillating, theirs = (np.flatnonzero(np.abs(x.imag) > RIGID * np.abs(x)) for x in (s, better))
+    nearest = np.abs(s[:, None] - better[None, :]).min(axis=1, initial=np.inf)
+    errors = nearest / np.maximum(np.abs(s), floor)
+    paired = min(len(oscillating), len(theirs))
+    mine, theirs = oscillating[:paired], theirs[:paired]
+    size = np.maximum(np.abs(better[theirs]), floor)
+    errors[mine] = np.abs(np.abs(s[mine]) - np.abs(better[theirs])) / size
+    return np.asarray(errors)

@@ -1,0 +1,196 @@
+"""Divide the text of measured tables into names, units and rows of cells."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.materials.column_names import MEASURE, Heading, heading, unit_of
+from viscorod.model.materials.column_units import NOUNS, refuse_unit
+from viscorod.model.materials.table_text import SEPARATORS, looks_like_a_number, words
+
+__all__ = ["Block", "blocks_of"]
+
+_REMARK = re.compile(r"\s*(#|%|//)|[\s|:+=-]*$")
+_UNITS_WITHIN = 4
+"""Lines below the names in which the units are looked for."""
+
+
+@dataclass
+class Block:
+    """One line of names, and the rows below it."""
+
+    line: int
+    names: list[str]
+    columns: dict[int, Heading]
+    divide: Callable[[str], list[str]]
+    rows: list[tuple[int, list[str]]] = field(default_factory=list)
+    full: dict[int, int] = field(default_factory=dict)
+    """Cells of the rows with empty ones at the end, by line."""
+
+    def same_columns(self, other: Block) -> bool:
+        """Return whether another line of names, such as one of symbols, has the same columns."""
+        kinds = [{at: known.kind for at, known in block.columns.items()} for block in (self, other)]
+        return kinds[0] == kinds[1]
+
+    @property
+    def separated(self) -> bool:
+        """Whether a mark divides the cells, so that an empty cell between others can be seen."""
+        return self.divide is not words
+
+
+def blocks_of(lines: list[str]) -> list[Block]:
+    """Return the tables of a file: names, units, and rows as cells."""
+    blocks: list[Block] = []
+    ended = 0
+    index = 0
+    while index < len(lines):
+        line = lines[index]
+        index += 1
+        found = _names(lines, index) if _may_be_names(line) else None
+        if found is not None:
+            if blocks and not blocks[-1].rows and blocks[-1].same_columns(found):
+                found.columns = {
+                    at: old.completed(found.columns[at]) for at, old in blocks.pop().columns.items()
+                }
+            _units(lines, index, found)
+            blocks.append(found)
+            ended = 0
+            continue
+        if not blocks or _REMARK.match(line):
+            continue
+        block = blocks[-1]
+        full = block.divide(line)
+        cells = _trimmed(full)
+        if not block.separated and len(cells) == len(block.names) + 1 and re.fullmatch('".*"', cells[0]):
+            cells = cells[1:]  # R writes names of rows, and none above them
+        first = next((cell for cell in cells if cell), "")
+        if not first:
+            continue
+        if len(cells) != len(block.names) and not looks_like_a_number(first):
+            ended = ended or (index if block.rows else 0)
+        elif not block.rows and _is_units(cells):
+            continue
+        elif ended:
+            raise RefusedError(
+                f"line {ended} is no row of the table, and line {index} below it is",
+                "leave one table in the file, with remarks above or below it",
+                found=show(lines[ended - 1].strip()),
+            )
+        else:
+            block.rows.append((index, cells))
+            block.full[index] = len(full)
+    if blocks:
+        return blocks
+    raise RefusedError(
+        "no line names columns of frequency, storage modulus, and loss modulus or tan delta",
+        "begin the file with a line such as: Frequency (Hz), Storage Modulus (MPa), Loss Modulus (MPa)",
+        found=_nearest(lines),
+    )
+
+
+def _nearest(lines: list[str]) -> str:
+    """Return the line that names most of what is needed, for a message."""
+    best, known = "", 1
+    for number, line in enumerate(lines, 1):
+        if _may_be_names(line):
+            for divide, _ in SEPARATORS.values():
+                kinds = {found.kind for cell in divide(line) if (found := heading(cell)) is not None}
+                if len(kinds) > known:
+                    best, known = f"line {number} names {', '.join(sorted(kinds))} only", len(kinds)
+    return best
+
+
+def _may_be_names(line: str) -> bool:
+    """Return whether a line has other letters than those of numbers, and is short enough for names."""
+    return len(line) < 5000 and any(c.isalpha() and c not in "eEdD" for c in line)
+
+
+def _trimmed(cells: list[str]) -> list[str]:
+    last = max((at for at, cell in enumerate(cells) if cell), default=-1)
+    return cells[: last + 1]
+
+
+def _names(lines: list[str], number: int) -> Block | None:
+    """Return the columns that a line (counted from one) names, if it names enough."""
+    line = lines[number - 1]
+    for divide, below in SEPARATORS.values():
+        cells = _trimmed(divide(line))
+        if cells[:1] in (["#"], ["%"]) and len(cells) - 1 == _first_count(lines[number:], below):
+            cells = cells[1:]
+        columns = {at: found for at, cell in enumerate(cells) if (found := _heading(cell, cells)) is not None}
+        kinds = {found.kind for found in columns.values()}
+        sizes = "storage" in kinds and kinds & {"loss", "tan_delta", "phase"}
+        sizes = sizes or ("complex" in kinds and kinds & {"tan_delta", "phase"})
+        if not kinds & {"frequency", "angular"} or not sizes:
+            continue
+        logarithms = [found.text for found in columns.values() if found.logarithm]
+        if logarithms:
+            raise RefusedError(
+                f"line {number} names columns of logarithms",
+                "write the frequencies and moduli themselves",
+                found=", ".join(logarithms),
+            )
+        return Block(number, cells, columns, below)
+    return None
+
+
+def _heading(cell: str, cells: list[str]) -> Heading | None:
+    """Return what a name says; "E' (MPa).1" is a second "E' (MPa)", as data frames number them."""
+    base = re.sub(r"\.\d+$", "", cell)
+    return heading(base if base in cells else cell)
+
+
+def _first_count(lines: list[str], divide: Callable[[str], list[str]]) -> int:
+    """Return the number of cells of the first row of numbers."""
+    rows = (_trimmed(divide(line)) for line in lines)
+    return next((len(row) for row in rows if row and all(map(looks_like_a_number, row))), 0)
+
+
+def _is_units(cells: list[str]) -> bool:
+    """Return whether cells below the names are units: no numbers, one of them a unit of a frequency or modulus."""
+    return not any(looks_like_a_number(cell) and cell != "1" for cell in cells) and any(
+        unit_of(cell, measure) for cell in cells if cell for measure in ("frequency", "modulus")
+    )
+
+
+def _units(lines: list[str], start: int, block: Block) -> None:
+    """Add the units that stand in a line below the names."""
+    for line in lines[start : start + _UNITS_WITHIN]:
+        cells = block.divide(line)
+        if not any(cells) or _REMARK.match(line):
+            continue
+        if {found.kind for cell in cells if (found := heading(cell))} >= {
+            known.kind for known in block.columns.values()
+        }:
+            return  # names again, such as symbols
+        if any(looks_like_a_number(cell) and cell.strip("[]()") != "1" for cell in cells):
+            return
+        if not any(cell.strip("[]() \t") for cell in cells):
+            continue
+        if not (_is_units(cells) or any(cell.startswith(("[", "(")) for cell in cells) or _words_only(cells)):
+            continue
+        for at, known in block.columns.items():
+            cell = cells[at].strip() if at < len(cells) else ""
+            if cell.strip("[]()") and unit_of(cell, MEASURE[known.kind]) is None and known.kind in NOUNS:
+                refuse_unit(known, cell)
+            if (
+                known.unit
+                and cell.strip("[]()")
+                and unit_of(known.unit, MEASURE[known.kind]) != unit_of(cell, MEASURE[known.kind])
+            ):
+                raise RefusedError(
+                    f"the unit below {known.text} is another than the one beside it",
+                    "leave one of them in the file",
+                    found=cell,
+                )
+            if cell.strip("[]()") and not known.unit:
+                block.columns[at] = Heading(known.kind, known.text, cell, known.strain)
+        block.rows.clear()
+        return
+
+
+def _words_only(cells: list[str]) -> bool:
+    return len(cells) > 1 and all(len(cell) < 12 for cell in cells)

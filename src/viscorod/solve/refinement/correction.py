@@ -1,0 +1,111 @@
+"""From the state of a coarse mesh to the equilibrium of a finer one, with what a motion or a path adds to statics."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.rotations.rotation import retract
+from viscorod.solve.formulations.system import State
+from viscorod.solve.linear.singular import SingularMatrixError
+from viscorod.solve.refinement.finer_mesh import FinerMesh
+from viscorod.solve.statics.newton import Convergence, Outcome
+from viscorod.typing import Floats
+
+__all__ = ["Balance", "corrected"]
+
+ITERATIONS = 15
+STEP = 1e-3
+"""Part of the unit of the load factor by which the imbalance is differenced."""
+
+
+class Balance:
+    """What balances the internal forces of the finer mesh at one instant.
+
+    Args:
+        finer: the mesh; t, before, factor: time [s] of the loads and supports, whether from the left, their multiple.
+        inertia: wrenches of the nodes beside the loads, body axes ``(n, 6)``; None in statics.
+        anchor: stiffness over mass [1/s^2] that keeps every node where the coarse mesh has it: the inertia against
+            errors, without which a free motion would be undetermined.
+        unit: of the load factor where that follows from the point of a path; None where it is given.
+    """
+
+    def __init__(
+        self,
+        finer: FinerMesh,
+        t: float = 0.0,
+        *,
+        before: bool = True,
+        factor: float = 1.0,
+        inertia: Floats | None = None,
+        anchor: float = 0.0,
+        unit: float | None = None,
+    ) -> None:
+        self.finer, self.t, self.before, self.factor = finer, t, before, factor
+        self.inertia, self.anchor, self.unit = inertia, anchor, unit
+
+    def assemble(self, state: State, moved: Floats, factor: float, *, tangent: bool) -> Floats:
+        """Assemble the finer system in a state that ``moved (n, 6)`` from the coarse one; return the imbalance."""
+        finer, size = self.finer, self.finer.problem.size
+        system = finer.system
+        finer.supports.update(self.t, self.before, factor)
+        system.constraints.update(self.t, self.before, factor)
+        loads = finer.static.loads.at(self.t, self.before, factor)
+        system.assemble(state, loads, None, tangent=tangent, moving=False)
+        residual = system.residual()
+        if self.inertia is not None:
+            residual[:size] -= self.inertia
+        if self.anchor:
+            mass = finer.problem.mass
+            residual[:size] += self.anchor * np.einsum("nij,nj->ni", mass, moved)
+            if tangent:
+                diagonal = finer.problem.pattern.diagonal[:size]
+                system.matrix.blocks[diagonal] += self.anchor * np.swapaxes(mass, 1, 2)
+        finer.supports.impose(state, residual, system.matrix, tangent=tangent)
+        return residual
+
+
+def corrected(balance: Balance, state: State) -> State | None:
+    """Return the equilibrium next to a state that was taken over from the coarse mesh; None if there is none.
+
+    On a path the load factor changes too, and the way to the equilibrium is orthogonal to the path: displacements over
+    the length of the model, rotations and the factor over its unit count alike (see ``PathFollower``).
+    """
+    finer = balance.finer
+    system, problem = finer.system, finer.problem
+    size, factor = problem.size, balance.factor
+    state, moved = state.copy(), np.zeros((problem.size, 6))
+    convergence = Convergence(problem.length, finer.static.tolerance, ITERATIONS)
+    weights = np.tile([*[problem.length**-2] * 3, 1.0, 1.0, 1.0], (size, 1)) / size
+    normal: Floats | None = None
+    change = 0.0
+    for count in range(1, ITERATIONS + 1):
+        varied = None
+        if balance.unit is not None:
+            varied = balance.assemble(state, moved, factor + STEP * balance.unit, tangent=False).copy()
+        residual = balance.assemble(state, moved, factor, tangent=True)
+        if not np.isfinite(residual).all():
+            return None
+        try:
+            system.matrix.factorise()
+        except SingularMatrixError:
+            return None
+        increment = system.matrix.solve(-residual)
+        if varied is not None and balance.unit is not None:
+            rate = system.matrix.solve((residual - varied) / (STEP * balance.unit))
+            normal = rate[:size].copy() if normal is None else normal
+            beside = float(np.sum(weights * normal * rate[:size])) + balance.unit**-2
+            gone = float(np.sum(weights * normal * (moved + increment[:size])))
+            gone += (factor - balance.factor) / balance.unit**2
+            change = -gone / beside
+            increment, factor = increment + change * rate, factor + change
+        verdict, _ = convergence.judge(increment[:size], count)
+        if verdict not in (None, Outcome.CONVERGED) or not np.isfinite(factor):
+            return None
+        retract(state.r, state.q, increment, state.r, state.q)
+        system.carry_stress(increment)
+        state.multiplier += system.multiplier_change(increment)
+        moved += increment[:size]
+        if verdict is Outcome.CONVERGED and abs(change) <= 1e-7 * max(balance.unit or 1.0, abs(factor)):
+            balance.assemble(state, moved, factor, tangent=False)
+            return state
+    return None

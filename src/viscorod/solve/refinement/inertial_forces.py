@@ -1,0 +1,105 @@
+"""Inertial forces of a state of motion, as the finer mesh has them: from what does not balance on the coarse one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import GaussPositions, State
+from viscorod.solve.history import StationReader
+from viscorod.solve.problem.external_loads import ExternalLoads
+from viscorod.solve.refinement.finer_mesh import FinerMesh
+from viscorod.typing import Floats
+
+__all__ = ["CoarseMotion", "other_stress"]
+
+
+def other_stress(points: GaussPositions, held: Floats, strain: Floats, section_force: Floats) -> Floats:
+    """Return the section forces that strains do not explain, viscous ones and those of branches ``(m, 6)``.
+
+    Args:
+        points: stiffness at the Gauss points; held: 1 for strains that multipliers hold ``(m, 6)``.
+        strain, section_force: in the same order ``(m, 6)``.
+    """
+    elastic = np.einsum("mij,mj->mi", points.stiffness, strain)
+    return np.asarray((1.0 - held) * (section_force - elastic))
+
+
+class CoarseMotion:
+    """Evaluates what does not balance in a motion on the coarse mesh.
+
+    Args:
+        finer: the mesh that takes over.
+    """
+
+    def __init__(self, finer: FinerMesh) -> None:
+        self.finer, self.problem = finer, finer.coarse
+        self.system = GeometricSystem(self.problem)
+        self.system.relaxation = None
+        self.supports = SupportState(self.problem)
+        self.loads = ExternalLoads(self.problem)
+        self._reader = StationReader(self.problem)
+
+    def inertia(
+        self, state: State, stress: Floats, near: Floats, t: float, *, before: bool
+    ) -> tuple[Floats, Floats]:
+        """Return the inertial forces on the finer nodes, and how large accelerations and velocities are.
+
+        The former are wrenches in body axes that act beside the loads ``(n, 6)``; the latter ``(2,)`` are squares in
+        the norm of the mass, whose ratio is the squared rate of a vibration with them.
+
+        Args:
+            state: of the coarse mesh; stress: section forces beside the elastic ones ``(m, 6)``; near: angles of
+                joints; t: time [s] of loads and supports; before: whether from the left.
+        """
+        problem, system = self.problem, self.system
+        self.supports.update(t, before)
+        if len(near):
+            system.constraints.near[:] = near
+        system.constraints.update(t, before)
+        for part, values in zip(system.parts, self.finer.by_part(stress, system), strict=True):
+            part.prestress = values
+        system.assemble(state, self.loads.at(t, before), None, tangent=False, moving=False)
+        force = system.external - system.internal
+        # supported nodes follow below: the mass of a point mass whose rotations are held has no inverse
+        loose = ~np.isin(np.arange(len(force)), self.supports.set.nodes)
+        rate = np.zeros_like(force)
+        rate[loose] = np.linalg.solve(problem.mass[loose], force[loose, :, None])[:, :, 0]
+        self._obey_supports(state, force, rate)
+        sizes = [np.einsum("ni,nij,nj", x, problem.mass, x) for x in (rate, state.twist)]
+        return self._spread(state, rate), np.array(sizes, dtype=float)
+
+    def _obey_supports(self, state: State, force: Floats, rate: Floats) -> None:
+        """Replace rates of twists that supports prescribe, whose reactions are not among the forces."""
+        supports, mass = self.supports, self.problem.mass
+        nodes = supports.set.nodes
+        if len(supports.complete):
+            rate[nodes[supports.complete]] = supports.complete_motion()[3] if supports.moving else 0.0
+        for k in supports.partial:
+            free = supports.set.fixed[k] == 0.0
+            directions = supports.free_directions(int(k), state)
+            N, P = directions[:, free], directions[:, ~free]
+            given = P @ supports.acceleration[k][~free]
+            node = nodes[k]
+            own = N.T @ mass[node] @ N
+            rate[node] = given
+            if free.any():
+                rate[node] += N @ np.linalg.solve(own, N.T @ (force[node] - mass[node] @ given))
+
+    def _spread(self, state: State, rate: Floats) -> Floats:
+        """Return minus mass times rate of twist on the finer nodes; rates of displacement are mixed in global axes."""
+        finer, fine = self.finer, self.finer.problem
+        _, _, linear, angular = self._reader.read(state.r, state.q, rate)
+        count = len(self.problem.stations.nodes)
+        field = finer.at_stations(np.concatenate([linear, angular], axis=1)[:count])
+        q = finer.interpolated(state)[1]
+        found = np.zeros((fine.size, 6))
+        own = fine.stations.links < 0
+        nodes = fine.stations.nodes[own]
+        bodies = finer.bodies
+        found[:bodies] = rate[:bodies]
+        found[nodes, :3] = np.einsum("nji,nj->ni", matrices(q[own]), field[own, :3])
+        found[nodes, 3:] = field[own, 3:]
+        return np.asarray(-np.einsum("nij,nj->ni", fine.mass, found))

@@ -1,0 +1,228 @@
+"""Watches the solutions of one problem for what a finer mesh would make of them, and says where to refine."""
+
+from __future__ import annotations
+
+import json
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.model.rod import DEFAULT_ORDER
+from viscorod.solve.formulations.system import System
+from viscorod.solve.history import History, Snapshot
+from viscorod.solve.problem.division import Division, Divisions, divisions_of
+from viscorod.solve.problem.problem import Problem
+from viscorod.solve.refinement.correction import Balance, corrected
+from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
+from viscorod.solve.refinement.inertial_forces import CoarseMotion, other_stress
+from viscorod.solve.refinement.mesh_estimate import MeshEstimate, difference
+from viscorod.solve.refinement.phase_drift import PhaseDrift
+from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.typing import Floats
+
+__all__ = ["MeshWatch"]
+
+MOST_NODES = 20_000
+"""Nodes of a problem beyond which no finer mesh is made."""
+MOST_CHOSEN_NODES = 4_000
+"""Nodes beyond which the program refines no mesh that it chose."""
+SHARE = 0.5
+"""Part of the accuracy beyond which an element is too large."""
+ANCHOR = 0.01
+"""Part of the squared rate of a motion by which inertia resists errors, which change about as fast as it does."""
+INSTANTS = 6
+"""States of a path or a motion that are looked at, about evenly chosen."""
+
+
+class MeshWatch:
+    """Estimates the errors that the mesh of one problem leaves in its solutions.
+
+    Args:
+        model: that was discretised; problem: what came of it; system: that solves it.
+
+    Attributes:
+        estimate: the largest errors of all solutions seen, None before the first.
+        lost: how many solutions had no counterpart on a finer mesh.
+        noted: states that a motion passed, with their times [s]; drift: tells what wrong frequencies make of them.
+    """
+
+    def __init__(self, model: ModelDescription, problem: Problem, system: System) -> None:
+        self.model, self.problem, self.system = model, problem, system
+        self.estimate: MeshEstimate | None = None
+        self.lost = 0
+        self.noted: list[tuple[float, Snapshot]] = []
+        self.drift: PhaseDrift | None = None
+        self._stride, self._count = 1, 0
+
+    @cached_property
+    def finer(self) -> FinerMesh:
+        """The problem on elements half as long."""
+        return FinerMesh(self.model, self.problem)
+
+    @cached_property
+    def _moving(self) -> CoarseMotion:
+        return CoarseMotion(self.finer)
+
+    @property
+    def feasible(self) -> bool:
+        """Whether the problem is small enough for a finer one beside it."""
+        return self.problem.size <= MOST_NODES
+
+    # --- what is seen
+
+    def see(self, equilibrium: Snapshot, factor: float = 1.0, t: float = 0.0, *, before: bool = True) -> None:
+        """Estimate the errors of an equilibrium under a multiple of the loads at a time [s]."""
+        if self.feasible:
+            self._compare(equilibrium, Balance(self.finer, t, before=before, factor=factor))
+
+    def see_path(self, history: History, unit: float) -> None:
+        """Estimate the errors of a path, orthogonally to it; ``unit`` is that of the load factor.
+
+        Looked at are some of its points, the last one and that with the largest load.
+        """
+        if not self.feasible or not history.instant:
+            return
+        last = len(history.instant) - 1
+        chosen = {int(k) for k in np.linspace(0, last, INSTANTS).round()} - {0}
+        chosen |= {int(np.argmax(np.abs(history.instant)))}
+        for k in sorted(chosen):
+            self._compare(history.snapshots[k], Balance(self.finer, factor=history.instant[k], unit=unit))
+
+    def follow_phases(self, static: StaticSolver, start: Snapshot, scale: float) -> None:
+        """Compare the slowest vibrations about a state at rest under a multiple of the loads at t = 0."""
+        shape = Shape(start.state, start.section_force, _angles(start))
+        self.drift = PhaseDrift(self.finer, static, shape, scale)
+
+    def note(self, history: History) -> None:
+        """Keep the last recorded state of a motion for :meth:`see_motion`, or some of all evenly."""
+        if not history.instant or (self.noted and self.noted[-1][0] == history.instant[-1]):
+            return
+        self._count += 1
+        if self._count % self._stride == 0:
+            self.noted.append((history.instant[-1], history.snapshots[-1]))
+            if len(self.noted) == 2 * INSTANTS:  # half as many, twice as far apart
+                self.noted, self._stride = self.noted[1::2], 2 * self._stride
+
+    def see_motion(self, duration: float) -> None:
+        """Estimate the errors of the noted states of a motion: of their balance with inertia and viscosity, in time."""
+        if not self.feasible:
+            return
+        anchor, sizes = (np.pi / duration) ** 2, np.zeros(2)
+        for t, snapshot in self.noted:
+            sizes += self._compare_moving(snapshot, t, before=True, anchor=anchor)
+        if self.drift is not None and self.estimate is not None:
+            self.estimate = self.estimate.drifted(self.drift.gap(self.noted, _rate(sizes)))
+
+    def see_steady(self, rotation: Snapshot, spin: float) -> None:
+        """Estimate the errors of a steady rotation at an angular speed [rad/s]."""
+        if self.feasible:
+            self._compare_moving(rotation, 0.0, before=False, anchor=1e-4 * spin**2)
+
+    def _compare_moving(self, snapshot: Snapshot, t: float, *, before: bool, anchor: float) -> Floats:
+        """Compare a state whose inertial forces are those that the coarse mesh leaves unbalanced.
+
+        Returns:
+            how large accelerations and velocities are, see ``CoarseMotion.inertia``.
+        """
+        points = self.system.gauss_positions()
+        held = (np.einsum("mii->mi", points.stiffness) == 0.0).astype(float)
+        stress = other_stress(points, held, snapshot.strain, snapshot.section_force)
+        inertia, sizes = self._moving.inertia(snapshot.state, stress, _angles(snapshot), t, before=before)
+        self.finer.set_prestress(stress)
+        anchor = max(anchor, ANCHOR * _rate(sizes) ** 2)
+        self._compare(snapshot, Balance(self.finer, t, before=before, inertia=inertia, anchor=anchor))
+        return sizes
+
+    def _compare(self, snapshot: Snapshot, balance: Balance) -> None:
+        shape = Shape(snapshot.state, snapshot.section_force, _angles(snapshot))
+        other = corrected(balance, self.finer.take_over(shape))
+        if other is None:
+            self.lost += 1
+            return
+        found = Shape(other, self.finer.system.gauss_points().section_force, shape.near)
+        self.estimate = difference(self.finer, shape, found).joined(self.estimate)
+
+    # --- what is said
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its mesh."""
+        found: dict[str, Any] = {}
+        if self.estimate is not None:
+            found["mesh_errors"] = json.dumps(self.estimate.rods)
+            found["mesh_motion_error"], found["mesh_force_error"] = self.estimate.motion, self.estimate.force
+        if self.lost:
+            found["mesh_lost"] = self.lost
+        return found
+
+    # --- where to refine
+
+    @property
+    def free(self) -> list[str]:
+        """The rods whose mesh the program may choose."""
+        return [name for name, rod in self.model.rods.items() if rod.elements is None]
+
+    def too_coarse(self, accuracy: float, forces: float | None = None) -> bool:
+        """Whether an error is larger than wanted, of ``forces`` by default too, or could not be estimated."""
+        if self.estimate is None or self.lost:
+            return self.lost > 0
+        return self.estimate.motion > accuracy or self.estimate.force > (forces or accuracy)
+
+    def refined(self, accuracy: float, forces: float | None = None) -> Divisions | None:
+        """Return finer divisions of the rods whose mesh the program may choose, where elements are too large.
+
+        Args:
+            accuracy: largest error of positions over the displacements; forces: of section forces, by default the same.
+
+        Returns:
+            None if there is nothing to refine, or the mesh would become very large.
+        """
+        divisions, free = divisions_of(self.problem), self.free
+        if not free or not self.too_coarse(accuracy, forces):
+            return None
+        marked = {name: self._marked(name, divisions[name], accuracy, forces or accuracy) for name in free}
+        if not any(mask.any() for mask in marked.values()):
+            marked = {name: np.ones(divisions[name].count, dtype=bool) for name in free}
+        refined = {name: self._finer(name, divisions[name], mask) for name, mask in marked.items()}
+        found = divisions | refined
+        if sum(division.order * division.count for division in found.values()) > MOST_CHOSEN_NODES:
+            return None
+        return found
+
+    def _marked(self, name: str, division: Division, accuracy: float, forces: float) -> np.ndarray:
+        """Return which elements are too large: all, where no solution on a finer mesh was found."""
+        if self.estimate is None or self.lost:
+            return np.ones(division.count, dtype=bool)
+        errors = self.estimate.of_elements(name)
+        too_large = np.zeros(division.count, dtype=bool)
+        if self.estimate.motion > accuracy:
+            too_large |= errors[:, 0] > SHARE * accuracy
+        if self.estimate.force > forces:
+            too_large |= errors[:, 1] > SHARE * forces
+        return too_large
+
+    def halved(self) -> Divisions | None:
+        """Return the divisions with all elements of these rods halved; None if there are none, or too many."""
+        if not self.free or 2 * self.problem.size > MOST_CHOSEN_NODES:
+            return None
+        divisions = divisions_of(self.problem)
+        return divisions | {name: divisions[name].halved() for name in self.free}
+
+    def _finer(self, name: str, division: Division, marked: np.ndarray) -> Division:
+        """Return a division whose marked elements are halved; many small ones of low order get a higher one instead."""
+        rod = self.model.rods[name]
+        if rod.order is None and division.order < DEFAULT_ORDER and marked.mean() > SHARE:
+            return Division(division.order + 1, division.ends)
+        return division.halved(marked)
+
+
+def _rate(sizes: Floats) -> float:
+    """Return the rate [rad/s] of a vibration with these squares of accelerations and velocities ``(2,)``."""
+    return float(np.sqrt(sizes[0] / sizes[1])) if sizes[1] > 0.0 else 0.0
+
+
+def _angles(snapshot: Snapshot) -> np.ndarray:
+    """Return the values of all coordinates of joints, to which those on the finer mesh are near."""
+    return np.zeros(0) if snapshot.joints is None else snapshot.joints.value

@@ -1,0 +1,235 @@
+"""What a step may err by: a given tolerance, or a part of the motion that there is.
+
+A vibration of angular frequency ``w`` that Radau IIA follows with steps ``h`` loses ``(w h)^6/7200`` of its amplitude
+per step, that is 1 % in 20 periods at 7 steps per period, where the estimated error of a step is 0.0028 of the
+amplitude. Modes that take a smaller part in the motion last longer in their own periods, so that less is allowed:
+``PART_OF_MOTION`` keeps the motion of an undamped bar under a sudden force, with all its modes, to 0.7 % over 20
+periods of the first.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from viscorod.errors import SolveError
+from viscorod.mechanics.rotations.quaternion import conjugate, matrices, product
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.system import State
+from viscorod.solve.modes.vibrations import Linearisation, natural_frequencies
+from viscorod.typing import Floats
+
+PART_OF_MOTION = 3e-4
+"""Tolerance as a part of the amplitude of the motion."""
+
+FINEST, USUAL = 1e-11, 1e-4
+"""Least and largest tolerance that follows from the motion: rounding, and what is fine for motions of any size."""
+
+LEAST_PART = 0.01
+"""Least amplitude that is taken of a vibration, as a part of the whole displacement, which may be a slow one."""
+
+PER_RUN = 2.0
+"""Angular frequency over one by the duration, below which a motion is one from here to there, and no vibration."""
+
+
+class Tolerance(Protocol):
+    """What a step may err by: displacement over the size of the model, or rotation in rad."""
+
+    @property
+    def value(self) -> float:
+        """What is allowed at present, before a step is tried."""
+
+    def begin(self, t: float, state: State, force: Floats) -> None:
+        """Start at ``t`` [s] from a state in which ``force (n, 6)`` accelerates the nodes, body components."""
+
+    def at(self, t: float, state: State) -> float:
+        """Return what is allowed of a step that was tried and ends at ``t`` [s] in ``state``."""
+
+    def accept(self, t: float, state: State) -> None:
+        """Take the state at ``t`` [s] as one of the motion."""
+
+
+class GivenTolerance:
+    """The same for all steps."""
+
+    def __init__(self, value: float) -> None:
+        self.value = value
+
+    def begin(self, t: float, state: State, force: Floats) -> None:
+        """See :class:`Tolerance`."""
+
+    def at(self, t: float, state: State) -> float:
+        """See :class:`Tolerance`."""
+        del t, state
+        return self.value
+
+    def accept(self, t: float, state: State) -> None:
+        """See :class:`Tolerance`."""
+
+
+class PartOfMotion:
+    """A part of the amplitude of the motion so far.
+
+    The amplitude is half of the largest displacement (or rotation) from the start, relative to a support that moves,
+    or, if that is less, the largest velocity over the slowest natural frequency: what a slow load has bent does not
+    vibrate. It is not known when a motion begins: until the motion has had the time to unfold, it is what a linear
+    vibration would have that starts so, with these forces out of balance and with these velocities.
+
+    Args:
+        supports: those that move carry the rest along.
+        linear: small motions about the start, if there are any.
+        duration: of the run [s].
+    """
+
+    def __init__(self, supports: SupportState, linear: Linearisation | None, duration: float) -> None:
+        problem = supports.problem
+        self.length = problem.length
+        self.amplitude = 0.0
+        self._displacement = self._velocity = 0.0
+        self._expected, self._until = 0.0, 0.0
+        self._start: State | None = None
+        self._carrier = _Carrier.of(supports)
+        self._respond, self._slowest = None, 0.0
+        if linear is not None:
+            self._respond, self._slowest = _response(supports, linear, PER_RUN / duration)
+
+    @property
+    def value(self) -> float:
+        """See :class:`Tolerance`."""
+        return _part(max(self.amplitude, self._expected))
+
+    def begin(self, t: float, state: State, force: Floats) -> None:
+        """See :class:`Tolerance`."""
+        if self._start is None:
+            self._start = state.copy()
+        self._expected = 0.0
+        if self._respond is not None:
+            relative = state.twist if self._carrier is None else self._carrier.relative_twist(state)
+            self._expected, time = self._respond(force, relative)
+            self._until = t + time
+
+    def at(self, t: float, state: State) -> float:
+        """See :class:`Tolerance`."""
+        expected = self._expected if t <= self._until else 0.0
+        known = max(self.amplitude, expected)
+        if PART_OF_MOTION * known >= USUAL:
+            return USUAL
+        return _part(max(expected, self._amplitude(*self._extremes(state))))
+
+    def accept(self, t: float, state: State) -> None:
+        """See :class:`Tolerance`."""
+        if t > self._until:
+            self._expected = 0.0
+        if PART_OF_MOTION * self.amplitude < USUAL:
+            self._displacement, self._velocity = self._extremes(state)
+            self.amplitude = self._amplitude(self._displacement, self._velocity)
+
+    def _extremes(self, state: State) -> tuple[float, float]:
+        """Return the largest displacement and velocity so far, those of ``state`` included."""
+        assert self._start is not None
+        start, length = self._start, self.length
+        if self._carrier is None:
+            r, q, twist = start.r, start.q, state.twist
+        else:
+            r, q = self._carrier.carried(start, state)
+            twist = self._carrier.relative_twist(state)
+        moved = float(np.sqrt(np.square(state.r - r).sum(axis=1).max())) / length
+        chord = np.minimum(np.square(state.q - q).sum(axis=1), np.square(state.q + q).sum(axis=1))
+        turned = 2.0 * float(np.sqrt(chord.max()))
+        return max(self._displacement, moved, turned), max(self._velocity, _size(twist, length))
+
+    def _amplitude(self, displacement: float, velocity: float) -> float:
+        whole = 0.5 * displacement
+        if self._slowest == 0.0:
+            return whole
+        return min(whole, max(velocity / self._slowest, LEAST_PART * whole))
+
+
+class _Carrier:
+    """The support that moves, or turns, and so carries the model along; the first of them if there are several."""
+
+    def __init__(self, node: int, whole: bool, directions: Floats) -> None:
+        self.node, self.whole, self.directions = node, whole, directions
+
+    @classmethod
+    def of(cls, supports: SupportState) -> _Carrier | None:
+        moving: dict[int, list[int]] = {}
+        for k, component, _ in supports.set.motions:
+            moving.setdefault(k, []).append(component)
+        for k in supports.complete:
+            if int(k) in moving:
+                return cls(int(supports.set.nodes[k]), True, np.eye(3))
+        for k, components in moving.items():
+            axes = supports.set.axes[k][[c for c in components if c < 3]]
+            if len(axes) and axes.any():
+                return cls(int(supports.set.nodes[k]), False, axes.T @ axes)
+        return None
+
+    def carried(self, start: State, state: State) -> tuple[Floats, Floats]:
+        """Return poses ``(n, 3), (n, 4)`` to which all nodes at ``start`` are carried by the time of ``state``."""
+        node = self.node
+        if not self.whole:
+            return start.r + self.directions @ (state.r[node] - start.r[node]), start.q
+        turn = product(state.q[node], conjugate(start.q[node]))
+        rotation = matrices(turn[None])[0]
+        r = state.r[node] + (start.r - start.r[node]) @ rotation.T
+        return r, product(np.broadcast_to(turn, start.q.shape), start.q)
+
+    def relative_twist(self, state: State) -> Floats:
+        """Return the body twists ``(n, 6)`` less those of being carried along."""
+        node, R = self.node, matrices(state.q)
+        speed = self.directions @ (R[node] @ state.twist[node, :3])
+        spin = R[node] @ state.twist[node, 3:] if self.whole else np.zeros(3)
+        twist = state.twist.copy()
+        twist[:, :3] -= np.einsum("nji,nj->ni", R, speed + np.cross(spin, state.r - state.r[node]))
+        twist[:, 3:] -= np.einsum("nji,j->ni", R, spin)
+        return twist
+
+
+def _part(amplitude: float) -> float:
+    return min(max(PART_OF_MOTION * amplitude, FINEST), USUAL)
+
+
+def _size(increments: Floats, length: float) -> float:
+    """Return the largest of increments ``(n, 6)``: displacement over length, rotation."""
+    squares = np.square(increments)
+    return float(np.sqrt(max(squares[:, :3].sum(axis=1).max() / length**2, squares[:, 3:].sum(axis=1).max())))
+
+
+def _response(
+    supports: SupportState, linear: Linearisation, least: float
+) -> tuple[Callable[[Floats, Floats], tuple[float, float]] | None, float]:
+    """Return what estimates the vibration that begins, and the slowest natural frequency [rad/s], 0 of free motions.
+
+    The former returns, for forces out of balance and twists ``(n, 6)``, the amplitude of the linear vibration and the
+    time [s] that it takes to unfold, half a period. ``least`` [rad/s] is added as a frequency, so that free motions
+    have a response too.
+    """
+    K, M, basis, length = linear.stiffness, linear.mass, linear.basis, supports.problem.length
+    try:
+        solve = linear.solver(K + least**2 * M)
+        slowest = float(natural_frequencies(linear, 1)[0]) if K.shape[0] else 0.0
+    except SolveError:
+        return None, 0.0
+
+    mass = supports.problem.mass
+
+    def expected(force: Floats, twist: Floats) -> tuple[float, float]:
+        amplitude, time = 0.0, 0.0
+        pushed = np.asarray(basis.T @ force.ravel())
+        if pushed.any():
+            y = solve(pushed)
+            amplitude = _size((basis @ y).reshape(-1, 6), length)
+            time = math.pi * math.sqrt(abs(float(y @ (M @ y)) / float(pushed @ y)))
+        speed = _size(twist, length)
+        if speed > 0.0:
+            momentum = np.einsum("nij,nj->ni", mass, twist)
+            reach = _size((basis @ solve(np.asarray(basis.T @ momentum.ravel()))).reshape(-1, 6), length)
+            amplitude = math.hypot(amplitude, math.sqrt(speed * reach))
+            time = max(time, math.pi * math.sqrt(reach / speed))
+        return (amplitude, time) if math.isfinite(amplitude + time) else (0.0, 0.0)
+
+    return expected, slowest

@@ -1,0 +1,228 @@
+"""Solutions by default against refined ones of the same model: how far off they are, and whether they say so."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+import viscorod as vr
+from honesty.random_models import Mesh, Trial, by_default, random_trial
+from viscorod.results.result_warnings import warnings_of
+
+UNTOLD = 0.01
+"""True error, as a part of the displacements or of a frequency, that no result may have without a word."""
+WITHIN = 10.0
+"""Factor within which an estimate is to be right."""
+FLOOR = 1e-9
+"""True errors below it are round-off, which no estimate of the mesh is about."""
+LEAST_TOLERANCE = 1e-9
+MOMENTS = 60
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a trial showed.
+
+    Attributes:
+        seed, analysis, structure: of the trial.
+        outcome: "solved", "refused" (before it was computed), "failed" (with a reason), "unjudged" (no refined solution
+            that agrees with another), or "crashed", which no trial may.
+        error: true error, as a part of the largest displacement, or of the frequency; NaN if unjudged.
+        true_mesh, estimate: error of positions by the mesh over the length of the rod (or of a frequency), as it is,
+            and as the result says it is.
+        told: whether the result warns, or its estimate is as large as a third of the error.
+        words: warnings, or the message.
+    """
+
+    seed: int
+    analysis: str
+    structure: str
+    outcome: str
+    error: float = math.nan
+    true_mesh: float = math.nan
+    estimate: float = math.nan
+    told: bool = True
+    words: str = ""
+
+    @property
+    def untold(self) -> bool:
+        """Whether a number is wrong without a word."""
+        return self.outcome == "crashed" or (
+            self.outcome == "solved" and self.error > UNTOLD and not self.told
+        )
+
+    @property
+    def estimated(self) -> bool:
+        """Whether there is an estimate that can be judged."""
+        return self.outcome == "solved" and self.true_mesh > FLOOR and self.estimate > 0.0
+
+    @property
+    def within(self) -> bool:
+        """Whether the estimate is right within the factor."""
+        return 1.0 / WITHIN <= self.estimate / self.true_mesh <= WITHIN
+
+
+def verdict(seed: int) -> Verdict:
+    """Judge the trial of a seed."""
+    return judge(random_trial(seed))
+
+
+def judge(trial: Trial) -> Verdict:
+    """Solve a trial by default and refined, and compare."""
+    known = (trial.seed, trial.analysis, trial.structure)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        try:
+            found = _Answer.of(trial, by_default, {})
+        except vr.InputError as error:
+            return Verdict(*known, "refused", words=_short(error))
+        except vr.SolveError as error:
+            return Verdict(*known, "failed", words=_short(error))
+        except Exception as error:  # any other is what no user may see
+            return Verdict(*known, "crashed", words=f"{type(error).__name__}: {_short(error)}", told=False)
+        try:
+            fine, finer = (_Answer.of(trial, found.refined(k), found.settings(k)) for k in (0, 1))
+        except (vr.InputError, vr.SolveError) as error:
+            return Verdict(*known, "unjudged", words=f"refined: {_short(error)}")
+    error, doubt = found.error(finer), fine.error(finer)
+    if doubt > 0.2 * max(error, UNTOLD):
+        return Verdict(*known, "unjudged", error, words=f"refined solutions differ by {doubt:.2g}")
+    true_mesh = (
+        found.mesh_error(finer) if fine.mesh_error(finer) < 0.2 * found.mesh_error(finer) else math.nan
+    )
+    told = bool(found.warnings) or found.estimate_of_error > error / 3.0
+    return Verdict(*known, "solved", error, true_mesh, found.estimate, told, "; ".join(found.warnings))
+
+
+def _short(error: Exception) -> str:
+    return " ".join(str(error).split())[:300]
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """What a user reads of a result.
+
+    Attributes:
+        values: what is compared; scale: of it, 0 where each value is its own.
+        lengths: of the rods, by name; moved: displacements of places on them ``(states, places, 3)``.
+        elements: and order of every rod.
+        estimate: of the mesh error; warnings: of the result; tolerance: of a motion, 0 of others.
+    """
+
+    values: np.ndarray
+    scale: float
+    moved: dict[str, np.ndarray]
+    lengths: dict[str, float]
+    meshes: dict[str, tuple[int, int]]
+    estimate: float
+    warnings: list[str]
+    tolerance: float = 0.0
+
+    @classmethod
+    def of(cls, trial: Trial, mesh: Mesh, settings: dict[str, Any]) -> _Answer:
+        model = trial.build(mesh)
+        lengths = {name: rod.length for name, rod in model.rods.items()}
+        if trial.analysis == "simulate":
+            interval = trial.settings["duration"] / MOMENTS
+            result = model.simulate(**trial.settings, output_interval=interval, **settings)
+        else:
+            result = getattr(model, trial.analysis)(**trial.settings, **settings)
+        if trial.analysis == "modes":
+            return cls(
+                result.frequencies,
+                0.0,
+                {},
+                lengths,
+                _meshes_of_model(model),
+                float(np.max(getattr(result, "frequency_errors", 0.0), initial=0.0)),
+                list(getattr(result, "warnings", [])),
+            )
+        moved = {}
+        for name, length in lengths.items():
+            probed = result.probe(name, s=np.linspace(0.0, length, 11))
+            moved[name] = np.asarray(probed["displacement"].values)
+        if trial.analysis != "simulate":
+            moved = {name: value[-1:] for name, value in moved.items()}
+        every = np.concatenate(list(moved.values()), axis=1)
+        largest = float(np.linalg.norm(every, axis=2).max())
+        return cls(
+            every,
+            largest,
+            moved,
+            lengths,
+            _meshes_of_data(result.data),
+            max(result.mesh_errors.values(), default=0.0),
+            warnings_of(result),
+            float(result.data.attrs.get("tolerance", 0.0)),
+        )
+
+    def error(self, other: _Answer) -> float:
+        """Return the largest deviation from another answer, as a part of the displacements or of each frequency."""
+        if self.values.shape != other.values.shape:
+            return math.inf
+        if self.scale == 0.0:
+            size = np.maximum(np.abs(other.values), 1e-6 * np.abs(other.values).max())
+            return float((np.abs(self.values - other.values) / size).max())
+        away = np.linalg.norm(self.values - other.values, axis=2).max()
+        return float(away / max(other.scale, 1e-9 * max(self.lengths.values())))
+
+    def mesh_error(self, other: _Answer) -> float:
+        """Return the same, as estimates of the mesh state it: over the length of each rod."""
+        if self.scale == 0.0:
+            return self.error(other)
+        return max(
+            float(np.linalg.norm(mine - other.moved[name], axis=2).max()) / self.lengths[name]
+            for name, mine in self.moved.items()
+        )
+
+    @property
+    def estimate_of_error(self) -> float:
+        """Estimate, as a part of the displacements or of a frequency."""
+        if self.scale == 0.0:
+            return self.estimate
+        return self.estimate * max(self.lengths.values()) / max(self.scale, 1e-300)
+
+    def refined(self, level: int) -> Mesh:
+        """Return a mesh of some times the elements, of an order that is higher by one."""
+        meshes, factor = self.meshes, (2, 3)[level] if self.tolerance else (3, 5)[level]
+
+        def mesh(rod: str) -> dict[str, int]:
+            elements, order = meshes[rod]
+            return {"elements": factor * elements, "order": min(order + 1, 8)}
+
+        return mesh
+
+    def settings(self, level: int) -> dict[str, Any]:
+        """Return settings of a refined solution."""
+        return (
+            {"tolerance": max(self.tolerance * (0.03, 0.003)[level], LEAST_TOLERANCE)}
+            if self.tolerance
+            else {}
+        )
+
+
+def _meshes_of_data(data: Any) -> dict[str, tuple[int, int]]:
+    """Return the number of elements and the order of every rod of a data set."""
+    rods, orders = data["station_rod"].values.tolist(), data["station_order"].values.tolist()
+    found: dict[str, tuple[int, int]] = {}
+    for name in dict.fromkeys(rods):
+        order = int(orders[rods.index(name)])
+        if order:
+            found[name] = ((rods.count(name) - 1) // order, order)
+    return found
+
+
+def _meshes_of_model(model: vr.Model) -> dict[str, tuple[int, int]]:
+    """Return the same for a model that is only discretised."""
+    from viscorod.solve.problem.discretise import discretise
+
+    problem = discretise(model)
+    counts = np.bincount(problem.stations.rod)
+    return {
+        str(name): ((int(counts[k]) - 1) // int(order), int(order))
+        for k, (name, order) in enumerate(zip(problem.rods, problem.rod_orders, strict=True))
+    }

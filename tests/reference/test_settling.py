@@ -1,0 +1,317 @@
+"""Equilibria that load steps do not lead to: slack, hanging, buckled and folded things, against closed forms."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+import viscorod as vr
+
+STEEL = vr.Material(2e11, 0.3, 7850.0)
+G = 9.81
+
+
+def settled(found: vr.Equilibrium) -> bool:
+    return "settling" in found.found_by and found.negative_eigenvalues == 0
+
+
+# --- slack
+
+
+def tube() -> vr.Model:
+    model = vr.Model()
+    rubber = vr.Material(3.0e6, 0.49, 1100.0)
+    model.add(
+        "tube", vr.Rod.straight((0, 0, 0), (0.6, 0, 0), section=vr.Annulus(0.004, 0.003), material=rubber)
+    )
+    model.clamp("tube.start")
+    model.clamp("tube.end", motion={"ux": -0.25, "uz": 0.1})
+    model.gravity()
+    return model
+
+
+def test_slack_tube_sags() -> None:
+    """The planar extensible, shearable rod as a boundary value problem: the middle is at (0.2250, 0, -0.1500) m."""
+    found = tube().equilibrium()
+    assert settled(found)
+    assert found.position("tube@0.3") == pytest.approx([0.2250, 0.0, -0.1500], abs=3e-4)
+
+
+def test_motion_and_modes_start_from_the_same_equilibrium() -> None:
+    model = tube()
+    found = model.equilibrium().position("tube@0.3")
+    run = model.simulate(0.01)
+    assert run.history("tube@0.3").values[0] == pytest.approx(found, abs=1e-9)
+    assert "settling" in run.report()
+    assert model.modes(1).frequencies[0] > 0.1
+
+
+def cable(bending: float, support: tuple[str, ...]) -> vr.Model:
+    section = vr.StiffnessSection(
+        [5e7, 5e7, 1e8, bending, bending, bending], [5.09684, 5.09684, 5.09684, 1e-3, 1e-3, 2e-3]
+    )
+    model = vr.Model()
+    model.add("cable", vr.Rod.straight((0, 0, 0), (100, 0, 0), section=section))
+    model.support("cable.start", support)
+    model.support("cable.end", ("uy", "uz"), motion={"ux": -10.0})
+    model.gravity((0, 0, -G))
+    return model
+
+
+def catenary(length: float, span: float, weight: float, axial: float) -> tuple[float, float]:
+    """Return horizontal pull and sag of the elastic catenary between level supports (Irvine 1981, 1.2)."""
+    half = weight * length / 2.0
+    pull = brentq(
+        lambda H: H * length / axial + 2.0 * H / weight * np.arcsinh(half / H) - span, 1e-3 * half, 1e3 * half
+    )
+    sag = weight * length**2 / (8.0 * axial) + pull / weight * (np.hypot(1.0, half / pull) - 1.0)
+    return pull, sag
+
+
+@pytest.mark.parametrize(
+    ("bending", "support"),
+    [(1.0, ("ux", "uy", "uz", "rx")), (0.0, ("ux", "uy", "uz", "rx")), (0.0, ("ux", "uy", "uz"))],
+)
+def test_cable_with_little_or_no_bending_stiffness(bending: float, support: tuple[str, ...]) -> None:
+    pull, sag = catenary(100.0, 90.0, 5.09684 * G, 1e8)
+    assert (pull, sag) == pytest.approx((2799.96, 19.0741), rel=2e-6)
+    found = cable(bending, support).equilibrium()
+    assert found.position("cable@50.0") == pytest.approx([45.0, 0.0, -sag], abs=2e-5)
+    assert found.reactions.values[1, 0] == pytest.approx(pull, rel=1e-6)
+
+
+def test_cable_of_no_bending_stiffness_swings_sideways() -> None:
+    """A taut string: f_n = n/2L sqrt(T/m), the same up and down as sideways, as its weight is left out."""
+    section = vr.StiffnessSection([5e5, 5e5, 1e6, 0, 0, 0], [0.1, 0.1, 0.1, 1e-6, 1e-6, 2e-6])
+    model = vr.Model()
+    model.add("string", vr.Rod.straight((0, 0, 0), (2, 0, 0), section=section))
+    model.support("string.start", ("ux", "uy", "uz", "rx"))
+    model.support("string.end", ("uy", "uz"), motion={"ux": 0.002})
+    pull, length = 1e6 * 0.001, 2.0 * 1.001
+    mass = 0.1 / 1.001
+    wanted = [n / (2.0 * length) * np.sqrt(pull / mass) for n in (1, 1, 2, 2)]
+    assert model.modes(4).frequencies == pytest.approx(wanted, rel=2e-3)
+    # plucked by its weight, which is taken away: it swings, and no energy is lost
+    model.distributed_force("string", (0, 0, -1.0), until=0.0)
+    run = model.simulate(2.0 / wanted[0], tolerance=1e-5)
+    swing = run.history("string@1.0", "displacement").values[:, 2]
+    assert swing[0] == pytest.approx(-1.0 * 2.0**2 / (8.0 * pull), rel=2e-3)
+    assert swing[-1] == pytest.approx(swing[0], rel=0.02)
+    assert run.energy.numerical_fraction < 1e-2
+
+
+def test_zero_bending_stiffness_is_refused_beside_twist() -> None:
+    with pytest.raises(vr.InputError, match="a cable"):
+        vr.StiffnessSection([1e6, 1e6, 1e6, 0, 0, 1], [1, 1, 1, 1, 1, 2])
+
+
+# --- hanging
+
+
+def pendulum(*, hinge: bool = True) -> vr.Model:
+    model = vr.Model()
+    model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Circle(0.005), material=STEEL))
+    if hinge:
+        model.revolute("rod.start", "ground", (0, 1, 0))
+    else:
+        model.pin("rod.start")
+    model.gravity()
+    return model
+
+
+def test_level_pendulum_comes_to_rest_and_swings() -> None:
+    model = pendulum()
+    found = model.equilibrium()
+    assert settled(found)
+    stretch = STEEL.density * G / (2.0 * STEEL.youngs_modulus)
+    assert found.position("rod.end") == pytest.approx([0, 0, -1.0 - stretch], abs=1e-9)
+    assert model.modes(1).frequencies[0] == pytest.approx(np.sqrt(1.5 * G) / (2.0 * np.pi), rel=1e-4)
+
+
+def test_free_spin_does_not_prevent_an_answer() -> None:
+    found = pendulum(hinge=False).equilibrium()
+    assert settled(found)
+    assert found.position("rod.end")[:2] == pytest.approx([0, 0], abs=1e-8)
+
+
+@pytest.mark.parametrize("ball", [True, False])
+def test_chain_hangs_straight_down(ball: bool) -> None:
+    count, length = 20, 0.1
+    model = vr.Model()
+    for k in range(count):
+        line = vr.Rod.straight(
+            (k * length, 0, 0), ((k + 1) * length, 0, 0), section=vr.Circle(0.005), material=STEEL,
+            elements=1, order=2,
+        )  # fmt: skip
+        model.add(f"link{k}", line)
+        before = f"link{k - 1}.end" if k else "ground"
+        if ball:
+            model.ball(f"link{k}.start", before)
+        else:
+            model.revolute(f"link{k}.start", before, (0, 1, 0))
+            model.spring(f"link{k}.start", before, {"ry": 1e-3})
+    model.gravity()
+    found = model.equilibrium()
+    # weak springs bend the top by about k pi/2 over the moment of the weight below it
+    assert found.position(f"link{count - 1}.end") == pytest.approx(
+        [0, 0, -count * length], abs=1e-6 if ball else 2e-3
+    )
+    assert settled(found)
+
+
+def test_standing_pendulum_falls() -> None:
+    """It stands exactly on its unstable equilibrium, where nothing drives it."""
+    model = vr.Model()
+    model.add("rod", vr.Rod.straight((0, 0, 0), (0, 0, 1), section=vr.Circle(0.005), material=STEEL))
+    model.revolute("rod.start", "ground", (0, 1, 0))
+    model.gravity()
+    found = model.equilibrium()
+    assert settled(found)
+    assert found.position("rod.end") == pytest.approx([0, 0, -1], abs=1e-6)
+
+
+def test_long_chain_hangs() -> None:
+    count = 100
+    model = vr.Model()
+    for k in range(count):
+        line = vr.Rod.straight(
+            (k, 0, 0), (k + 1, 0, 0), section=vr.Circle(0.05), material=STEEL, elements=1, order=2
+        )
+        model.add(f"link{k}", line)
+        model.ball(f"link{k}.start", f"link{k - 1}.end" if k else "ground")
+    model.gravity()
+    found = model.equilibrium()
+    assert settled(found)
+    # a hanging bar stretches by rho g L^2/2E
+    stretch = STEEL.density * G * count**2 / (2.0 * STEEL.youngs_modulus)
+    assert found.position(f"link{count - 1}.end") == pytest.approx([0, 0, -count - stretch], abs=1e-5)
+
+
+def test_heavy_chain_with_springs_balances_moments() -> None:
+    """Two rigid links, hinges with springs: the moments of the weights about the hinges are those of the springs."""
+    stiffness, length = 2.0, 0.5
+    model = vr.Model()
+    for k in range(2):
+        line = vr.Rod.straight(
+            (k * length, 0, 0), ((k + 1) * length, 0, 0), section=vr.Circle(0.01), material=STEEL
+        )
+        model.add(f"link{k}", line)
+        before = f"link{k - 1}.end" if k else "ground"
+        model.revolute(f"link{k}.start", before, (0, 1, 0))
+        model.spring(f"link{k}.start", before, {"ry": stiffness})
+    model.gravity()
+    found = model.equilibrium()
+    weight = model.rods["link0"].mass * G
+
+    def moments(lower: float) -> tuple[float, float]:
+        """Return the angle of the first link for that of the second, and the imbalance at the first hinge."""
+        bend = weight * length / 2.0 * np.cos(lower) / stiffness
+        upper = lower - bend
+        return upper, weight * 1.5 * length * np.cos(upper) - stiffness * (upper - bend)
+
+    lower = brentq(lambda x: moments(x)[1], 0.5, 3.0)
+    upper, _ = moments(lower)
+    tip = length * np.array([np.cos(upper) + np.cos(lower), 0.0, -np.sin(upper) - np.sin(lower)])
+    assert found.position("link1.end") == pytest.approx(tip, abs=2e-4)
+
+
+# --- buckled
+
+
+def strut(load: float) -> vr.Model:
+    model = vr.Model()
+    section = vr.StiffnessSection([1e7, 1e7, 1e7, 1.0, 1.0, 1.0], [1, 1, 1, 1e-4, 1e-4, 2e-4])
+    model.add("strut", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=4))
+    model.clamp("strut.start")
+    model.force("strut.end", (-load, 0, 0))
+    return model
+
+
+def elastica(load: float) -> tuple[float, float]:
+    """Return along and across of the tip of a cantilever of EI = L = 1 (Love 1927, art. 263)."""
+    k = brentq(lambda k: ellipk(k**2) - np.sqrt(load), 1e-6, 1.0 - 1e-12)
+    root = np.sqrt(load)
+    return float(2.0 * ellipe(k**2) / root - 1.0), float(2.0 * k / root)
+
+
+@pytest.mark.parametrize("ratio", [1.05, 1.5, 4.0])
+def test_compressed_strut_ends_buckled(ratio: float) -> None:
+    load = ratio * np.pi**2 / 4.0
+    found = strut(load).equilibrium()
+    along, across = elastica(load)
+    assert settled(found)
+    tip = found.position("strut.end")
+    assert tip[0] == pytest.approx(along, abs=1e-5)
+    assert np.hypot(tip[1], tip[2]) == pytest.approx(across, abs=1e-5)
+    assert tip[1] == pytest.approx(0.0, abs=1e-6)  # isotropic: to the side of global z
+
+
+@pytest.mark.parametrize("part", [0.01, 0.5])
+def test_strip_between_approaching_clamps_is_an_elastica(part: float) -> None:
+    """Four quarters, each the elastica of a cantilever: shortened by 2 - 2E/K, the middle moves across by k/K."""
+    model = vr.Model()
+    model.add(
+        "strip", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Rectangle(0.001, 0.02), material=STEEL)
+    )
+    model.clamp("strip.start")
+    model.clamp("strip.end", motion={"ux": -part})
+    k = brentq(lambda k: 2.0 - 2.0 * ellipe(k**2) / ellipk(k**2) - part, 1e-6, 0.99)
+    found = model.equilibrium()
+    assert settled(found)
+    middle = found.displacement("strip@0.5")
+    assert np.hypot(middle[1], middle[2]) == pytest.approx(k / ellipk(k**2), rel=2e-4)
+
+
+def test_search_can_be_switched_off() -> None:
+    found = strut(1.5 * np.pi**2 / 4.0).equilibrium(search=False)
+    assert found.negative_eigenvalues == 2
+    assert found.position("strut.end")[1:] == pytest.approx([0, 0], abs=1e-12)
+    assert "load step" in found.found_by
+
+
+def test_truss_snaps_to_the_inverted_one() -> None:
+    """Von Mises' truss of two bars under a dead load beyond its limit load."""
+    half, rise, axial, load = 1.0, 0.1, 1e5, 60.0
+    section = vr.StiffnessSection([axial, axial, axial, 100.0, 100.0, 100.0], [1, 1, 1, 1e-3, 1e-3, 2e-3])
+    model = vr.Model()
+    model.add("left", vr.Rod.straight((-half, 0, 0), (0, 0, rise), section=section))
+    model.add("right", vr.Rod.straight((0, 0, rise), (half, 0, 0), section=section))
+    model.revolute("left.start", "ground", (0, 1, 0))
+    model.revolute("right.end", "ground", (0, 1, 0))
+    model.revolute("left.end", "right.start", (0, 1, 0))
+    model.force("left.end", (0, 0, -load))
+    first = np.hypot(half, rise)
+
+    def balance(z: float) -> float:
+        now = np.hypot(half, z)
+        return 2.0 * axial * (now - first) / first * z / now + load
+
+    heights = np.linspace(0.0, rise, 1000)
+    assert load > -min(balance(z) - load for z in heights)  # beyond the limit load
+    found = model.equilibrium()
+    assert settled(found)
+    assert found.position("left.end")[2] == pytest.approx(brentq(balance, -2 * rise, -0.5 * rise), abs=1e-5)
+
+
+# --- nothing holds
+
+
+def test_what_falls_without_end_is_refused() -> None:
+    model = vr.Model()
+    model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Circle(0.005), material=STEEL))
+    model.gravity()
+    with pytest.raises(
+        vr.InputError, match="no static equilibrium: nothing holds the model against translation"
+    ):
+        model.equilibrium()
+
+
+def test_arm_turns_towards_the_pull() -> None:
+    """A rod on a pin under a dead end force points along it; its length follows from its axial stiffness."""
+    section = vr.StiffnessSection([1e3, 1e3, 1e3, 1, 1, 1], [1, 1, 1, 1e-2, 1e-2, 2e-2])
+    model = vr.Model()
+    model.add("arm", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section))
+    model.pin("arm.start")
+    model.force("arm.end", (1, 1, 0))
+    along = (1.0 + np.sqrt(2.0) / 1e3) / np.sqrt(2.0)
+    assert model.equilibrium().position("arm.end") == pytest.approx([along, along, 0.0], abs=1e-8)
