@@ -12,7 +12,7 @@ BENT = (0.0, 0.0, 0.0, CURVATURE, 0.0, 0.0)
 
 def beam(*, ends: int = 1) -> vr.Model:
     model = vr.Model()
-    model.add("beam", vr.Rod.straight((0, 0, 0), (L, 0, 0), section=SECTION))
+    model.add("beam", vr.Rod.straight((0, 0, 0), (L, 0, 0), section=SECTION, elements=4))
     model.clamp("beam.start")
     if ends == 2:
         model.clamp("beam.end")
@@ -29,7 +29,14 @@ def built_bent() -> vr.Model:
     """The same beam built as the arc that the rest strain makes of it: no rest strain in it."""
     model = vr.Model()
     arc = vr.Rod.arc(
-        (0, 0, 0), (1, 0, 0), (0, 0, -1), 1.0 / CURVATURE, CURVATURE * L, d1=(0, 1, 0), section=SECTION
+        (0, 0, 0),
+        (1, 0, 0),
+        (0, 0, -1),
+        1.0 / CURVATURE,
+        CURVATURE * L,
+        d1=(0, 1, 0),
+        section=SECTION,
+        elements=4,
     )
     model.add("beam", arc)
     model.clamp("beam.start")

@@ -107,7 +107,7 @@ class _Equilibrium:
     def _search(self, factor: float, number: int) -> Search:
         """Return the search of a stage; what nothing holds is refused."""
         discrete, allowed = self.discrete, self.settings.search
-        search = Search(discrete, factor, allowed=allowed)
+        search = Search(discrete, factor, allowed=allowed, forced="search" in self.settings.model_fields_set)
         search.origin = self.origin if number == 0 else f"the end of stage {number}"
         from_reference = number == 0 and self.settings.start is None
         if from_reference or allowed:

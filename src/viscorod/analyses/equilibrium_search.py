@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -15,6 +16,9 @@ from viscorod.solve.statics.static_solver import StaticPath
 
 __all__ = ["Search"]
 
+FULL_TURN = 2.0 * math.pi * (1.0 + 1e-9)
+"""Prescribed rotation [rad] beyond which an unstable equilibrium is kept: no contact keeps the turns of a wound rod."""
+
 OnStep = Callable[[float, State, int], None]
 
 
@@ -25,7 +29,9 @@ class Search:
     Attributes:
         discrete: the model, whose stage is begun.
         factor: multiple of loads and motions, or of what the stage changes; before: time t = 0-, else 0+.
-        allowed: whether it may go on by settling. loose: motions that loads hold elsewhere only.
+        allowed: whether it may go on by settling; forced: whether where rotations of more than a full turn are
+            prescribed too; wound: whether it did not, because there are.
+        loose: motions that loads hold elsewhere only.
         origin: where it begins, in words.
         steps: the load steps; settling: what came after them, None if it was not needed.
         stability: of the equilibrium at the end.
@@ -35,6 +41,8 @@ class Search:
     factor: float = 1.0
     before: bool = True
     allowed: bool = True
+    forced: bool = False
+    wound: bool = False
     loose: list[FreeMotion] = field(default_factory=list)
     origin: str = "the reference shape"
     steps: StaticPath = field(default_factory=StaticPath)
@@ -62,10 +70,26 @@ class Search:
             if self.steps.outcome is Outcome.COMPLETED:
                 self.stability = stability_of(static, state, before=self.before, scale=self.factor)
                 loads = static.loads.at(0.0, self.before, self.factor)
-                if self.stability.unstable == 0 or not self.allowed or circulatory(loads):
+                self.wound = self.stability.unstable > 0 and not self.forced and self._turns() > FULL_TURN
+                if self.stability.unstable == 0 or not self.allowed or circulatory(loads) or self.wound:
                     self._restore(state)
                     return True
+            if self.steps.outcome is Outcome.WRAPPED or (
+                self.steps.outcome is Outcome.INSIDE_OUT and not self._moves()
+            ):
+                return False
         return self.allowed and self._settle(start, state)
+
+    def _moves(self) -> bool:
+        """Return whether motions are prescribed, with which other shapes than the straight one may go."""
+        return self.discrete.supports.moving or bool(self.discrete.problem.joints.motions)
+
+    def _turns(self) -> float:
+        """Return the largest prescribed rotation [rad]."""
+        supports, constraints = self.discrete.supports, self.discrete.system.constraints
+        supports.update(0.0, self.before, self.factor)
+        constraints.update(0.0, self.before, self.factor)
+        return max(supports.largest_turn, constraints.largest_turn)
 
     def _settle(self, start: State, state: State) -> bool:
         """Settle from ``start``; without success ``state`` stays where load steps led."""
@@ -143,6 +167,12 @@ class Search:
     @property
     def doubts(self) -> list[str]:
         """Warnings about an equilibrium that was found."""
+        if self.wound:
+            return [
+                f"the equilibrium is unstable ({self.stability.unstable} negative eigenvalues); no stable one was "
+                "sought, because rotations of more than a full turn are prescribed, and rods may pass "
+                "through each other then (search = true seeks one)"
+            ]
         if self.settling is None or self.settling.found:
             return []
         return [

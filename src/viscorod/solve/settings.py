@@ -242,8 +242,9 @@ class EquilibriumSettings(Meshed):
     )
     load_factor: Number = Key("multiple of all loads and prescribed motions", default=1.0)
     search: Flag = Key(
-        "whether the search goes on by itself to a stable equilibrium where load steps fail or end at an unstable "
-        "one; false keeps to the equilibrium that load steps lead to, such as that of a straight strut",
+        "whether the search goes on to a stable equilibrium where load steps fail or end at an unstable one; false "
+        "keeps to the equilibrium that load steps lead to, such as that of a straight strut. Left out, it does so "
+        "unless rotations of more than a full turn are prescribed, which rods without contact might undo",
         default=True,
     )
     start: OptionalStart = Key(

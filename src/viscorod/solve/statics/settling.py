@@ -115,7 +115,7 @@ class Settling:
         self.downhill = not circulatory(static.loads.at(t, before, factor))
         self.report = SettlingReport()
         self.motion = 0.0
-        self.moving = False
+        self.moving, self._turn = False, 0.0
         self._saddle: State | None = None
 
     def run(self, state: State, *, motion: float = 0.0) -> SettlingReport:
@@ -161,8 +161,8 @@ class Settling:
     def _start(self, x: State, motion: float) -> None:
         """Choose the first step."""
         self.motion = motion
-        self.moving, turn = self._moves()
-        self._most = min(0.1, LARGEST_TURN / max(turn, LARGEST_TURN))
+        self.moving, self._turn = self._moves()
+        self._most = min(0.1, LARGEST_TURN / max(self._turn, LARGEST_TURN))
         self._growth = 0.5 * self._most if self.moving else 1.0
         self.motion = motion if self.moving else 1.0
         self._mu = self._first(x)
@@ -261,12 +261,16 @@ class Settling:
         else:
             return None, 0.0, ITERATIONS
         moved = increment_size(way, self.span)
-        if moved > LARGEST:
+        if moved > LARGEST or self._jumped(start, x):
             return None, moved, count
         self._begin(x)
         if self._near_saddle(x) and negative_eigenvalues(self._tangent(x, mu)):
             return None, moved, count
         return x, moved, count
+
+    def _jumped(self, start: State, x: State) -> bool:
+        """Return whether a prescribed rotation was closed the shorter way round between two nodes."""
+        return self._turn > 0.0 and self.static.turns.jumped(start, x)
 
     def _near_saddle(self, x: State) -> bool:
         if self._saddle is None or not self.downhill:
@@ -321,7 +325,7 @@ class Settling:
         return False
 
     def _near(self, a: State, b: State) -> bool:
-        return bool(np.abs(a.r - b.r).max() <= LARGEST * self.span)
+        return bool(np.abs(a.r - b.r).max() <= LARGEST * self.span) and not self._jumped(b, a)
 
     def _creep(self, x: State) -> bool:
         """Move ``x`` to the equilibrium with a little drag, which keeps neutral motions where they are."""
