@@ -113,7 +113,9 @@ def test_a_rod_equals_its_attached_halves(loaded, kind):
     for x in stations:
         assert two.position(halves.place(x)) == pytest.approx(one.position(whole.place(x)), abs=1e-11)
     assert two.elastic_energy == pytest.approx(one.elastic_energy, rel=1e-9)
-    one, two = (beam.model.simulate(0.06, time_step=2e-3, initial="reference") for beam in (whole, halves))
+    # a given tolerance, with which no step depends on the rounding of an estimated error
+    how = {"time_step": 2e-3, "initial": "reference", "tolerance": 1e-4}
+    one, two = (beam.model.simulate(0.06, **how) for beam in (whole, halves))
     for x in stations:
         assert np.abs(two.history(halves.place(x)) - one.history(whole.place(x))).max() < 1e-11
     assert two.energy.viscous == pytest.approx(one.energy.viscous, rel=1e-8, abs=1e-12)
@@ -254,6 +256,7 @@ def test_sections_described_in_different_ways():
     assert answers(lambda s: SECTION if s < HALF else wide) == pytest.approx(pieces, rel=1e-9, abs=1e-10)
 
 
+@pytest.mark.filterwarnings("ignore:the numerical remainder")  # momentum is exact whatever the energy
 @pytest.mark.parametrize("kind", ["arc", "helix"])
 @methods(1e-8, 1e-3)
 def test_momentum_of_a_thrown_curved_rod_with_off_centre_mass(kind, method):

@@ -255,14 +255,26 @@ class DiscreteModel:
         complete = self.complete(attrs)
         return partial(dataset, kind, self.problem, self.system.gauss_positions(), history, complete)
 
+    @property
+    def _energy_scale(self) -> float:
+        """Elastic energy [J] at a strain of one; if all strains are held, that whose round-off loads on them make."""
+        problem = self.problem
+        elastic = problem.length * max(float(s.stiffness.max()) for s in problem.sets)
+        if elastic > 0.0:
+            return elastic
+        loads = self.static.loads.at(0.0)
+        weight = float(np.abs(loads.gravity).max()) * float(problem.mass[:, 0, 0].sum())
+        return (
+            1e12 * problem.length * (weight + float(np.abs(loads.dead).sum() + np.abs(loads.following).sum()))
+        )
+
     def complete(self, attrs: dict[str, Any]) -> dict[str, Any]:
         """Return the attributes of a data set, with those that all have."""
         return (
             {
                 "message": "",
                 "scale_length": self.problem.length,
-                "energy_scale": self.problem.length
-                * max(float(s.stiffness.max()) for s in self.problem.sets),
+                "energy_scale": self._energy_scale,
                 "wall_time_s": time.perf_counter() - self.began,
             }
             | self.attributes

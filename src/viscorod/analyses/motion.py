@@ -122,7 +122,9 @@ def _motion(
     )
     attrs["loop_time_s"] = time.perf_counter() - began
     if settings.dynamics == "nonlinear":
-        discrete.watch.see_motion(settings.duration)
+        discrete.watch.see_motion(
+            settings.duration, discrete.static, float(settings.initial == "equilibrium")
+        )
         attrs |= discrete.watch.attributes
     attrs["message"] = message = failure(discrete, transient)
     if stream is None:

@@ -88,8 +88,8 @@ class SimulateSettings(Meshed):
     )
     tolerance: OptionalPositive = Key(
         "wanted accuracy of the motion: displacements over the size of the model and rotations in rad; the steps "
-        'follow from it. 1e-4 for "radau" unless given, less for free vibrations that start from displacements below '
-        'a tenth of the size; "generalized_alpha" has equal steps without it',
+        'follow from it. Unless given, for "radau" 0.03 % of the amplitude of the motion that there is, and 1e-4 at '
+        'most; "generalized_alpha" has equal steps without it',
         default=None,
     )
     initial: Annotated[Literal["equilibrium", "reference"], one_of("equilibrium", "reference")] = Key(

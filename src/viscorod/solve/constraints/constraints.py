@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from viscorod.errors import InputError
 from viscorod.mechanics.elements.held_strains import add_held_strains
 from viscorod.mechanics.elements.internal_force import Elements, ElementWork, GaussStates, internal_forces
 from viscorod.mechanics.joints.joint_coordinates import ANGLE, DISTANCE, ROTATION, TRANSLATION
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from viscorod.solve.formulations.system import State
 
 
+LARGEST_TURN = 3.0
+"""Largest rotation vector [rad] of driven ball joints: beyond half a turn the shorter way is the other one."""
 CLOSED = 1e-9
 """Gap of a joint over the length (or in rad) that passes for round-off of the reference shape."""
 
@@ -68,6 +71,11 @@ class Constraints:
         self.energy = 0.0
         self._stiffness, self._damping = self.arrays.stiffness.copy(), self.arrays.damping.copy()
         self._earlier = np.zeros(c)
+        driven = {number for number, _ in self.joints.motions}
+        self._rotations: Integers = np.array(
+            [k for k in range(c) if k in driven and self.arrays.kind[k] == ROTATION], dtype=np.int64
+        )
+        self._balls = sorted({int(self.joints.joint[k]) for k in self._rotations})
         self.is_held = self.arrays.place >= 0
         self.reference_gaps = self._gaps_of_reference()
         taken = np.zeros(places, dtype=bool)
@@ -170,7 +178,11 @@ class Constraints:
         return bool(np.any(self.force[~self.is_held] != 0.0))
 
     def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
-        """Evaluate motors at time ``t`` [s]; ``scale`` below 1 leaves gaps of the reference shape open in part."""
+        """Evaluate motors at time ``t`` [s]; ``scale`` below 1 leaves gaps of the reference shape open in part.
+
+        Raises:
+            InputError: the motors of a ball joint are to turn it by half a turn.
+        """
         if self.joints.count == 0:
             return
         first, part = self.stage
@@ -179,6 +191,16 @@ class Constraints:
             self.target[c] += scale * part[c] * motion.value(t, before)
             self.target_rate[c] = scale * motion.rate(t, before)
         self.near[self.is_held] = self.target[self.is_held]
+        for joint in self._balls:
+            mine = self.joints.joint[self._rotations] == joint
+            turn = float(np.linalg.norm(self.target[self._rotations[mine]]))
+            if turn > LARGEST_TURN:
+                raise InputError(
+                    f"joints: the motors of {self.joints.names[joint]} are to turn it by {turn:.3g} rad at "
+                    f"t = {t:.6g} s: the rotation vector of a joint that is free to turn all ways cannot pass half a "
+                    "turn; use a joint with one or two axes (revolute, cylindrical, universal), which turn any number "
+                    "of times"
+                )
 
     @property
     def largest_turn(self) -> float:

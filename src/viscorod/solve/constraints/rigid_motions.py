@@ -81,8 +81,10 @@ class RigidParts:
     @cached_property
     def increments(self) -> Floats:
         """Nodal body increments ``(6 n, k)``."""
-        columns = [self.parts.motion(group, motion).increments.ravel() for group, motion in self.found]
-        return np.array(columns).T.reshape(6 * self.parts.problem.size, len(columns))
+        moves = np.zeros((len(self.found), self.parts.count, 6))
+        for k, (group, motion) in enumerate(self.found):
+            moves[k, group] = motion.reshape(-1, 6)
+        return self.parts.increments(moves).reshape(len(moves), -1).T.copy()
 
     def combined(self, weights: Floats) -> list[FreeMotion]:
         """Return as many motions as ``weights (k, m)`` combine, single ones of single parts where possible."""
@@ -162,20 +164,21 @@ class _Parts:
                 found.append([(part, row[None] / size) for part, row in rows])
         return found
 
+    def increments(self, moves: Floats) -> Floats:
+        """Return the body increments ``(m, n, 6)`` of all nodes in motions of the parts ``(m, parts, 6)``."""
+        each = moves[:, self.labels]
+        w = each[..., 3:] / self.problem.length
+        velocity = each[..., :3] + np.cross(w, self.r - self.centres[self.labels])
+        turned = [np.einsum("nji,mnj->mni", self.R, v) for v in (velocity, w)]
+        return np.concatenate(turned, axis=-1)
+
     def motion(self, group: list[int], motion: Floats) -> FreeMotion:
         """Describe one motion of a group of parts and give its nodal increments."""
         problem, centres, labels = self.problem, self.centres, self.labels
-        increments = np.zeros((problem.size, 6))
         moves = motion.reshape(-1, 6)
-        of_part = np.zeros((self.count, 6))
-        of_part[group] = moves
-        moved = np.asarray(of_part.any(axis=1))
-        nodes = np.flatnonzero(moved[labels])
-        mine = labels[nodes]
-        w = of_part[mine, 3:] / problem.length
-        velocity = of_part[mine, :3] + np.cross(w, self.r[nodes] - centres[mine])
-        increments[nodes, :3] = np.einsum("nji,nj->ni", self.R[nodes], velocity)
-        increments[nodes, 3:] = np.einsum("nji,nj->ni", self.R[nodes], w)
+        every = np.zeros((1, self.count, 6))
+        every[0, group] = moves
+        increments = self.increments(every)[0]
         size = np.linalg.norm(moves, axis=1)
         moving = [k for k in np.argsort(-size, kind="stable") if size[k] > 1e-6 * size.max()]
         first = moving[0]

@@ -23,7 +23,7 @@ CLASSICAL = 1e-8
 GOOD, NOISE, ENOUGH = 1e-9, 5.0, 1e-4
 """Residuals that need no refinement, by themselves and over those of undamped modes, which are round-off; and those
 that it can start from."""
-MOST, EXTRA = 400, 4
+MOST, EXTRA = 600, 4
 """Unknowns of the small problem, and undamped modes in it beside those that are asked for."""
 ROUNDS = 4
 """How often Ritz vectors are added."""

@@ -25,7 +25,7 @@ MOST_TRIED = 400
 """Modes among which as many oscillating ones are sought as are asked for."""
 TWISTING = 1e-4
 """Displacement over rotation and length of the model below which a shape is one of rotations."""
-RESIDUAL = 1e-6
+RESIDUAL = 1e-5
 """Largest residual of a mode that counts as exact."""
 
 

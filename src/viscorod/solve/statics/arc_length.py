@@ -9,6 +9,7 @@ import numpy as np
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.formulations.system import State
 from viscorod.solve.statics.newton import (
+    ROUGH,
     Convergence,
     NewtonReport,
     Outcome,
@@ -97,6 +98,8 @@ class ArcLength:
                 )
                 if verdict is Outcome.NOT_FINITE or not np.isfinite(change):
                     return self._failed(Outcome.SINGULAR, count, size)
+                if verdict is Outcome.CONVERGED and size > ROUGH:
+                    break
                 retract(trial.r, trial.q, increment, trial.r, trial.q)
                 system.carry_stress(increment)
                 trial.multiplier += system.multiplier_change(increment)

@@ -94,9 +94,9 @@ class Convergence:
 
     A residual test would need more digits than a slender rod has: the axial force of exact positions, rounded to
     double precision, is EA times 1e-16, which may exceed any bending force. The increment is free of that, because the
-    noise is balanced by displacements of the size of the rounding itself. Where that is more than the tolerance, as in
-    rods ten thousand times longer than thick, increments that no longer shrink have converged if all imbalance left
-    is round-off.
+    noise is balanced by displacements of the size of the rounding itself. Where that is more than the tolerance, in
+    rods ten thousand times longer than thick and where next to nothing resists a motion, a state has converged if all
+    imbalance left is round-off.
     """
 
     def __init__(self, length: float, tolerance: float, iterations: int) -> None:
@@ -112,6 +112,7 @@ class Convergence:
         """Return the verdict (None: go on) and the size of ``increment`` (n, 6) after ``count`` iterations.
 
         ``round_off`` tells whether the imbalance before the increment was round-off; it is asked only where it matters.
+        An increment beyond ``ROUGH`` is then not one to be made.
         """
         size = increment_size(increment, self.length)
         if not np.isfinite(size):
@@ -120,7 +121,12 @@ class Convergence:
             return Outcome.CONVERGED, size
         if size > 1e4:
             return Outcome.DIVERGED, size
-        if round_off is not None and STALLED * self._last < size < ROUGH and round_off():
+        if (
+            round_off is not None
+            and count > 1
+            and (size > STALLED * self._last or size > ROUGH)
+            and round_off()
+        ):
             return Outcome.CONVERGED, size
         self._grown = self._grown + 1 if size > self._last else 0
         self._last = size

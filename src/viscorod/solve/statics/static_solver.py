@@ -15,6 +15,7 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.problem.external_loads import ExternalLoads
 from viscorod.solve.statics.newton import (
+    ROUGH,
     Convergence,
     NewtonReport,
     Outcome,
@@ -28,8 +29,11 @@ from viscorod.typing import Floats
 
 ROUND_OFF = 16.0
 """Imbalance in units of the last digit of positions times the stiffness between two nodes that passes for rounding."""
-LARGEST_TURN = 2.0 * np.pi / 3.0
-"""Largest change [rad] of a prescribed rotation in one load step."""
+LARGEST_TURN = 2.0
+"""Largest change [rad] of a prescribed rotation in one load step: about a third of a turn, but no part of a turn, as a
+rod that is rolled up by whole turns is next to nothing's stiffness away from other shapes."""
+PART = 1.0 / 64.0
+"""Load step, as a part of all, below which the last state is passed by: its tangent may be singular."""
 
 
 @dataclass
@@ -139,17 +143,26 @@ class StaticSolver:
         largest = self.largest_step(t, before=before)
         at, step = 0.0, min(size * first_step, largest)
         pending = list(stops)
+        earlier: tuple[float, State] | None = None
+        failed = False
         while pending:
             stop = pending[0]
             reached = at + np.copysign(min(step, abs(stop - at)), stop - at)
             if abs(stop - reached) < 1e-12 * size:
                 reached = stop
             trial = state.copy()
+            passed_by = earlier is not None and failed and step < PART * size
+            if passed_by and earlier is not None:
+                before_it, trial = earlier
+                trial = trial.copy()
+                reached = at + np.copysign(min(0.5 * abs(at - before_it), abs(stop - at)), stop - at)
+                earlier = None
             path.load_level = reached
             path.report = report = self.newton(trial, t, before=before, scale=reached)
             if report.converged and self.turns.jumped(state, trial):
                 path.report = report = replace(report, outcome=Outcome.WRAPPED, node=self.turns.worst(trial))
             if report.converged:
+                earlier, failed = (at, state.copy()), False
                 at = reached
                 state.set(trial)
                 path.factors.append(at)
@@ -161,9 +174,12 @@ class StaticSolver:
                 if at == stop:
                     pending.pop(0)
                 continue
+            failed = True
             path.rejected += 1
             path.wasted += report.iterations
             self.restore(state, t, before=before, scale=at)
+            if passed_by:
+                continue
             step = 0.5 * abs(reached - at)
             if step < smallest_step * size:
                 path.outcome = report.outcome
@@ -209,9 +225,10 @@ class StaticSolver:
             )
             if verdict is Outcome.NOT_FINITE:
                 return report(Outcome.SINGULAR)
-            retract(state.r, state.q, increment, state.r, state.q)
-            system.carry_stress(increment)
-            state.multiplier += system.multiplier_change(increment)
+            if verdict is not Outcome.CONVERGED or size < ROUGH:
+                retract(state.r, state.q, increment, state.r, state.q)
+                system.carry_stress(increment)
+                state.multiplier += system.multiplier_change(increment)
             if verdict is None:
                 continue
             if verdict is Outcome.CONVERGED:
@@ -222,8 +239,15 @@ class StaticSolver:
             return report(verdict)
 
     def is_round_off(self, state: State, residual: Floats) -> bool:
-        """Return whether an imposed ``residual`` is what rounding the positions of ``state`` makes of the forces."""
-        problem = self.system.problem
+        """Return whether an imposed ``residual`` is what rounding the positions of ``state`` makes of the forces.
+
+        Prescribed motions and joints must be where they are to be.
+        """
+        problem, supports, constraints = self.system.problem, self.supports, self.system.constraints
+        gaps = np.abs(residual / supports.weights)[supports.set.nodes] * supports.set.fixed
+        gap = max(gaps[:, :3].max(initial=0.0) / problem.length, gaps[:, 3:].max(initial=0.0))
+        if max(gap, np.abs(constraints.gap / constraints.unit).max(initial=0.0)) > self.tolerance:
+            return False
         noise = 0.0
         for part in problem.sets:
             stiff = float(np.abs(part.stiffness[:, :3, :3]).max())
