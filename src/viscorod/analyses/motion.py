@@ -115,11 +115,13 @@ def _motion(
     attrs["message"] = message = failure(discrete, transient)
     if stream is None:
         run = Run(discrete.data_set("simulate", result.history, attrs)())
-        _tell(run.data.attrs, energy_doubt(run.data))
+        if not interrupted:
+            _tell(run.data.attrs, energy_doubt(run.data))
     else:
         # a motion that was streamed is a file then, with a journal beside it where it can still go on
         stream.flush(build)
-        _tell(attrs, energy_doubt(contents(stream.journal.folder).assign_attrs(attrs)))
+        if not interrupted:
+            _tell(attrs, energy_doubt(contents(stream.journal.folder).assign_attrs(attrs)))
         run = Run(read(stream.finish(discrete.complete(attrs), keep=interrupted)))
     if message:
         raise SolveError(message, run)
