@@ -15,6 +15,7 @@ from viscorod.errors import InputError, SolveError, warn
 from viscorod.mechanics.compilation.compiled import announce_formulation
 from viscorod.mechanics.elements import intrinsic_element as intrinsic
 from viscorod.model.actions.event import Crossing, Decayed
+from viscorod.model.actions.time_table import TimeTable
 from viscorod.results.data_schema import AXES, annotated
 from viscorod.results.dataset import dataset
 from viscorod.results.files.journal import contents
@@ -25,7 +26,9 @@ from viscorod.results.run import Run
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot, StationReader
 from viscorod.solve.modes import vibrations as small_motion
+from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.initial_shape import strain_rods
+from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.events import (
@@ -113,6 +116,7 @@ def _motion(
     attrs = labels | chosen | described(discrete, transient, settings, result.outcome)
     attrs["loop_time_s"] = time.perf_counter() - began
     attrs["message"] = message = failure(discrete, transient)
+    _tell(attrs, _blows(discrete.problem))
     if stream is None:
         run = Run(discrete.data_set("simulate", result.history, attrs)())
         if not interrupted:
@@ -133,6 +137,19 @@ def _tell(attrs: dict[str, Any], doubt: str) -> None:
     if doubt:
         attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), doubt])
         warn(doubt)
+
+
+def _blows(problem: Problem) -> str:
+    """Return a warning if a support or motor moves along straight lines between many rows, else nothing."""
+    places = {id(motion): problem.supports.names[k] for k, _, motion in problem.supports.motions}
+    motions = [motion for _, _, motion in problem.supports.motions] + [m for _, m in problem.joints.motions]
+    for motion in motions:
+        if isinstance(motion, TimeTable) and motion.straight and len(motion.knots) >= MANY_ROWS:
+            return (
+                f"the motion of {places.get(id(motion), 'a joint')} is a table of {len(motion.knots)} rows joined by "
+                "straight lines: its velocity jumps at every row, each a blow; give interpolation = 'cubic'"
+            )
+    return ""
 
 
 def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> State:
