@@ -13,6 +13,7 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium
 from viscorod.analyses.model import Model
 from viscorod.analyses.motion import motion
+from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.path import equilibrium_path
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
@@ -77,7 +78,8 @@ def run_case(
         stop=stop,
     )
     discrete = discrete.renewed(options, {"doubts": json.dumps(list(doubts))})
-    return ANALYSES[type(case.settings)](discrete, case.settings)
+    with one_blas_thread():
+        return ANALYSES[type(case.settings)](discrete, case.settings)
 
 
 def as_model(description: ModelDescription) -> Model:
