@@ -57,6 +57,7 @@ def test_its_order_is_measured(formulation):
 
 
 @pytest.mark.parametrize("formulation", ["geometric", "intrinsic"])
+@pytest.mark.filterwarnings("ignore:the numerical remainder")  # the steps are coarse on purpose
 def test_it_computes_motions(formulation):
     """Near the motion by radau, with equal steps; it loses energy numerically."""
     given = {"initial": "reference", "formulation": formulation}

@@ -73,6 +73,7 @@ def test_order_in_space_dynamic(order):
 
 
 @pytest.mark.parametrize("radius", [1.0, 0.9, 0.5, 0.0])
+@pytest.mark.filterwarnings("ignore:the numerical remainder")  # the steps are coarse on purpose
 def test_order_in_time(radius):
     """Two, against the same mesh at a step sixteen times smaller than the smallest."""
     steps = (0.02, 0.01, 0.005)
@@ -109,6 +110,7 @@ def whirled(time_step):
     return np.concatenate([run.history("rod@0.6").values[-1], run.history("rod.end").values[-1]]), run
 
 
+@pytest.mark.filterwarnings("ignore:the numerical remainder")  # the steps are coarse on purpose
 def test_order_in_time_with_prescribed_motion_and_partial_support():
     """Two, and the supported components follow exactly."""
     steps = (0.02, 0.01, 0.005)

@@ -143,6 +143,7 @@ def test_records_too_far_apart():
     assert "give a smaller output_interval" in note
 
 
+@pytest.mark.filterwarnings("ignore:the numerical remainder")  # the steps are coarse on purpose
 def test_a_computed_run_keeps_what_is_needed(tmp_path):
     damping = vr.Prony(shear_ratios=[0.3], shear_times=[0.02], constant="poissons_ratio", law="kelvin_voigt")
     rubber = vr.Material(1e6, 0.45, 1000.0, damping=damping)

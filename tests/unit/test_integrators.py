@@ -121,6 +121,7 @@ def test_time_step_is_the_largest_where_steps_follow_the_error():
 
 
 @pytest.mark.parametrize("integrator", ["radau", "generalized_alpha", "midpoint"])
+@pytest.mark.filterwarnings("ignore:the numerical remainder")  # the steps are coarse on purpose
 def test_states_at_equal_times(integrator):
     """``output_interval``: states at its multiples and at the end, whatever the steps are."""
     given = {} if integrator == "radau" else {"time_step": 0.013}

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
+from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.errors import InputError
 from viscorod.model.fields.arguments import given
 from viscorod.model.fields.definition import Definition
@@ -155,7 +156,8 @@ def takes(arguments: Callable[P, A]) -> Callable[[Callable[[M, A], R]], Callable
                 prefix = f"{kind.__name__}."
                 faults = [replace(fault, where=fault.where.removeprefix(prefix)) for fault in error.problems]
                 raise InputError(faults) from None
-            return function(self, call)
+            with one_blas_thread():
+                return function(self, call)
 
         documented: Any = method
         documented.__signature__ = _signature(kind)

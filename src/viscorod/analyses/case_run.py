@@ -13,6 +13,7 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium
 from viscorod.analyses.model import Model
 from viscorod.analyses.motion import motion
+from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.path import equilibrium_path
 from viscorod.analyses.refinement import refined, refined_motion
 from viscorod.analyses.steady import steady_rotation
@@ -78,9 +79,10 @@ def run_case(
     )
     discrete = discrete.renewed(options, {"doubts": json.dumps(list(doubts))})
     settings = case.settings
-    if isinstance(settings, SimulateSettings):
-        return refined_motion(motion, discrete, settings)
-    return refined(ANALYSES[type(settings)], discrete, settings)
+    with one_blas_thread():
+        if isinstance(settings, SimulateSettings):
+            return refined_motion(motion, discrete, settings)
+        return refined(ANALYSES[type(settings)], discrete, settings)
 
 
 def as_model(description: ModelDescription) -> Model:

@@ -19,6 +19,7 @@ _GAP = 1e-2
 _MESH = 0.01  # accepted error of positions by the mesh, as a part of the largest displacement
 _FORCE = 0.05  # accepted error of section forces by the mesh, as a part of the largest one
 _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
+_OF_ALL = 1e-6  # and as a part of all energy that is there: a body that turns evenly moves next to none
 _STRAIN = 0.1  # strain beyond which a linear material law for small strains is doubtful
 
 
@@ -60,8 +61,9 @@ def energy_doubt(data: xr.Dataset) -> str:
         return ""
     from viscorod.results.energy import Energy
 
-    fraction = Energy.of(data).numerical_fraction
-    if fraction <= _NUMERICAL:
+    energy = Energy.of(data)
+    fraction = energy.numerical_fraction
+    if fraction <= _NUMERICAL or np.abs(energy.numerical).max() <= _OF_ALL * energy.total.max():
         return ""
     setting = "tolerance" if "tolerance" in data.attrs else "time_step"
     used = f" than {data.attrs[setting]:.2g}" if setting in data.attrs else ""
