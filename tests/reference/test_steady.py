@@ -454,7 +454,8 @@ def test_whirl_of_a_shaft_on_springs():
     """
     steel = vr.Material(2.1e11, 0.3, 7800.0)
     model = vr.Model()
-    model.add("shaft", vr.Rod.straight((0, 0, 0), (3, 0, 0), section=vr.Circle(0.1), material=steel))
+    shaft = vr.Rod.straight((0, 0, 0), (3, 0, 0), section=vr.Circle(0.1), material=steel, elements=3, order=5)
+    model.add("shaft", shaft)
     model.support("shaft.start", ("ux", "rx"))
     for end in ("shaft.start", "shaft.end"):
         model.spring(end, stiffness={"uy": 1e7, "uz": 1e7})
