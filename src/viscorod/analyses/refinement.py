@@ -18,8 +18,8 @@ from viscorod.results.run import Run
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
 from viscorod.solve.modes.vibrations import Modes
-from viscorod.solve.problem.division import Division, divisions_of
-from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES, MeshWatch
+from viscorod.solve.problem.division import Division, Divisions, divisions_of
+from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES
 from viscorod.solve.settings import Meshed, ModesSettings, SimulateSettings
 from viscorod.typing import Floats
 
@@ -77,7 +77,6 @@ def refined_motion(
             "viscorod: the mesh is too coarse for this motion; again on a finer one"
         )
         discrete = discrete.on_mesh(divisions)
-        _watch_phases(discrete, settings)
         run = analysis(discrete, settings)
     return run
 
@@ -93,44 +92,40 @@ def _resumed(discrete: DiscreteModel, folder: Path) -> DiscreteModel:
 
 
 def _prepared(discrete: DiscreteModel, settings: SimulateSettings) -> DiscreteModel:
-    """Return the model on a mesh that is fine enough for where its motion begins."""
+    """Return the model on a mesh that is fine enough for where its motion begins, as far as it may be chosen."""
     for _ in range(MOST_MESHES):
-        seen = _watch_phases(discrete, settings)
-        if seen is None or not seen.free:
+        if not discrete.watch.free or not discrete.watch.feasible or discrete.problem.initial_strain:
             break
-        divisions = seen.refined(settings.accuracy)
-        if divisions is None and seen.drift is not None and seen.drift.leading > settings.accuracy:
-            divisions = seen.halved()
+        before = discrete.renewed(
+            discrete.options, {}
+        )  # its solvers keep stresses, those of the motion shall not
+        try:
+            divisions = _finer_start(before, settings)
+        except (InputError, SolveError):
+            break  # the motion will say so
         if divisions is None:
             break
         discrete = discrete.on_mesh(divisions)
     return discrete
 
 
-def _watch_phases(discrete: DiscreteModel, settings: SimulateSettings) -> MeshWatch | None:
-    """Let a motion be watched for what wrong frequencies make of it.
-
-    Returns:
-        What was seen of the state from which it starts; None if that is unknown, which the motion will say.
-    """
-    if not discrete.watch.feasible or discrete.problem.initial_strain:
-        return None
-    before = discrete.renewed(
-        discrete.options, {}
-    )  # its solvers keep stresses, those of the motion shall not
-    state, resting = State.reference(discrete.problem), settings.initial == "equilibrium"
-    try:
-        if resting:
-            find_initial_equilibrium(before, state)
-        before.static.restore(state, 0.0, before=True, scale=float(resting))
-        snapshot = Snapshot.of(state, before.system, before.supports)
-        if resting:
-            before.watch.see(snapshot)
-        before.watch.follow_phases(before.static, snapshot, float(resting))
-    except (InputError, SolveError):
-        return None
-    discrete.watch.drift = before.watch.drift
-    return before.watch
+def _finer_start(discrete: DiscreteModel, settings: SimulateSettings) -> Divisions | None:
+    """Return finer divisions if the state from which a motion starts, or the slowest vibrations about it, need them."""
+    watch, resting = discrete.watch, settings.initial == "equilibrium"
+    state = State.reference(discrete.problem)
+    if resting:
+        find_initial_equilibrium(discrete, state)
+    discrete.static.restore(state, 0.0, before=True, scale=float(resting))
+    snapshot = Snapshot.of(state, discrete.system, discrete.supports)
+    if resting:
+        watch.see(snapshot)
+    divisions = watch.refined(settings.accuracy)
+    if (
+        divisions is None
+        and watch.phases(discrete.static, snapshot, float(resting)).leading > settings.accuracy
+    ):
+        divisions = watch.halved()
+    return divisions
 
 
 def refined_modes(

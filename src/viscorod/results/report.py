@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 _WORKING = 0.01  # more work of the loads than this part of what moved, meanwhile, makes it no free decay
 _MOST_EVENTS = 20
+_MOST_MESHES = 4
+"""Rods whose division a report tells at most."""
 _ROUND_OFF = 1e-10  # a number below this part of its table's largest reads 0
 
 
@@ -344,10 +346,7 @@ def _effort(result: Result) -> str:
     if "linear_solver" in attrs:
         lines.append(f"Linear systems: {attrs['linear_solver']}")
     if result.mesh_errors:
-        rod, error = max(result.mesh_errors.items(), key=lambda pair: pair[1])
-        lines.append(
-            f"Mesh: positions are off by about {error:.1g} of the length of rod {rod!r} (an estimate)"
-        )
+        lines.append(_mesh(result))
     if attrs.get("smallest_step_why"):
         lines.append(
             f"Smallest step: {attrs['smallest_step']:.3g} s at t = {attrs['smallest_step_at']:.6g} s, "
@@ -359,6 +358,26 @@ def _effort(result: Result) -> str:
             f"and {attrs['rotation_gap']:.3g} rad"
         )
     return "\n".join(lines)
+
+
+def _mesh(result: Result) -> str:
+    """Say how the rods are divided and what that makes wrong."""
+    data = result.data
+    rods, orders = (data[f"station_{name}"].values.tolist() for name in ("rod", "order"))
+    order = dict(zip(rods, orders, strict=True))
+    meshes = [
+        f"{rod!r} {_counted((rods.count(rod) - 1) // int(order[rod]), 'elements')} of order {int(order[rod])}"
+        for rod in list(result.mesh_errors)[:_MOST_MESHES]
+    ]
+    more = len(result.mesh_errors) - len(meshes)
+    errors = [f"positions by {max(result.mesh_errors.values()):.1g} of the length of a rod"]
+    for name, what in (
+        ("motion", "{} of the largest displacement"),
+        ("force", "section forces by {} of the largest"),
+    ):
+        if f"mesh_{name}_error" in data.attrs:
+            errors.append(what.format(f"{data.attrs[f'mesh_{name}_error']:.1g}"))
+    return f"Mesh: {', '.join(meshes)}{f' and {more} more rods' if more else ''}; estimated errors: {', '.join(errors)}"
 
 
 def _warnings(result: Result) -> str:

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from viscorod.results.result import Result
 
 _GAP = 1e-2
-_MESH = 0.01  # accepted error of positions by the mesh, as a part of the length of a rod
+_MESH = 0.01  # accepted error of positions by the mesh, as a part of the largest displacement
+_FORCE = 0.05  # accepted error of section forces by the mesh, as a part of the largest one
 _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
 _STRAIN = 0.1  # strain beyond which a linear material law for small strains is doubtful
 
@@ -26,9 +27,9 @@ def warnings_of(result: Result) -> list[str]:
 
     Stored ones are the JSON list of texts in the attribute ``warnings``. Added are: a remainder of the energy
     account above 1 % of the energy that moved, steps that had to be halved, a mesh whose error is estimated as more
-    than 1 % of a rod's length, and shear, stretch, or bending and twist
-    times half width beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang and Tuganov,
-    section 2.2) is doubtful.
+    than 1 % of the largest displacement or 5 % of the largest section force, or could not be estimated, and shear,
+    stretch, or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang
+    and Tuganov, section 2.2) is doubtful.
     """
     data = result.data
     texts = [str(text) for text in json.loads(data.attrs.get("warnings", "[]"))]
@@ -49,12 +50,7 @@ def warnings_of(result: Result) -> list[str]:
             f"poses integrated in time and along the rods differ by {gap:.2g} of the model's size: "
             "the mesh is too coarse for this motion; use more elements or a higher order"
         )
-    texts += [
-        f"positions may be off by {100.0 * error:.2g} % of the length of rod {rod!r}, whose mesh is coarse for this; "
-        "use more elements or a higher order"
-        for rod, error in result.mesh_errors.items()
-        if error > _MESH
-    ]
+    texts += _mesh_warnings(result)
     return texts + _strain_warnings(result)
 
 
@@ -73,6 +69,29 @@ def energy_doubt(data: xr.Dataset) -> str:
         f"the numerical remainder of the energy account reaches {100.0 * fraction:.2g} % "
         f"of the energy that moved; use a smaller {setting}{used}"
     )
+
+
+def _mesh_warnings(result: Result) -> list[str]:
+    """Return warnings of a mesh that is too coarse for what was computed, or whose error is unknown."""
+    attrs, texts = result.data.attrs, []
+    motion, force = (float(attrs.get(f"mesh_{name}_error", 0.0)) for name in ("motion", "force"))
+    if motion > _MESH:
+        rod = max(result.mesh_errors.items(), key=lambda pair: pair[1])[0]
+        texts.append(
+            f"positions may be off by {100.0 * motion:.2g} % of the largest displacement, most in rod {rod!r}, whose "
+            "mesh is coarse for this; use more elements or a higher order"
+        )
+    if force > _FORCE:
+        texts.append(
+            f"section forces may be off by {100.0 * force:.2g} % of the largest, because the mesh is coarse for them; "
+            "use more elements or a higher order"
+        )
+    if attrs.get("mesh_lost") and (result.dimension == "load_factor" or not result.mesh_errors):
+        texts.append(
+            "the error of the mesh is unknown: on a finer one no solution was found near this; try more elements, and "
+            "look for another solution nearby"
+        )
+    return texts
 
 
 def _strain_warnings(result: Result) -> list[str]:

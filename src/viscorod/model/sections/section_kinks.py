@@ -20,6 +20,10 @@ ROUGH = 0.5
 """Relative change of second differences from one sample to the next that no smooth function has."""
 CLOSE = 2e-4
 """Kinks nearer to each other or to an end of the rod than this part of its length are one."""
+STEEP = 4.0
+"""Slope over those beside it that makes a jump."""
+STRAIGHT = 0.02
+"""How far from straight lines the function may be beside a kink, as a part of the kink."""
 BISECTIONS = 40
 
 
@@ -62,10 +66,9 @@ def _search(
     second = np.abs(scaled[2:] - 2.0 * scaled[1:-1] + scaled[:-2])  # at the samples 1, 2, ...
     # a kink between two samples shows at both of them
     pair = second[1:-2] + second[2:-1]
-    sharp = pair - SHARP * (second[:-3] + second[3:])
+    sharp = np.where(pair > NOTICED, pair - SHARP * (second[:-3] + second[3:]), 0.0)
     component = np.argmax(sharp, axis=1)
     excess = sharp[np.arange(len(pair)), component]
-    excess[pair.max(axis=1) < NOTICED] = 0.0
     rough = (np.abs(np.diff(second, axis=0)) > ROUGH * np.maximum(second[1:], second[:-1])) & (
         np.maximum(second[1:], second[:-1]) > NOTICED
     )
@@ -73,8 +76,10 @@ def _search(
     for k in np.flatnonzero(excess > 0.0):
         if excess[k] < max(excess[max(k - 1, 0)], excess[min(k + 1, len(excess) - 1)]):
             continue
-        found.append(_located(function, float(s[k + 2]), h, int(varying[component[k]])))
-        unclear[k : k + 5] = False
+        at = _located(function, float(s[k + 2]), h, int(varying[component[k]]))
+        if at is not None:
+            found.append(at)
+            unclear[k + 1 : k + 4] = False
     if passes > 1:
         edges = np.flatnonzero(np.diff(np.concatenate([[False], unclear, [False]]).astype(int)))
         for first, last in edges.reshape(-1, 2):
@@ -82,8 +87,8 @@ def _search(
             _search(function, float(s[low]), float(s[high]), FINER * int(high - low), passes - 1, found)
 
 
-def _located(function: Callable[[float], Floats], s: float, h: float, component: int) -> float:
-    """Return the kink or jump of one component between ``s`` and ``s + h``; it is smooth for ``h`` beside them."""
+def _located(function: Callable[[float], Floats], s: float, h: float, component: int) -> float | None:
+    """Return the kink or jump of one component between ``s`` and ``s + h``, None if it is not smooth beside them."""
 
     def value(x: float) -> float:
         return float(function(x)[component])
@@ -94,7 +99,10 @@ def _located(function: Callable[[float], Floats], s: float, h: float, component:
         # b + left x = c + right (x - h)
         x = (c - right * h - b) / (left - right)
         if -1e-6 * h <= x <= h * (1.0 + 1e-6):
-            return s + min(max(x, 0.0), h)
+            bent = max(abs(value(s - 0.5 * h) - 0.5 * (a + b)), abs(value(s + 1.5 * h) - 0.5 * (c + d)))
+            return s + min(max(x, 0.0), h) if bent < STRAIGHT * abs(left - right) * h else None
+    if abs(c - b) < STEEP * h * max(abs(left), abs(right)):
+        return None
     low, high = s, s + h
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)

@@ -7,24 +7,13 @@ import numpy as np
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
-from viscorod.solve.formulations.system import GaussPositions, State
+from viscorod.solve.formulations.system import State
 from viscorod.solve.history import StationReader
-from viscorod.solve.problem.external_loads import ExternalLoads
+from viscorod.solve.problem.external_loads import NO_LOADS, ExternalLoads
 from viscorod.solve.refinement.finer_mesh import FinerMesh
 from viscorod.typing import Floats
 
-__all__ = ["CoarseMotion", "other_stress"]
-
-
-def other_stress(points: GaussPositions, held: Floats, strain: Floats, section_force: Floats) -> Floats:
-    """Return the section forces that strains do not explain, viscous ones and those of branches ``(m, 6)``.
-
-    Args:
-        points: stiffness at the Gauss points; held: 1 for strains that multipliers hold ``(m, 6)``.
-        strain, section_force: in the same order ``(m, 6)``.
-    """
-    elastic = np.einsum("mij,mj->mi", points.stiffness, strain)
-    return np.asarray((1.0 - held) * (section_force - elastic))
+__all__ = ["CoarseMotion"]
 
 
 class CoarseMotion:
@@ -42,13 +31,27 @@ class CoarseMotion:
         self.loads = ExternalLoads(self.problem)
         self._reader = StationReader(self.problem)
 
+    def other_stress(self, state: State, section_force: Floats) -> Floats:
+        """Return the section forces that the strains of the poses do not explain ``(m, 6)``.
+
+        These are viscous ones and those of branches, and what strains that are known by themselves have in addition, in
+        the intrinsic formulation and between two steps. Strains that multipliers hold have none.
+        """
+        for part in self.system.parts:
+            part.prestress = np.zeros((0, 1, 6))
+        self.system.assemble(state, NO_LOADS, None, tangent=False, moving=False)
+        stiffness = self.system.gauss_positions().stiffness
+        elastic = np.einsum("mij,mj->mi", stiffness, self.system.gauss_points().strain)
+        held = np.einsum("mii->mi", stiffness) == 0.0
+        return np.where(held, 0.0, section_force - elastic)
+
     def inertia(
         self, state: State, stress: Floats, near: Floats, t: float, *, before: bool
     ) -> tuple[Floats, Floats]:
-        """Return the inertial forces on the finer nodes, and how large accelerations and velocities are.
+        """Return the inertial forces on the finer nodes, and the rates of the twists of the coarse ones.
 
-        The former are wrenches in body axes that act beside the loads ``(n, 6)``; the latter ``(2,)`` are squares in
-        the norm of the mass, whose ratio is the squared rate of a vibration with them.
+        The former are wrenches in body axes that act beside the loads ``(n, 6)``, the latter ``(n', 6)`` contain what
+        turning axes make of velocities.
 
         Args:
             state: of the coarse mesh; stress: section forces beside the elastic ones ``(m, 6)``; near: angles of
@@ -68,8 +71,7 @@ class CoarseMotion:
         rate = np.zeros_like(force)
         rate[loose] = np.linalg.solve(problem.mass[loose], force[loose, :, None])[:, :, 0]
         self._obey_supports(state, force, rate)
-        sizes = [np.einsum("ni,nij,nj", x, problem.mass, x) for x in (rate, state.twist)]
-        return self._spread(state, rate), np.array(sizes, dtype=float)
+        return self._spread(state, rate), rate
 
     def _obey_supports(self, state: State, force: Floats, rate: Floats) -> None:
         """Replace rates of twists that supports prescribe, whose reactions are not among the forces."""

@@ -16,7 +16,7 @@ from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.correction import Balance, corrected
 from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
-from viscorod.solve.refinement.inertial_forces import CoarseMotion, other_stress
+from viscorod.solve.refinement.inertial_forces import CoarseMotion
 from viscorod.solve.refinement.mesh_estimate import MeshEstimate, difference
 from viscorod.solve.refinement.phase_drift import PhaseDrift
 from viscorod.solve.statics.static_solver import StaticSolver
@@ -45,7 +45,7 @@ class MeshWatch:
     Attributes:
         estimate: the largest errors of all solutions seen, None before the first.
         lost: how many solutions had no counterpart on a finer mesh.
-        noted: states that a motion passed, with their times [s]; drift: tells what wrong frequencies make of them.
+        noted: states that a motion passed, with their times [s]; start: the one at t = 0.
     """
 
     def __init__(self, model: ModelDescription, problem: Problem, system: System) -> None:
@@ -53,7 +53,7 @@ class MeshWatch:
         self.estimate: MeshEstimate | None = None
         self.lost = 0
         self.noted: list[tuple[float, Snapshot]] = []
-        self.drift: PhaseDrift | None = None
+        self.start: Snapshot | None = None
         self._stride, self._count = 1, 0
 
     @cached_property
@@ -90,30 +90,37 @@ class MeshWatch:
         for k in sorted(chosen):
             self._compare(history.snapshots[k], Balance(self.finer, factor=history.instant[k], unit=unit))
 
-    def follow_phases(self, static: StaticSolver, start: Snapshot, scale: float) -> None:
-        """Compare the slowest vibrations about a state at rest under a multiple of the loads at t = 0."""
-        shape = Shape(start.state, start.section_force, _angles(start))
-        self.drift = PhaseDrift(self.finer, static, shape, scale)
-
     def note(self, history: History) -> None:
-        """Keep the last recorded state of a motion for :meth:`see_motion`, or some of all evenly."""
+        """Keep the last recorded state of a motion for :meth:`see_motion`, or some of all evenly, and the first."""
         if not history.instant or (self.noted and self.noted[-1][0] == history.instant[-1]):
             return
+        if self._count == 0 and history.instant[0] == 0.0:
+            self.start = history.snapshots[0]
         self._count += 1
         if self._count % self._stride == 0:
             self.noted.append((history.instant[-1], history.snapshots[-1]))
             if len(self.noted) == 2 * INSTANTS:  # half as many, twice as far apart
                 self.noted, self._stride = self.noted[1::2], 2 * self._stride
 
-    def see_motion(self, duration: float) -> None:
-        """Estimate the errors of the noted states of a motion: of their balance with inertia and viscosity, in time."""
+    def phases(self, static: StaticSolver, start: Snapshot, scale: float) -> PhaseDrift:
+        """Compare the slowest vibrations about a state at rest under a multiple of the loads at t = 0."""
+        self.finer.set_prestress(np.zeros_like(start.section_force))
+        return PhaseDrift(self.finer, static, Shape(start.state, start.section_force, _angles(start)), scale)
+
+    def see_motion(self, duration: float, static: StaticSolver, scale: float) -> None:
+        """Estimate the errors of the noted states of a motion: of their balance with inertia and viscosity, in time.
+
+        Args:
+            duration: of the motion [s]; static: solver of its problem.
+            scale: multiple of the loads at t = 0 under which it begins.
+        """
         if not self.feasible:
             return
-        anchor, sizes = (np.pi / duration) ** 2, np.zeros(2)
-        for t, snapshot in self.noted:
-            sizes += self._compare_moving(snapshot, t, before=True, anchor=anchor)
-        if self.drift is not None and self.estimate is not None:
-            self.estimate = self.estimate.drifted(self.drift.gap(self.noted, _rate(sizes)))
+        anchor, times = (np.pi / duration) ** 2, [t for t, _ in self.noted]
+        rates = [self._compare_moving(state, t, before=True, anchor=anchor) for t, state in self.noted]
+        if self.estimate is not None and self.start is not None:
+            drift = self.phases(static, self.start, scale)
+            self.estimate = self.estimate.drifted(drift.gap(times, rates))
 
     def see_steady(self, rotation: Snapshot, spin: float) -> None:
         """Estimate the errors of a steady rotation at an angular speed [rad/s]."""
@@ -124,16 +131,16 @@ class MeshWatch:
         """Compare a state whose inertial forces are those that the coarse mesh leaves unbalanced.
 
         Returns:
-            how large accelerations and velocities are, see ``CoarseMotion.inertia``.
+            the rates of the twists of all nodes ``(n, 6)``.
         """
-        points = self.system.gauss_positions()
-        held = (np.einsum("mii->mi", points.stiffness) == 0.0).astype(float)
-        stress = other_stress(points, held, snapshot.strain, snapshot.section_force)
-        inertia, sizes = self._moving.inertia(snapshot.state, stress, _angles(snapshot), t, before=before)
+        stress = self._moving.other_stress(snapshot.state, snapshot.section_force)
+        inertia, rate = self._moving.inertia(snapshot.state, stress, _angles(snapshot), t, before=before)
         self.finer.set_prestress(stress)
-        anchor = max(anchor, ANCHOR * _rate(sizes) ** 2)
+        a, v = (float(np.einsum("ni,nij,nj", x, self.problem.mass, x)) for x in (rate, snapshot.state.twist))
+        if v > 0.0:  # a / v is the squared rate of a vibration with these accelerations and velocities
+            anchor = max(anchor, ANCHOR * a / v)
         self._compare(snapshot, Balance(self.finer, t, before=before, inertia=inertia, anchor=anchor))
-        return sizes
+        return rate
 
     def _compare(self, snapshot: Snapshot, balance: Balance) -> None:
         shape = Shape(snapshot.state, snapshot.section_force, _angles(snapshot))
@@ -216,11 +223,6 @@ class MeshWatch:
         if rod.order is None and division.order < DEFAULT_ORDER and marked.mean() > SHARE:
             return Division(division.order + 1, division.ends)
         return division.halved(marked)
-
-
-def _rate(sizes: Floats) -> float:
-    """Return the rate [rad/s] of a vibration with these squares of accelerations and velocities ``(2,)``."""
-    return float(np.sqrt(sizes[0] / sizes[1])) if sizes[1] > 0.0 else 0.0
 
 
 def _angles(snapshot: Snapshot) -> np.ndarray:

@@ -8,7 +8,6 @@ import numpy as np
 import scipy.linalg
 from scipy import sparse
 
-from viscorod.solve.history import Snapshot
 from viscorod.solve.modes.vibrations import Linearisation, linearise
 from viscorod.solve.refinement.correction import Balance, corrected
 from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
@@ -23,8 +22,8 @@ LEADING = 4
 """Of these, those that a mesh has to resolve before anything is known of the motion."""
 MATCHED = 0.1
 """Difference of two frequencies, in parts, from which on they are not of the same vibration."""
-FASTEST = 1.5
-"""Frequency over the rate of the motion up to which a vibration has a phase of its own."""
+RIGID = 1e-2
+"""Squared frequency over the shift of the pencil up to which one is the round-off of a rigid motion."""
 DENSE = 600
 """Motions up to which full matrices are used."""
 
@@ -38,68 +37,71 @@ class PhaseDrift:
 
     Attributes:
         omega, shapes: on the coarse mesh [rad/s] ``(k,)``, body increments of the nodes with unit modal mass
-            ``(6 n, k)``; errors: how much faster they are there, in parts ``(k,)``.
+            ``(6 n, k)``; errors: how much faster they are there, in parts ``(k,)``; decay: rates at which they fade
+            [1/s] ``(k,)``.
     """
 
     def __init__(self, finer: FinerMesh, static: StaticSolver, shape: Shape, scale: float) -> None:
         self.problem = finer.coarse
-        self.omega, self.shapes = slowest(linearise(static, shape.state, scale=scale), COUNT)
-        better = np.zeros(0)
+        linear = linearise(static, shape.state, scale=scale)
+        self.omega, self.shapes, decay = slowest(linear, COUNT)
         other = corrected(Balance(finer, factor=scale), finer.take_over(shape)) if len(self.omega) else None
-        if other is not None:
-            better, _ = slowest(linearise(finer.static, other, scale=scale), COUNT)
-        count = min(len(self.omega), len(better))
-        self.omega, self.shapes = self.omega[:count], self.shapes[:, :count]
-        errors = np.abs(self.omega - better[:count]) / better[:count]
-        self.errors = np.where(errors < MATCHED, errors, 0.0)
+        self.decay, self.errors = decay, np.zeros(len(decay))
+        if other is None:
+            return
+        better, _, _ = slowest(linearise(finer.static, other, scale=scale), COUNT)
+        away = np.abs(self.omega[:, None] / better[None, :] - 1.0).min(axis=1, initial=np.inf)
+        self.errors = np.where(away < MATCHED, away, 0.0)
 
     @property
     def leading(self) -> float:
         """The largest relative error of the slowest frequencies."""
         return float(self.errors[:LEADING].max(initial=0.0))
 
-    def gap(self, states: Sequence[tuple[float, Snapshot]], rate: float) -> float:
+    def gap(self, times: Sequence[float], rates: Sequence[Floats]) -> float:
         """Return how far a motion has drifted from that on the finer mesh at most [m].
 
-        Vibrations that are faster than the motion follow it without a phase of their own, and do not count.
+        The amplitude of a vibration is that of its acceleration over the square of its frequency: a fast one that only
+        follows slower ones, without a phase of its own, has little of it.
 
         Args:
-            states: of the motion, with their times [s]; rate: of a vibration as fast as the motion [rad/s].
+            times: of some states of the motion [s]; rates: of the twists of all nodes there ``(n, 6)``.
         """
-        moving = self.omega <= FASTEST * rate
-        if not moving.any():
+        if not len(self.omega):
             return 0.0
-        mass = sparse.block_diag(list(self.problem.mass), format="csr")
-        modal = self.shapes.T @ mass
+        modal = self.shapes.T @ sparse.block_diag(list(self.problem.mass), format="csr")
         reach = np.linalg.norm(self.shapes.reshape(self.problem.size, 6, -1)[:, :3], axis=1).max(axis=0)
-        largest = 0.0
-        amplitude = np.zeros(len(self.omega))
-        for t, snapshot in states:
-            # where velocity and displacement pass each other, the amplitude of neighbours in time counts
-            amplitude = np.maximum(0.5 * amplitude, np.abs(modal @ snapshot.state.twist.ravel()) / self.omega)
-            ahead = np.where(moving, np.minimum(self.errors * self.omega * t, 2.0), 0.0)
+        largest, amplitude = 0.0, np.zeros(len(self.omega))
+        for t, rate in zip(times, rates, strict=True):
+            # where acceleration passes zero, the amplitude of neighbours in time counts
+            amplitude = np.maximum(0.5 * amplitude, np.abs(modal @ rate.ravel()) / self.omega**2)
+            # what has faded has left no phase
+            lasted = 1.0 / np.maximum(self.decay, 1.0 / t)
+            ahead = np.minimum(self.errors * self.omega * lasted, 2.0)
             largest = max(largest, float(np.linalg.norm(amplitude * reach * ahead)))
         return largest
 
 
-def slowest(linear: Linearisation, count: int) -> tuple[Floats, Floats]:
-    """Return the slowest undamped angular frequencies [rad/s] that are not rigid, and body increments of the nodes.
+def slowest(linear: Linearisation, count: int) -> tuple[Floats, Floats, Floats]:
+    """Return the slowest undamped vibrations that are not rigid motions; of large problems with conditions none.
 
-    The latter have unit modal mass ``(6 n, k)``. Large problems with conditions have none.
+    Returns:
+        angular frequencies [rad/s] ``(k,)``, body increments of the nodes with unit modal mass ``(6 n, k)``, and the
+        rates at which the vibrations fade to first order in the damping [1/s] ``(k,)``.
     """
     import scipy.sparse.linalg as spla
 
     size = linear.mass.shape[0]
     if linear.gradients is not None:
         if size > DENSE:
-            return np.zeros(0), np.zeros((linear.basis.shape[0], 0))
+            return np.zeros(0), np.zeros((linear.basis.shape[0], 0)), np.zeros(0)
         linear = linear.unconditional()
         size = linear.mass.shape[0]
     K, M = 0.5 * (linear.stiffness + linear.stiffness.T), 0.5 * (linear.mass + linear.mass.T)
     shift = 1e-10 * float(K.diagonal().sum() / M.diagonal().sum())
     shifted = sparse.csc_array(K + shift * M)
     wanted = min(count + 6, size)
-    none = np.zeros(0), np.zeros((linear.basis.shape[0], 0))
+    none = np.zeros(0), np.zeros((linear.basis.shape[0], 0)), np.zeros(0)
     try:
         if size <= DENSE:
             inverse, vectors = scipy.linalg.eigh(
@@ -112,7 +114,8 @@ def slowest(linear: Linearisation, count: int) -> tuple[Floats, Floats]:
         return none
     order = np.argsort(-inverse)
     values, vectors = 1.0 / inverse[order] - shift, vectors[:, order]
-    moving = values > max(1e4 * shift, 0.0)
+    moving = values > RIGID * shift
     values, vectors = values[moving][:count], vectors[:, moving][:, :count]
-    norm = np.sqrt(np.einsum("ik,ik->k", vectors, M @ vectors))
-    return np.sqrt(values), np.asarray(linear.basis @ (vectors / norm))
+    vectors = vectors / np.sqrt(np.einsum("ik,ik->k", vectors, M @ vectors))
+    decay = 0.5 * np.einsum("ik,ik->k", vectors, linear.damping @ vectors)
+    return np.sqrt(values), np.asarray(linear.basis @ vectors), decay
