@@ -67,6 +67,8 @@ def stability_of(
         count = negative_eigenvalues(tangent)
         return Stability(count, count, False)
     linear = linearise(static, state, t, before=before, scale=scale)
+    if linear.stiffness.shape[0] == 0:  # every motion is held
+        return Stability(0, 0, True)
     small = _SmallMotions(linear.stiffness, linear.damping, linear.mass, linear.gradients)
     values = small.squares()
     real = np.abs(values.imag) <= COMPLEX * np.abs(values) + FAINT * small.shift
