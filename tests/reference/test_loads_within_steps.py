@@ -109,3 +109,16 @@ def test_a_short_pulse_in_a_function_is_not_stepped_over(what):
     exact = tip(runs[1], times)
     assert np.ptp(exact) > 1e-4
     assert np.abs(tip(runs[0], times) - exact).max() < 0.01 * np.ptp(exact) / 2.0
+
+
+def test_a_base_record_joined_by_straight_lines_is_warned_of():
+    """Its velocity jumps at every row. As a spline it is the smooth motion that was sampled: a sine, itself exact."""
+    times = np.linspace(0.0, 0.12, 121)
+    values = 1e-4 * (1.0 - np.cos(2.0 * math.pi * 12.0 * times))
+    with pytest.warns(vr.AccuracyWarning, match="its velocity jumps at every row"):
+        bar(motion={"uy": vr.TimeTable(times[:101], values[:101])}).simulate(0.01)
+    spline = bar(motion={"uy": vr.TimeTable(times, values, "cubic")}).simulate(0.11)
+    wave = vr.Sine(12.0, -1e-4, phase=math.pi / 2.0, offset=1e-4)
+    exact = tip(bar(motion={"uy": wave}).simulate(0.11), at := np.linspace(0.0, 0.11, 401))
+    assert np.abs(tip(spline, at) - exact).max() < 0.01 * np.ptp(exact) / 2.0
+    assert spline.data.attrs["steps"] < 60

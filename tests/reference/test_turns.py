@@ -91,3 +91,12 @@ def test_a_mesh_that_cannot_tell_which_way_it_turns_is_refused():
     """Two elements of order 1: a whole turn is half a turn from node to node."""
     with pytest.raises(vr.SolveError, match=r"half a turn.*more elements"):
         rubber_rod("clamp", {"rx": 2.0 * np.pi}, elements=2, order=1).equilibrium()
+
+
+def test_twist_is_judged_like_bending():
+    """Twist strain times the outer radius, 2 pi 5 0.01 = 0.31, is beyond the linear law's 0.1."""
+    found = rubber_rod("clamp", {"rx": 10.0 * np.pi}).equilibrium()
+    assert any(
+        text.startswith("twist times the half width of the section reaches 0.31") for text in found.warnings
+    )
+    assert not any("twist" in text for text in rubber_rod("clamp", {"rx": 3.0}).equilibrium().warnings)

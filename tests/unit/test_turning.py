@@ -115,3 +115,13 @@ def test_the_thickness_of_a_close_coil_is_seen():
     model.clamp("coil.start")
     (text,) = check(DiscreteModel.of(model)).warnings
     assert "half width times curvature of the reference shape is 0.2;" in text
+
+
+def test_the_twist_of_a_thick_rod_is_seen():
+    """Twist per length times half width: 2 pi 0.01 m / 0.2 m."""
+    model = vr.Model()
+    rod = vr.Rod.straight((0, 0, 0), (0.2, 0, 0), section=vr.Circle(0.01), material=STEEL, twist=2.0 * np.pi)
+    model.add("drill", rod)
+    model.clamp("drill.start")
+    texts = check(DiscreteModel.of(model)).warnings
+    assert any("half width times twist of the reference shape is 0.31;" in text for text in texts)

@@ -17,14 +17,14 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
     """Find small vibrations, the slowest or those near a frequency; see ``Model.modes``."""
     discrete.require_independent()
     if isinstance(settings.about, Start):
-        near, _ = equilibrium_near(discrete, settings.about)
-        linear = vibrations.linearise(discrete.static, near)
-        return vibrations.complex_modes(discrete.static, near, linear, settings.count)
-    state = State.reference(discrete.problem)
-    before, loaded = settings.about != "released", settings.about != "reference"
-    if loaded:
-        find_initial_equilibrium(discrete, state, before=before)
-    linear = vibrations.linearise(discrete.static, state, before=before, scale=1.0 if loaded else 0.0)
+        state, _ = equilibrium_near(discrete, settings.about)
+        linear = vibrations.linearise(discrete.static, state)
+    else:
+        state = State.reference(discrete.problem)
+        before, loaded = settings.about != "released", settings.about != "reference"
+        if loaded:
+            find_initial_equilibrium(discrete, state, before=before)
+        linear = vibrations.linearise(discrete.static, state, before=before, scale=1.0 if loaded else 0.0)
     return vibrations.complex_modes(
         discrete.static,
         state,

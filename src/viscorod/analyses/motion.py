@@ -16,6 +16,7 @@ from viscorod.errors import InputError, SolveError, warn
 from viscorod.mechanics.compilation.compiled import announce_formulation
 from viscorod.mechanics.elements import intrinsic_element as intrinsic
 from viscorod.model.actions.event import Crossing, Decayed
+from viscorod.model.actions.time_table import TimeTable
 from viscorod.results.data_schema import AXES, annotated
 from viscorod.results.dataset import dataset
 from viscorod.results.files.journal import contents
@@ -26,7 +27,9 @@ from viscorod.results.run import Run
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot, StationReader
 from viscorod.solve.modes import vibrations as small_motion
+from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.initial_shape import strain_rods
+from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.events import (
@@ -127,13 +130,16 @@ def _motion(
         )
         attrs |= discrete.watch.attributes
     attrs["message"] = message = failure(discrete, transient)
+    _tell(attrs, _blows(discrete.problem))
     if stream is None:
         run = Run(discrete.data_set("simulate", result.history, attrs)())
-        _tell(run.data.attrs, energy_doubt(run.data))
+        if not interrupted:
+            _tell(run.data.attrs, energy_doubt(run.data))
     else:
         # a motion that was streamed is a file then, with a journal beside it where it can still go on
         stream.flush(build)
-        _tell(attrs, energy_doubt(contents(stream.journal.folder).assign_attrs(attrs)))
+        if not interrupted:
+            _tell(attrs, energy_doubt(contents(stream.journal.folder).assign_attrs(attrs)))
         run = Run(read(stream.finish(discrete.complete(attrs), keep=interrupted)))
     if message:
         raise SolveError(message, run)
@@ -145,6 +151,19 @@ def _tell(attrs: dict[str, Any], doubt: str) -> None:
     if doubt:
         attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), doubt])
         warn(doubt)
+
+
+def _blows(problem: Problem) -> str:
+    """Return a warning if a support or motor moves along straight lines between many rows, else nothing."""
+    places = {id(motion): problem.supports.names[k] for k, _, motion in problem.supports.motions}
+    motions = [motion for _, _, motion in problem.supports.motions] + [m for _, m in problem.joints.motions]
+    for motion in motions:
+        if isinstance(motion, TimeTable) and motion.straight and len(motion.knots) >= MANY_ROWS:
+            return (
+                f"the motion of {places.get(id(motion), 'a joint')} is a table of {len(motion.knots)} rows joined by "
+                "straight lines: its velocity jumps at every row, each a blow; give interpolation = 'cubic'"
+            )
+    return ""
 
 
 def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[State, str]:
