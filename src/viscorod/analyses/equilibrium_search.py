@@ -19,6 +19,9 @@ __all__ = ["Search"]
 FULL_TURN = 2.0 * math.pi * (1.0 + 1e-9)
 """Prescribed rotation [rad] beyond which an unstable equilibrium is kept: no contact keeps the turns of a wound rod."""
 
+CRUSHED = -0.1
+"""Stretch below which a straight rod is one that load steps have crushed: beyond what the material law is meant for."""
+
 OnStep = Callable[[float, State, int], None]
 
 
@@ -70,9 +73,9 @@ class Search:
             if self.steps.outcome is Outcome.COMPLETED:
                 self.stability = stability_of(static, state, before=self.before, scale=self.factor)
                 loads = static.loads.at(0.0, self.before, self.factor)
-                self.wound = self.stability.unstable > 0 and not self.forced and self._turns() > FULL_TURN
+                self._restore(state)
+                self.wound = self.stability.unstable > 0 and not self.forced and self._is_wound()
                 if self.stability.unstable == 0 or not self.allowed or circulatory(loads) or self.wound:
-                    self._restore(state)
                     return True
             if self.steps.outcome is Outcome.WRAPPED or (
                 self.steps.outcome is Outcome.INSIDE_OUT and not self._moves()
@@ -84,12 +87,12 @@ class Search:
         """Return whether motions are prescribed, with which other shapes than the straight one may go."""
         return self.discrete.supports.moving or bool(self.discrete.problem.joints.motions)
 
-    def _turns(self) -> float:
-        """Return the largest prescribed rotation [rad]."""
+    def _is_wound(self) -> bool:
+        """Return whether more than a full turn is prescribed, and rods are not crushed beside that."""
+        if float(self.discrete.system.gauss_points().strain[:, 2].min()) < CRUSHED:
+            return False
         supports, constraints = self.discrete.supports, self.discrete.system.constraints
-        supports.update(0.0, self.before, self.factor)
-        constraints.update(0.0, self.before, self.factor)
-        return max(supports.largest_turn, constraints.largest_turn)
+        return max(supports.largest_turn, constraints.largest_turn) > FULL_TURN
 
     def _settle(self, start: State, state: State) -> bool:
         """Settle from ``start``; without success ``state`` stays where load steps led."""

@@ -76,7 +76,7 @@ class PhaseDrift:
             # where acceleration passes zero, the amplitude of neighbours in time counts
             amplitude = np.maximum(0.5 * amplitude, np.abs(modal @ rate.ravel()) / self.omega**2)
             # what has faded has left no phase
-            lasted = 1.0 / np.maximum(self.decay, 1.0 / t)
+            lasted = t / np.maximum(self.decay * t, 1.0)
             ahead = np.minimum(self.errors * self.omega * lasted, 2.0)
             largest = max(largest, float(np.linalg.norm(amplitude * reach * ahead)))
         return largest

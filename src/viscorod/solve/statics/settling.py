@@ -128,9 +128,10 @@ class Settling:
         report, x = self.report, state.copy()
         self._start(x, motion)
         first, tried = x.r.copy(), STILL
+        ready = self.careful or not self.moving  # else loads settle before motions grow
         while report.steps + report.rejected < STEPS:
             self.static.check_interrupt()
-            goal = min(1.0, self.motion + self._growth)
+            goal = min(1.0, self.motion + (self._growth if ready else 0.0))
             trial, size, iterations = self._step(x, self._mu, goal)
             report.iterations += iterations
             count = 0 if trial is None else self._unstable_on_the_way(trial, goal)
@@ -142,6 +143,7 @@ class Settling:
                 continue
             report.steps += 1
             x, self.motion = trial, goal
+            ready = ready or size < STILL
             self._lengthen(size, iterations)
             if count:
                 self._knock(x, FAINT)
@@ -178,7 +180,7 @@ class Settling:
 
     def _lengthen(self, size: float, iterations: int) -> None:
         """Choose the next step by how easy the last one was."""
-        self._growth = min(2.0 * self._growth, self._most)
+        self._growth = min((2.0 if size < WANTED else 0.5) * self._growth, self._most)
         easy = 0.1 if iterations <= 4 else 0.5
         self._mu = max(self._mu * min(max(easy, size / WANTED), 2.0), self._floor, self._least)
         self._floor *= 0.7
