@@ -124,7 +124,7 @@ def _motion(
         | described(discrete, transient, settings, result.outcome)
     )
     attrs["loop_time_s"] = time.perf_counter() - began
-    if settings.dynamics == "nonlinear":
+    if settings.dynamics == "nonlinear" and result.outcome is Outcome.COMPLETED:
         discrete.watch.see_motion(
             settings.duration, discrete.static, float(settings.initial == "equilibrium")
         )

@@ -92,10 +92,11 @@ class MeshWatch:
 
     def note(self, history: History) -> None:
         """Keep the last recorded state of a motion for :meth:`see_motion`, or some of all evenly, and the first."""
-        if not history.instant or (self.noted and self.noted[-1][0] == history.instant[-1]):
-            return
-        if self._count == 0 and history.instant[0] == 0.0:
+        if history.instant and history.instant[0] == 0.0:
             self.start = history.snapshots[0]
+        last = history.instant[-1] if history.instant else 0.0
+        if last == 0.0 or (self.noted and self.noted[-1][0] == last):
+            return
         self._count += 1
         if self._count % self._stride == 0:
             self.noted.append((history.instant[-1], history.snapshots[-1]))
