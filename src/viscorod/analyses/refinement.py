@@ -43,10 +43,12 @@ def refined(analysis: Callable[[DiscreteModel, S], R], discrete: DiscreteModel, 
 
     Rods whose elements are given keep them.
     """
-    result = analysis(discrete, settings)
+    result, stuck, before = analysis(discrete, settings), 0, np.inf
     for _ in range(MOST_MESHES - 1):
-        divisions = discrete.watch.refined(settings.accuracy)
-        if divisions is None:
+        divisions, estimate = discrete.watch.refined(settings.accuracy), discrete.watch.estimate
+        if estimate is not None:  # what does not fall is not the mesh's
+            stuck, before = (stuck + 1 if estimate.largest > GAIN * before else 0), estimate.largest
+        if divisions is None or stuck > 1:
             break
         discrete = discrete.on_mesh(divisions)
         result = analysis(discrete, settings)

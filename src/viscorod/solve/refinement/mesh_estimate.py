@@ -19,6 +19,8 @@ __all__ = ["MeshEstimate", "difference"]
 
 LEAST_MOTION = 1e-8
 """Part of the model's length below which a motion is taken as this: round-off and the tolerance of Newton's method."""
+FAINT = 1e5
+"""Section forces below this many times their round-off are taken as this."""
 MINOR = 1e-2
 """Part of the forces, times the length, that counts as moments where there are none, and the other way round."""
 
@@ -102,6 +104,7 @@ def difference(finer: FinerMesh, shape: Shape, found: Shape) -> MeshEstimate:
     fine_r, fine_q = finer.stations(found.state)
     moved = float(np.linalg.norm(fine_r - finer.reference, axis=1).max(initial=0.0))
     forces = np.linalg.norm(found.section_force.reshape(-1, 2, 3), axis=2).max(axis=0)
+    forces = np.maximum(forces, FAINT * _round_off(finer, r))
     rods, elements = {}, {}
     worst = 0.0
     first = point = 0
@@ -121,6 +124,16 @@ def difference(finer: FinerMesh, shape: Shape, found: Shape) -> MeshEstimate:
         worst = max(worst, gap)
         first, point = mine.stop, point + p * n
     return MeshEstimate(rods, worst, min(moved, coarse.length), forces, elements, coarse.length)
+
+
+def _round_off(finer: FinerMesh, r: Floats) -> Floats:
+    """Return what rounding the positions ``r`` of stations makes of section forces [N] and moments [N m] ``(2,)``."""
+    size, noise = max(finer.coarse.length, float(np.abs(r).max())), np.zeros(2)
+    for part in finer.problem.sets:
+        spacing = 2.0 * float(part.half_lengths.min()) / part.order
+        axial, bending = (float(np.abs(part.stiffness[:, k, k]).max()) for k in (slice(0, 3), slice(3, 6)))
+        noise = np.maximum(noise, [axial * size / spacing, bending / spacing])
+    return np.asarray(np.finfo(float).eps * noise)
 
 
 def _inside(gaps: Floats, step: int) -> Floats:
