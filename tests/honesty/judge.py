@@ -138,7 +138,7 @@ class _Answer:
                 {},
                 lengths,
                 _meshes_of_model(model),
-                float(np.max(getattr(result, "frequency_errors", 0.0), initial=0.0)),
+                float(np.max(result.frequency_errors, initial=0.0)),
                 list(getattr(result, "warnings", [])),
             )
         moved = {}

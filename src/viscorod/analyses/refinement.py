@@ -20,7 +20,7 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.modes.vibrations import Modes
 from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES
-from viscorod.solve.settings import Meshed, ModesSettings, SimulateSettings
+from viscorod.solve.settings import Meshed, ModesSettings, SimulateSettings, SteadySettings
 from viscorod.typing import Floats
 
 __all__ = ["frequency_errors", "refined", "refined_modes", "refined_motion"]
@@ -31,6 +31,8 @@ MOST_REPEATS, REPEATED = 2, 10.0
 """Times that a motion is computed again, and by how many times its estimated error is too large then."""
 RIGID = 1e-6
 """Part of the highest listed frequency below which one is a rigid motion."""
+MOST_STEADY_NODES = 100
+"""Nodes that steady rotations are refined to at most: their small motions are those of full matrices."""
 GAIN = 0.7
 """Part of the error before that refinement leaves at most, where it is the mesh that makes the error."""
 
@@ -43,9 +45,10 @@ def refined(analysis: Callable[[DiscreteModel, S], R], discrete: DiscreteModel, 
 
     Rods whose elements are given keep them.
     """
+    most = MOST_STEADY_NODES if isinstance(settings, SteadySettings) else MOST_CHOSEN_NODES
     result, stuck, before = analysis(discrete, settings), 0, np.inf
     for _ in range(MOST_MESHES - 1):
-        divisions, estimate = discrete.watch.refined(settings.accuracy), discrete.watch.estimate
+        divisions, estimate = discrete.watch.refined(settings.accuracy, most=most), discrete.watch.estimate
         if estimate is not None:  # what does not fall is not the mesh's
             stuck, before = (stuck + 1 if estimate.largest > GAIN * before else 0), estimate.largest
         if divisions is None or stuck > 1:

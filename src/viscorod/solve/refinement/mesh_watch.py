@@ -178,14 +178,17 @@ class MeshWatch:
             return self.lost > 0
         return self.estimate.motion > accuracy or self.estimate.force > (forces or accuracy)
 
-    def refined(self, accuracy: float, forces: float | None = None) -> Divisions | None:
+    def refined(
+        self, accuracy: float, forces: float | None = None, *, most: int = MOST_CHOSEN_NODES
+    ) -> Divisions | None:
         """Return finer divisions of the rods whose mesh the program may choose, where elements are too large.
 
         Args:
             accuracy: largest error of positions over the displacements; forces: of section forces, by default the same.
+            most: nodes at most.
 
         Returns:
-            None if there is nothing to refine, or the mesh would become very large.
+            None if there is nothing to refine, or the mesh would become too large.
         """
         divisions, free = divisions_of(self.problem), self.free
         if not free or not self.too_coarse(accuracy, forces):
@@ -195,7 +198,7 @@ class MeshWatch:
             marked = {name: np.ones(divisions[name].count, dtype=bool) for name in free}
         refined = {name: self._finer(name, divisions[name], mask) for name, mask in marked.items()}
         found = divisions | refined
-        if sum(division.order * division.count for division in found.values()) > MOST_CHOSEN_NODES:
+        if sum(division.order * division.count for division in found.values()) > most:
             return None
         return found
 
