@@ -167,6 +167,10 @@ def _slowest(theta: np.ndarray, count: int) -> np.ndarray:
     return np.asarray(ordered[np.abs(ordered) > 1e-14 * np.abs(ordered[0])])
 
 
+RESTARTS = 30
+"""Of the search for eigenvalues; those that have converged by then are looked at."""
+
+
 def _largest(apply: Callable[[Floats], Floats], size: int, count: int) -> np.ndarray:
     """Return the ``count`` largest eigenvalues in size of an operator."""
     import scipy.sparse.linalg as spla
@@ -176,7 +180,9 @@ def _largest(apply: Callable[[Floats], Floats], size: int, count: int) -> np.nda
     wanted = min(count, size - 2)
     space = min(size, 3 * count)
     try:
-        found = spla.eigs(operator, wanted, v0=start, ncv=space, tol=1e-10, return_eigenvectors=False)
+        found = spla.eigs(
+            operator, wanted, v0=start, ncv=space, tol=1e-10, maxiter=RESTARTS, return_eigenvectors=False
+        )
     except spla.ArpackNoConvergence as error:
         found = error.eigenvalues
     return np.asarray(found)
