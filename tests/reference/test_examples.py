@@ -75,9 +75,10 @@ def test_python_in_documents_runs(page, results, tmp_path, monkeypatch):
     for name in ("cantilever_swing", "soft_arm"):  # what the pages on results start from
         results(name).save(f"out/{name}/run.nc")
     (tmp_path / "cantilever_swing.toml").write_bytes(shipped_cases()["cantilever_swing"].read_bytes())
+    names = {"__name__": "__main__"}  # a page is read from top to bottom
     with patch.dict(INTEGRATORS):  # one page adds an integrator
         for code in blocks(page, "python"):
-            exec(compile(code, str(page), "exec"), {"__name__": "__main__"})
+            exec(compile(code, str(page), "exec"), names)
 
 
 @pytest.mark.parametrize(

@@ -492,7 +492,7 @@ class ModesSettings(Meshed):
     near: OptionalPositive = Key(
         "those whose natural frequencies are nearest to this one, in place of the slowest", "Hz", default=None
     )
-    oscillating: bool = Key("leave out rigid motions and overdamped modes", default=False)
+    oscillating: Flag = Key("leave out rigid motions and overdamped modes", default=False)
 
 
 LONGEST_COUPLING = 1e6
