@@ -167,7 +167,7 @@ def _of_full_matrices(problem: _Problem) -> Undamped:
     energies = np.einsum("ik,ik->k", shapes, problem.K @ shapes)
     sizes = np.einsum("ik,ik->k", np.abs(shapes), abs(problem.K) @ np.abs(shapes))
     lowest = np.abs(squares).min(initial=np.inf)
-    fast = np.abs(squares) / lowest > np.maximum(sizes / np.abs(squares), 1.0)
+    fast = np.abs(squares) > np.sqrt(lowest) * np.sqrt(np.maximum(sizes, np.abs(squares)))
     squares = np.where(fast, energies, squares)
     order = np.argsort(squares, kind="stable")
     squares, shapes = squares[order], shapes[:, order]
