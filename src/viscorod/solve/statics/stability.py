@@ -30,6 +30,8 @@ SHIFT = 1e-10
 """About which eigenvalues are sought, as a part of the mean stiffness over the mean inertia."""
 MOTIONS = 24
 """Number of the slowest motions that are looked at."""
+RESTARTS = 30
+"""Of the search for eigenvalues; those that have converged by then are looked at."""
 DENSE = 120
 """Number of free motions up to which all eigenvalues are computed."""
 
@@ -165,10 +167,6 @@ def _slowest(theta: np.ndarray, count: int) -> np.ndarray:
     """Return the ``count`` largest of inverse eigenvalues: those of stiff motions are round-off."""
     ordered = theta[np.argsort(-np.abs(theta), kind="stable")][:count]
     return np.asarray(ordered[np.abs(ordered) > 1e-14 * np.abs(ordered[0])])
-
-
-RESTARTS = 30
-"""Of the search for eigenvalues; those that have converged by then are looked at."""
 
 
 def _largest(apply: Callable[[Floats], Floats], size: int, count: int) -> np.ndarray:
