@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import csv
+
 import pytest
 
-from honesty.__main__ import table
+from honesty.__main__ import OUTCOMES, table
 from honesty.judge import Verdict, verdict
 from honesty.random_models import by_default, random_trial
 
@@ -40,3 +42,21 @@ def test_verdicts_tell_what_is_wrong_without_a_word() -> None:
     assert [v.within for v in (fine, silent, warned)] == [True, False, True]
     last = table([fine, silent, warned]).splitlines()[-1]
     assert last == "| all | 3 | 3 | 0 | 0 | 0 | 1 | 3 | 66.7 % | 33.3 % |"
+
+
+def test_the_documented_table_is_that_of_the_stored_verdicts() -> None:
+    page = (OUTCOMES.parents[2] / "docs" / "explanation" / "honesty.md").read_text(encoding="utf-8")
+    with OUTCOMES.open(newline="") as file:
+        rows = [
+            Verdict(
+                int(row["seed"]),
+                row["analysis"],
+                row["structure"],
+                row["outcome"],
+                *(float(row[key]) for key in ("error", "true_mesh", "estimate")),
+                row["told"] == "True",
+                row["words"],
+            )
+            for row in csv.DictReader(file)
+        ]
+    assert table(rows) in page
