@@ -88,14 +88,15 @@ def judge(trial: Trial) -> Verdict:
             return Verdict(*known, "crashed", words=f"{type(error).__name__}: {_short(error)}", told=False)
         try:
             fine, finer = (_Answer.of(trial, found.refined(k), found.settings(k)) for k in (0, 1))
+            # of a motion, the error of the mesh alone is what is left with the steps of the finest solution
+            meshed = _Answer.of(trial, found.same_mesh, found.settings(1)) if found.tolerance else found
         except (vr.InputError, vr.SolveError) as error:
             return Verdict(*known, "unjudged", words=f"refined: {_short(error)}")
     error, doubt = found.error(finer), fine.error(finer)
     if doubt > 0.2 * max(error, UNTOLD):
         return Verdict(*known, "unjudged", error, words=f"refined solutions differ by {doubt:.2g}")
-    true_mesh = (
-        found.mesh_error(finer) if fine.mesh_error(finer) < 0.2 * found.mesh_error(finer) else math.nan
-    )
+    apart = meshed.mesh_error(finer)
+    true_mesh = apart if fine.mesh_error(finer) < 0.2 * apart else math.nan
     told = bool(found.warnings) or found.estimate_of_error > error / 3.0
     return Verdict(*known, "solved", error, true_mesh, found.estimate, told, "; ".join(found.warnings))
 
@@ -200,6 +201,11 @@ class _Answer:
             return {"elements": factor * elements, "order": min(order + 1, 8)}
 
         return mesh
+
+    def same_mesh(self, rod: str) -> dict[str, int]:
+        """Return the mesh of this answer, as far as its elements are equal."""
+        elements, order = self.meshes[rod]
+        return {"elements": elements, "order": order}
 
     def settings(self, level: int) -> dict[str, Any]:
         """Return settings of a refined solution."""

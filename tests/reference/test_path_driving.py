@@ -69,16 +69,21 @@ def test_path_by_twist(radius):
     assert path.reactions.values[-1, 3] == pytest.approx(torsion, rel=1e-8)
 
 
-@pytest.mark.parametrize("load", [1.0, 200.0, 1e6])
-def test_snap_through_does_not_depend_on_the_reference_load(load):
-    """P = EA (L0 - L)/L0 (h - v)/L: limit loads of 190.544 N at v = 0.04236 and back, with as many points."""
+def truss(load):
+    """Half of a shallow two-bar truss, its apex guided."""
     section = vr.StiffnessSection([1e6] * 3 + [1e3] * 3, [1, 1, 1, 1e-3, 1e-3, 2e-3])
     model = vr.Model()
     model.add("bar", vr.Rod.straight((0, 0, 0), (1, 0.1, 0), section=section, elements=1, order=3))
     model.support("bar.start", ("ux", "uy", "uz", "rx", "ry"))
     model.support("bar.end", ("ux", "uz", "rx", "ry"))
     model.force("bar.end", (0, -load, 0))
-    path = model.path(place="bar.end", axis="y", displacement=-0.23)
+    return model
+
+
+@pytest.mark.parametrize("load", [1.0, 200.0, 1e6])
+def test_snap_through_does_not_depend_on_the_reference_load(load):
+    """P = EA (L0 - L)/L0 (h - v)/L: limit loads of 190.544 N at v = 0.04236 and back, with as many points."""
+    path = truss(load).path(place="bar.end", axis="y", displacement=-0.23)
     assert load * path.limit_points == pytest.approx([190.544, -190.544], abs=1e-3)
     assert 25 <= path.load_factor.size <= 40
     v = -path.history("bar.end", "displacement").values[:, 1]
@@ -157,16 +162,33 @@ def test_equilibria_at_wanted_load_factors():
         model.equilibrium(load_factors=factors, load_steps=3)
 
 
-def test_a_section_pressed_inside_out_is_refused():
-    """A bar of EA = 100 N under 150 N: a linear material would be shorter than nothing."""
+def pressed(force):
+    """A bar of EA = 100 N that is pressed along its axis."""
     section = vr.StiffnessSection([100.0, 100.0, 100.0, 1e4, 1e4, 1e4], [1, 1, 1, 1e-3, 1e-3, 2e-3])
     model = vr.Model()
     model.add("bar", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section))
     model.clamp("bar.start")
     model.guide("bar.end")
-    model.force("bar.end", (-150.0, 0, 0))
+    model.force("bar.end", (-force, 0, 0))
+    return model
+
+
+def test_a_section_pressed_inside_out_is_refused():
+    """Under 150 N a linear material would be shorter than nothing."""
     with pytest.raises(vr.SolveError, match=r"pressed through each other.*rod 'bar', element \d, s ="):
-        model.equilibrium()
-    model.loads.clear()
-    model.force("bar.end", (-90.0, 0, 0))
-    assert model.equilibrium().position("bar.end")[0] == pytest.approx(0.1, abs=1e-9)
+        pressed(150.0).equilibrium()
+    assert pressed(90.0).equilibrium().position("bar.end")[0] == pytest.approx(0.1, abs=1e-9)
+
+
+def test_a_failed_equilibrium_keeps_its_last_load_step():
+    """Closed form: shortened by P L/EA, up to two thirds of 150 N; the last step before is kept beside the half."""
+    shown = []
+    with pytest.raises(vr.SolveError) as failed:
+        pressed(150.0).equilibrium(load_steps=2, progress=lambda reached, step: shown.append(reached))
+    part = failed.value.run
+    first, last = part.load_factor
+    assert first == 0.5
+    assert 0.66 < last < 2.0 / 3.0
+    assert shown[-1] == last
+    moved = part.history("bar.end", "displacement").values[:, 0]
+    assert moved == pytest.approx(-1.5 * part.load_factor, rel=1e-9)

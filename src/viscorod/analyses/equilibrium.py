@@ -44,7 +44,9 @@ class _Equilibrium:
         self.ends: list[int] = []  # states at the ends of stages
         self.stages = stages_of(discrete, settings)
         self.notes: list[str] = []
-        self._last = 0.0
+        self._last = self._shown = 0.0
+        self._staged = bool(settings.stages) or settings.start is not None
+        self._passed: tuple[float, int] | None = None  # load step since the last one that was kept
 
     def found(self) -> Equilibrium:
         """Return the equilibrium.
@@ -52,7 +54,7 @@ class _Equilibrium:
         Raises:
             InputError: nothing holds the model. SolveError: none was found.
         """
-        state, staged = self._begin()
+        state, staged = self._begin(), self._staged
         steps = self.settings.load_steps or 1
         stops = tuple(k / steps for k in range(1, steps + 1)) if staged else self.settings.stops
         self._kept = stops if self.settings.load_steps or self.settings.load_factors else None
@@ -64,6 +66,7 @@ class _Equilibrium:
             kept = self.history.count
             done = search.run(state, stops=stops[:-1], on_step=self._on_step)
             if not done:
+                self._keep_last(state)
                 raise SolveError(search.failure(), self._part(search))
             if search.settled:
                 self._forget(kept, stops)
@@ -90,19 +93,19 @@ class _Equilibrium:
         self.history.truncate(kept)
         self._last = self.history.instant[-1] if kept else 0.0
 
-    def _begin(self) -> tuple[State, bool]:
-        """Return the state to begin from, and whether motions and loads go by stages."""
+    def _begin(self) -> State:
+        """Return the state to begin from."""
         discrete, settings = self.discrete, self.settings
         if settings.start is not None:
             start = StartState(discrete, settings.start)
             self.notes, self.origin = start.notes, start.label
             begin_at(discrete.static, self.stages[0], start.state, 0.0, True)
-            return start.state, True
+            return start.state
         self.origin = "the reference shape"
         state = State.reference(discrete.problem)
         if settings.stages:
             begin_stage(discrete.static, self.stages[0], None, 0.0, True)
-        return state, bool(settings.stages)
+        return state
 
     def _search(self, factor: float, number: int) -> Search:
         """Return the search of a stage; what nothing holds is refused."""
@@ -118,20 +121,32 @@ class _Equilibrium:
 
     def _on_step(self, reached: float, state: State, iterations: int) -> None:
         """Keep a load step, or only those that were asked for."""
-        self._reached = reached, iterations
+        self._passed = reached, iterations
         if self._kept is None or reached in self._kept:
+            self._record(reached, state, iterations)
+        if self.discrete.options.progress is not None:
+            self.discrete.options.progress(self._of_all(reached), self._of_all(reached) - self._shown)
+        self._shown = self._of_all(reached)
+
+    def _keep_last(self, state: State) -> None:
+        """Keep the last load step of a search that failed, though it was not asked for."""
+        if self._passed is not None:
+            reached, iterations = self._passed
+            self.discrete.static.restore(state, 0.0, before=True, scale=reached)
             self._record(reached, state, iterations)
 
     def _record(self, reached: float, state: State, iterations: int) -> None:
-        discrete, progress = self.discrete, self.discrete.options.progress
-        if len(self.stages) > 1 or self.settings.start is not None:
-            reached = self.settings.load_factor * (len(self.searches) - 1 + reached) / len(self.stages)
+        discrete, reached = self.discrete, self._of_all(reached)
         account = EnergyAccount(elastic=discrete.system.elastic_energy())
         snapshot = Snapshot.of(state, discrete.system, discrete.supports)
         self.history.record(reached, snapshot, account, reached - self._last, iterations)
-        if progress is not None:
-            progress(reached, reached - self._last)
-        self._last = reached
+        self._last, self._passed = reached, None
+
+    def _of_all(self, reached: float) -> float:
+        """Return the load factor of all stages at that of the present one."""
+        if not self._staged:
+            return reached
+        return self.settings.load_factor * (len(self.searches) - 1 + reached) / len(self.stages)
 
     def _found_by(self) -> str:
         if len(self.searches) == 1:

@@ -323,7 +323,10 @@ def _stability(equilibrium: Equilibrium) -> str:
             )
         else:
             flutter = int(equilibrium.data.attrs["flutter"])
-            why = "following loads or moments make the tangent stiffness unsymmetric, so motions were judged"
+            why = (
+                "following loads or moments make the tangent stiffness unsymmetric: judged by "
+                f"{equilibrium.stability}"
+            )
             lines.append(
                 f"Unstable: {count} small motion{plural} grow{'' if count > 1 else 's'}, "
                 f"{flutter} of them oscillating ({why})"

@@ -299,7 +299,10 @@ class Equilibrium(Result):
 
     @property
     def stability(self) -> str:
-        """What stability was judged by: the "tangent stiffness", or "small motions" where that is not symmetric."""
+        """What stability was judged by: the "tangent stiffness", or "small motions" where that is not symmetric.
+
+        It says so where not all of the slowest motions were found, so that others may grow.
+        """
         return str(self.data.attrs.get("stability", "tangent stiffness"))
 
     @property

@@ -151,20 +151,7 @@ class GeometricSystem:
             first += len(part.elements.nodes)
         if problem.constrained:
             self._add_constraints(state, rates, blocks, rate_blocks, tangent=tangent, moving=moving)
-        if len(loads.nodes):
-            loading.add_nodal_loads(
-                loads.nodes,
-                state.q,
-                loads.dead,
-                loads.following,
-                loads.gravity,
-                loads.levers,
-                problem.mass,
-                tangent,
-                self.external,
-                blocks,
-                diagonal,
-            )
+        loads.add_nodal(state.q, problem.mass, self.external, blocks, diagonal, tangent=tangent)
         for load in loads.stations:
             e = self.parts[load.part].elements
             loading.add_station_load(

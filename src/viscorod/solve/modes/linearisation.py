@@ -74,7 +74,7 @@ class Linearisation:
         )
 
     def solver(self, matrix: sparse.csr_array) -> Callable[[Floats], Floats]:
-        """Return a solver of systems with a matrix like the stiffness, within the conditions.
+        """Return a solver of systems with a matrix like the stiffness, within the conditions; right sides are columns.
 
         Raises:
             SolveError: it is singular.
@@ -84,8 +84,8 @@ class Linearisation:
             return lambda b: np.asarray(factor.solve(b))
         held = self.gradients * float(np.abs(matrix.diagonal()).mean())
         whole = factored(sparse.csc_array(sparse.block_array([[matrix, held.T], [held, None]])))
-        none, size = np.zeros(held.shape[0]), matrix.shape[0]
-        return lambda b: np.asarray(whole.solve(np.concatenate([b, none]))[:size])
+        rows, size = held.shape[0], matrix.shape[0]
+        return lambda b: np.asarray(whole.solve(np.concatenate([b, np.zeros((rows, *b.shape[1:]))]))[:size])
 
     def strained(self) -> tuple[sparse.csr_array, sparse.csr_array | None]:
         """Return stiffness and gradients of all motions but the rigid ones."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from viscorod.mechanics.elements.basis import lagrange
+from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
@@ -42,6 +43,31 @@ class LoadState:
     def none(self) -> bool:
         """True if nothing acts."""
         return len(self.nodes) == 0 and not self.stations
+
+    def add_nodal(
+        self, q: Floats, mass: Floats, external: Floats, blocks: Floats, diagonal: Integers, *, tangent: bool
+    ) -> None:
+        """Add the loads of nodes to ``external (n, 6)``; with ``tangent`` take their derivative off the ``blocks``.
+
+        Args:
+            q: unit quaternions of the nodes ``(n, 4)``; mass: of the nodes ``(n, 6, 6)``.
+            external: wrenches, body axes; blocks, diagonal: of a matrix, see ``add_nodal_loads``.
+            tangent: whether the derivative is wanted.
+        """
+        if len(self.nodes):
+            loading.add_nodal_loads(
+                self.nodes,
+                q,
+                self.dead,
+                self.following,
+                self.gravity,
+                self.levers,
+                mass,
+                tangent,
+                external,
+                blocks,
+                diagonal,
+            )
 
 
 NO_LOADS = LoadState(

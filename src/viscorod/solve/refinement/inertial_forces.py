@@ -107,10 +107,3 @@ class CoarseMotion:
         found[nodes, :3] = np.einsum("nji,nj->ni", matrices(q[own]), field[own, :3])
         found[nodes, 3:] = field[own, 3:]
         return np.asarray(-np.einsum("nij,nj->ni", fine.mass, found))
-
-
-def _divided(force: Floats, mass: Floats, length: float) -> Floats:
-    """Return the rates of twists that forces ``(n, 6)`` give to masses ``(n, 6, 6)``; 0 where there is no inertia."""
-    scale = np.array([1.0, 1.0, 1.0, 1.0 / length, 1.0 / length, 1.0 / length])
-    inverse = np.linalg.pinv(scale[:, None] * mass * scale, rcond=1e-18, hermitian=True)
-    return np.asarray(scale * np.einsum("nij,nj->ni", inverse, scale * force))

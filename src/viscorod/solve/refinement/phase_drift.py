@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.linalg
 from scipy import sparse
 
-from viscorod.solve.modes.vibrations import Linearisation, linearise
+from viscorod.errors import SolveError
+from viscorod.solve.modes.linearisation import Linearisation, linearise
+from viscorod.solve.modes.undamped import undamped_modes
 from viscorod.solve.refinement.correction import Balance, corrected
 from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
 from viscorod.solve.statics.static_solver import StaticSolver
@@ -22,10 +23,6 @@ LEADING = 4
 """Of these, those that a mesh has to resolve before anything is known of the motion."""
 MATCHED = 0.1
 """Difference of two frequencies, in parts, from which on they are not of the same vibration."""
-RIGID = 1e-2
-"""Squared frequency over the shift of the pencil up to which one is the round-off of a rigid motion."""
-DENSE = 600
-"""Motions up to which full matrices are used."""
 
 
 class PhaseDrift:
@@ -83,39 +80,17 @@ class PhaseDrift:
 
 
 def slowest(linear: Linearisation, count: int) -> tuple[Floats, Floats, Floats]:
-    """Return the slowest undamped vibrations that are not rigid motions; of large problems with conditions none.
+    """Return the slowest undamped vibrations that are not rigid motions.
 
     Returns:
         angular frequencies [rad/s] ``(k,)``, body increments of the nodes with unit modal mass ``(6 n, k)``, and the
-        rates at which the vibrations fade to first order in the damping [1/s] ``(k,)``.
+        rates at which the vibrations fade to first order in the damping [1/s] ``(k,)``; none if they cannot be found.
     """
-    import scipy.sparse.linalg as spla
-
-    size = linear.mass.shape[0]
-    if linear.gradients is not None:
-        if size > DENSE:
-            return np.zeros(0), np.zeros((linear.basis.shape[0], 0)), np.zeros(0)
-        linear = linear.unconditional()
-        size = linear.mass.shape[0]
-    K, M = 0.5 * (linear.stiffness + linear.stiffness.T), 0.5 * (linear.mass + linear.mass.T)
-    shift = 1e-10 * float(K.diagonal().sum() / M.diagonal().sum())
-    shifted = sparse.csc_array(K + shift * M)
-    wanted = min(count + 6, size)
-    none = np.zeros(0), np.zeros((linear.basis.shape[0], 0)), np.zeros(0)
     try:
-        if size <= DENSE:
-            inverse, vectors = scipy.linalg.eigh(
-                M.toarray(), shifted.toarray(), subset_by_index=[size - wanted, size - 1]
-            )
-        else:
-            solve = spla.LinearOperator((size, size), matvec=spla.splu(shifted).solve)
-            inverse, vectors = spla.eigsh(sparse.csc_array(M), wanted, shifted, Minv=solve, which="LA")
-    except (np.linalg.LinAlgError, RuntimeError, spla.ArpackError):
-        return none
-    order = np.argsort(-inverse)
-    values, vectors = 1.0 / inverse[order] - shift, vectors[:, order]
-    moving = values > RIGID * shift
-    values, vectors = values[moving][:count], vectors[:, moving][:, :count]
-    vectors = vectors / np.sqrt(np.einsum("ik,ik->k", vectors, M @ vectors))
-    decay = 0.5 * np.einsum("ik,ik->k", vectors, linear.damping @ vectors)
-    return np.sqrt(values), np.asarray(linear.basis @ vectors), decay
+        found = undamped_modes(linear, count)
+    except SolveError:
+        return np.zeros(0), np.zeros((linear.basis.shape[0], 0)), np.zeros(0)
+    swinging = np.flatnonzero(found.squares > 0.0)[:count]
+    vectors = found.shapes[:, swinging]
+    decay = 0.5 * np.einsum("ik,ik->k", vectors, found.linear.damping @ vectors)
+    return np.sqrt(found.squares[swinging]), np.asarray(found.linear.basis @ vectors), decay

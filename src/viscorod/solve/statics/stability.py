@@ -9,8 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.solve.formulations.system import State
-from viscorod.solve.linear.singular import SingularMatrixError
-from viscorod.solve.modes.vibrations import linearise
+from viscorod.solve.modes.linearisation import Linearisation, linearise
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
@@ -30,10 +29,11 @@ SHIFT = 1e-10
 """About which eigenvalues are sought, as a part of the mean stiffness over the mean inertia."""
 MOTIONS = 24
 """Number of the slowest motions that are looked at."""
+SOME_MOTIONS = "small motions, not all of which were found"
 RESTARTS = 30
-"""Of the search for eigenvalues; those that have converged by then are looked at."""
-DENSE = 120
-"""Number of free motions up to which all eigenvalues are computed."""
+"""Of the search for eigenvalues by iteration."""
+DENSE, MOST = 240, 3000
+"""Sizes up to which all eigenvalues are computed, at once and where those wanted crowd."""
 
 
 class Stability(NamedTuple):
@@ -43,11 +43,13 @@ class Stability(NamedTuple):
         unstable: number of negative eigenvalues of a symmetric stiffness, else of motions ``exp(s t)`` with Re s > 0.
         divergent: how many of them leave without oscillating: their number changes where the tangent is singular.
         by_motion: whether the stiffness is not symmetric, so that motions were looked at.
+        complete: False if not all of the slowest motions were found: others may grow.
     """
 
     unstable: int
     divergent: int
     by_motion: bool
+    complete: bool = True
 
     @property
     def oscillating(self) -> int:
@@ -71,16 +73,16 @@ def stability_of(
     linear = linearise(static, state, t, before=before, scale=scale)
     if linear.stiffness.shape[0] == 0:  # every motion is held
         return Stability(0, 0, True)
-    small = _SmallMotions(linear.stiffness, linear.damping, linear.mass, linear.gradients)
+    small = _SmallMotions(linear)
     values = small.squares()
     real = np.abs(values.imag) <= COMPLEX * np.abs(values) + FAINT * small.shift
     divergent = int(np.count_nonzero(real & (values.real < -small.noise)))
     if not linear.damping.count_nonzero():
-        return Stability(divergent + int(np.count_nonzero(~real)), divergent, True)
+        return Stability(divergent + int(np.count_nonzero(~real)), divergent, True, small.complete)
     s = small.rates()
     growing = s.real > GROWTH * np.abs(s) + small.noise / np.maximum(np.abs(s), np.sqrt(small.noise))
     oscillating = growing & (np.abs(s.imag) > COMPLEX * np.abs(s))
-    return Stability(divergent + int(np.count_nonzero(oscillating)), divergent, True)
+    return Stability(divergent + int(np.count_nonzero(oscillating)), divergent, True, small.complete)
 
 
 def stability_attributes(found: Stability) -> dict[str, Any]:
@@ -88,7 +90,9 @@ def stability_attributes(found: Stability) -> dict[str, Any]:
     return {
         "negative_eigenvalues": found.unstable,
         "flutter": found.oscillating,
-        "stability": "small motions" if found.by_motion else "tangent stiffness",
+        "stability": ("small motions" if found.complete else SOME_MOTIONS)
+        if found.by_motion
+        else "tangent stiffness",
     }
 
 
@@ -107,80 +111,56 @@ def _symmetric(tangent: Tangent) -> bool:
 class _SmallMotions:
     """The pencil ``s^2 M + s D + K`` with conditions ``G x = 0``."""
 
-    def __init__(
-        self,
-        K: sparse.csr_array,
-        D: sparse.csr_array,
-        M: sparse.csr_array,
-        G: sparse.csr_array | None,
-    ) -> None:
-        self.K, self.D, self.M, self.G = K, D, M, G
-        self.size = int(K.shape[0])
-        mean = float(np.abs(K.diagonal()).sum() / M.diagonal().sum())
+    def __init__(self, linear: Linearisation) -> None:
+        self.linear = linear
+        self.K, self.D, self.M = linear.stiffness, linear.damping, linear.mass
+        self.size = int(self.K.shape[0])
+        mean = float(np.abs(self.K.diagonal()).sum() / self.M.diagonal().sum())
         self.shift = SHIFT * mean
         self.noise = 16.0 * np.finfo(float).eps * mean
+        self.complete = True
 
     def squares(self) -> np.ndarray:
         """Return the smallest ``-s^2`` without damping: the eigenvalues of ``K x = k M x``."""
-        shift = -self.shift
-        solve = self._solver(self.K - shift * self.M)
-        if self.G is None and self.size <= DENSE:
-            theta = np.linalg.eigvals(solve(self.M.toarray()))
-        else:
-            theta = _largest(lambda x: solve(self.M @ x), self.size, MOTIONS)
-        return shift + 1.0 / _slowest(theta, MOTIONS)
+        solve = self.linear.solver(sparse.csr_array(self.K + self.shift * self.M))
+        return self._slowest(lambda x: solve(self.M @ x), self.size, MOTIONS) - self.shift
 
     def rates(self) -> np.ndarray:
         """Return the smallest s with damping, both of each pair."""
         n, shift = self.size, float(np.sqrt(self.shift))
-        solve = self._solver(shift**2 * self.M + shift * self.D + self.K)
+        solve = self.linear.solver(sparse.csr_array(shift**2 * self.M + shift * self.D + self.K))
         slope = shift * self.M + self.D
 
         def apply(z: Floats) -> Floats:
             x = -solve(slope @ z[:n] + self.M @ z[n:])
             return np.concatenate([x, shift * x + z[:n]])
 
-        if self.G is None and n <= DENSE:
-            theta = np.linalg.eigvals(np.array([apply(column) for column in np.eye(2 * n)]).T)
-        else:
-            theta = _largest(apply, 2 * n, 2 * MOTIONS)
-        return shift + 1.0 / _slowest(theta, 2 * MOTIONS)
+        return self._slowest(apply, 2 * n, 2 * MOTIONS) + shift
 
-    def _solver(self, matrix: sparse.csr_array) -> Callable[[Floats], Floats]:
+    def _slowest(self, inverse: Callable[[Floats], Floats], size: int, count: int) -> np.ndarray:
+        """Return the ``count`` smallest eigenvalues from their ``inverse``: those of stiff motions are round-off."""
+        theta = self._largest(inverse, size, count)
+        ordered = theta[np.argsort(-np.abs(theta), kind="stable")][:count]
+        return np.asarray(1.0 / ordered[np.abs(ordered) > 1e-14 * np.abs(ordered).max(initial=0.0)])
+
+    def _largest(self, apply: Callable[[Floats], Floats], size: int, count: int) -> np.ndarray:
+        """Return at least the ``count`` largest eigenvalues of an operator, or fewer where they crowd.
+
+        Fewer are sought before full matrices are made, and those of large models are left ``complete`` no more.
+        """
         import scipy.sparse.linalg as spla
 
-        whole, rows = sparse.csc_array(matrix), 0
-        if self.G is not None:
-            rows = int(self.G.shape[0])
-            held = self.G * float(np.abs(matrix.diagonal()).mean())
-            whole = sparse.csc_array(sparse.block_array([[matrix, held.T], [held, None]]))
-        try:
-            factor = spla.splu(whole)
-        except RuntimeError:
-            raise SingularMatrixError(0) from None
-        return lambda b: np.asarray(
-            factor.solve(np.concatenate([b, np.zeros((rows, *b.shape[1:]))]))[: self.size]
-        )
-
-
-def _slowest(theta: np.ndarray, count: int) -> np.ndarray:
-    """Return the ``count`` largest of inverse eigenvalues: those of stiff motions are round-off."""
-    ordered = theta[np.argsort(-np.abs(theta), kind="stable")][:count]
-    return np.asarray(ordered[np.abs(ordered) > 1e-14 * np.abs(ordered[0])])
-
-
-def _largest(apply: Callable[[Floats], Floats], size: int, count: int) -> np.ndarray:
-    """Return the ``count`` largest eigenvalues in size of an operator."""
-    import scipy.sparse.linalg as spla
-
-    operator = spla.LinearOperator((size, size), matvec=apply, dtype=float)
-    start = np.random.default_rng(1).standard_normal(size)
-    wanted = min(count, size - 2)
-    space = min(size, 3 * count)
-    try:
-        found = spla.eigs(
-            operator, wanted, v0=start, ncv=space, tol=1e-10, maxiter=RESTARTS, return_eigenvectors=False
-        )
-    except spla.ArpackNoConvergence as error:
-        found = error.eigenvalues
-    return np.asarray(found)
+        found = np.zeros(0, dtype=complex)
+        if size > DENSE:
+            operator = spla.LinearOperator((size, size), matvec=apply, dtype=float)
+            start = np.random.default_rng(1).standard_normal(size)
+            for wanted in (count, count // 2):
+                options = {"v0": start, "ncv": min(size, 3 * count), "tol": 1e-10, "maxiter": RESTARTS}
+                try:
+                    return np.asarray(spla.eigs(operator, wanted, return_eigenvectors=False, **options))
+                except spla.ArpackNoConvergence as error:
+                    found = np.asarray(error.eigenvalues)
+        if size <= MOST:
+            return np.asarray(np.linalg.eigvals(apply(np.eye(size))))
+        self.complete = False
+        return found

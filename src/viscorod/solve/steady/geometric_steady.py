@@ -15,7 +15,6 @@ import scipy.linalg
 
 from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.elements.linearised import Operators
-from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.constraints.support_state import SupportState
@@ -196,20 +195,9 @@ class GeometricSteady:
     def _external(self, state: State, blocks: Floats, *, tangent: bool) -> Floats:
         """Return the loads ``(n, 6)``; with ``tangent`` their derivative is subtracted from ``blocks``."""
         loads, external = self.loads, np.zeros((self.problem.size, 6))
-        if len(loads.nodes):
-            loading.add_nodal_loads(
-                loads.nodes,
-                state.q,
-                loads.dead,
-                loads.following,
-                loads.gravity,
-                loads.levers,
-                self.problem.mass,
-                tangent,
-                external,
-                blocks,
-                self.problem.pattern.diagonal,
-            )
+        loads.add_nodal(
+            state.q, self.problem.mass, external, blocks, self.problem.pattern.diagonal, tangent=tangent
+        )
         return external
 
     def _copies(self, state: State) -> Floats:

@@ -115,20 +115,7 @@ class StepActions:
 
     def _add(self, loads: LoadState, state: State, external: Floats, blocks: Floats, tangent: bool) -> None:
         body = self.body
-        if len(loads.nodes):
-            loading.add_nodal_loads(
-                loads.nodes,
-                state.q,
-                loads.dead,
-                loads.following,
-                loads.gravity,
-                loads.levers,
-                body.mass,
-                tangent,
-                external,
-                blocks,
-                body.pattern.diagonal,
-            )
+        loads.add_nodal(state.q, body.mass, external, blocks, body.pattern.diagonal, tangent=tangent)
         for load in loads.stations:
             elements, e = body.elements, self.system.element_number(load.part, load.element)
             m = int(elements.order[e]) + 1
