@@ -131,7 +131,6 @@ def test_universal_joint_turns_unevenly(method):
 
 
 @every_integrator
-@pytest.mark.filterwarnings("ignore:the numerical remainder")  # next to no energy moves, or steps are coarse
 def test_ball_joint_tumbles(method):
     """A body held at its centre, started about its middle axis, turns over again and again."""
     J, w0, T = np.array([0.02, 0.03, 0.04]), np.array([0.05, 8.0, 0.05]), 4.0
@@ -155,7 +154,7 @@ def test_ball_joint_tumbles(method):
 
 
 @every_integrator
-@pytest.mark.filterwarnings("ignore:the numerical remainder")  # next to no energy moves, or steps are coarse
+@pytest.mark.filterwarnings("ignore:the numerical remainder")  # equal steps, coarse ones
 def test_motor_turns_a_weight_twenty_times(method):
     """Torque and forces of a crank with an eccentric mass at constant speed."""
     m, d, speed, turns = 2.0, 0.3, 4 * np.pi, 20

@@ -177,7 +177,6 @@ def spectrum_peaks(signal, step, guesses):
 
 
 @pytest.mark.parametrize("spin", [0.0, 100.0, 300.0])
-@pytest.mark.filterwarnings("ignore:the numerical remainder")  # next to no energy moves, or steps are coarse
 def test_whirl_of_a_disc_on_a_flexible_shaft(spin):
     """Four whirl frequencies of the disc on a light shaft, its mass included; the spin splits forward and backward."""
     rotor = Overhung(line_mass=0.01)
@@ -201,7 +200,6 @@ def test_whirl_of_a_disc_on_a_flexible_shaft(spin):
     assert spectrum_peaks(r[:, 0] + 1j * r[:, 1], step, expected) == pytest.approx(expected, rel=2e-4)
 
 
-@pytest.mark.filterwarnings("ignore:the numerical remainder")  # next to no energy moves, or steps are coarse
 def test_steady_precession_of_a_heavy_top():
     """A disc on a ball joint, started in steady precession: its centre stays on its circle."""
     m, d, tilt, spin = 1.0, 0.1, 0.5, 200.0
@@ -324,7 +322,7 @@ def resonator(length):
 
 
 @pytest.mark.parametrize("integrator", ["radau", "midpoint", "generalized_alpha"])
-@pytest.mark.filterwarnings("ignore:the numerical remainder")  # next to no energy moves, or steps are coarse
+@pytest.mark.filterwarnings("ignore:the numerical remainder")  # equal steps, coarse ones
 def test_rates_of_driven_joints_are_those_of_their_motors(integrator):
     """Closed form: every stored rate of a driven coordinate is the derivative of its motion, also between steps."""
     model = vr.Model()

@@ -29,7 +29,7 @@ def free_rod(damping=None, order=3):
 
 
 @methods(1e-8, 0.005, without={"intrinsic": "momentum is kept to the order of the mesh: test_intrinsic"})
-@pytest.mark.filterwarnings("ignore:the numerical remainder")  # next to no energy moves, or steps are coarse
+@pytest.mark.filterwarnings("ignore:the numerical remainder")  # equal steps, coarse ones
 def test_free_flight_conserves_momentum(method):
     """E2: damped, tumbling, vibrating, off-centre mass: momenta to round-off, the tolerance, or second order."""
     model = free_rod(damping=0.005)
@@ -45,7 +45,6 @@ def test_free_flight_conserves_momentum(method):
 
 
 @methods(1e-6, 0.02)
-@pytest.mark.filterwarnings("ignore:the numerical remainder")  # next to no energy moves, or steps are coarse
 def test_rigid_spin_is_not_damped(method):
     """E1 in motion: a free straight rod spinning about a principal axis, strongly viscous. Only the slow growth of the
     centrifugal stretch is damped, so the spin's energy stays."""

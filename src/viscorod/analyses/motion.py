@@ -172,10 +172,8 @@ def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[
     if settings.start is not None:
         found = StartState(discrete, settings.start)
         state, text = found.state, found.label
-        for note in found.notes:
-            discrete.attributes["doubts"] = json.dumps(
-                [*json.loads(discrete.attributes.get("doubts", "[]")), note]
-            )
+        told = json.loads(discrete.attributes.get("doubts", "[]"))  # once, also if a finer mesh begins anew
+        discrete.attributes["doubts"] = json.dumps(list(dict.fromkeys([*told, *found.notes])))
         _require_reached(discrete, state)
     elif discrete.problem.initial_strain:
         discrete.system.given_strain = strain_rods(discrete.system, state)
