@@ -7,6 +7,7 @@ import pytest
 
 import viscorod as vr
 from helpers.synthetic_results import rolled_up, swing
+from viscorod.results.report import load_level
 from viscorod.results.result_warnings import warnings_of
 from viscorod.results.run import Equilibrium, Run
 
@@ -144,3 +145,16 @@ def test_what_the_steps_lost_is_told_everywhere(tmp_path):
         assert text in run.report()
         assert text in json.loads(run.data.attrs["warnings"])[0]
     assert text in vr.load(tmp_path / "run.nc").warnings[0]
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (1.0, "all of the loads"),
+        (0.25, "25 % of the loads"),
+        (-1.5, "-150 % of the loads"),
+        (439.6, "439.6 times the loads"),
+    ],
+)
+def test_load_factors_in_words(factor, words):
+    assert load_level(factor) == words

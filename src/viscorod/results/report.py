@@ -95,7 +95,7 @@ def _formulation(run: Run) -> str:
 def equilibrium_report(equilibrium: Equilibrium) -> str:
     """Return the report of an equilibrium."""
     reached = equilibrium.load_factor[-1]
-    level = "all of the loads" if reached == 1.0 else f"{100.0 * reached:g} % of the loads"
+    level = load_level(reached)
     blocks = [
         _heading(equilibrium, f"static equilibrium under {level}"),
         _ends(equilibrium, _places(equilibrium), -1),
@@ -287,6 +287,15 @@ def _drift(result: Result) -> str:
         f"Joints and held strains: largest violation {attrs['drift_position']:.2g} (positions, over the size), "
         f"{attrs['drift_velocity']:.2g} (velocities)"
     )
+
+
+def load_level(factor: float, digits: int = 6) -> str:
+    """Return a load factor in words: a part of the loads, or a multiple of small reference loads."""
+    if factor == 1.0:
+        return "all of the loads"
+    if abs(factor) <= 10.0:
+        return f"{100.0 * factor:.{digits}g} % of the loads"
+    return f"{factor:.{digits}g} times the loads"
 
 
 def _path(equilibrium: Equilibrium) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 from viscorod.pictures.plots.assemblies import Assembly
 from viscorod.pictures.plots.projection_view import Curves, View, draw_reference, mark_supports
 from viscorod.pictures.style import BLUE, SKY, TEXT, figure, legend_inside
+from viscorod.results.report import load_level
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,7 +47,7 @@ def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady) -> None:
             curves.draw(axes, view, position, color=SKY, linewidth=1.0, label=label)
             label = "_"
     reached = level[-1]
-    name = "equilibrium" if reached == 1.0 else f"at {100.0 * reached:.3g} % of the loads"
+    name = "equilibrium" if reached == 1.0 else f"at {load_level(reached, 3)}"
     if turning:
         name = f"at {reached:.3g} rad/s"
     curves.draw(axes, view, positions[-1], color=BLUE, linewidth=2.4, label=name)
