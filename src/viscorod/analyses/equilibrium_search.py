@@ -155,7 +155,7 @@ class Search:
             return f"{count} load step{'s' if count != 1 else ''} from {self.origin}"
         assert self.settling is not None
         if self.loose:
-            why = "loads hold the model in another position only"
+            why = f"supports leave it {named(self.loose)}"
         elif self.steps.outcome is Outcome.COMPLETED:
             why = "load steps ended at an unstable equilibrium"
         else:
