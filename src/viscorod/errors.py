@@ -16,7 +16,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["AccuracyWarning", "Fault", "InputError", "SolveError", "users_level", "warn", "writing"]
+__all__ = [
+    "AccuracyWarning",
+    "Fault",
+    "InputError",
+    "SolveError",
+    "reading",
+    "users_level",
+    "warn",
+    "writing",
+]
 
 
 @dataclass(frozen=True)
@@ -103,6 +112,29 @@ def writing(path: Path) -> Iterator[None]:
     except OSError as error:
         raise InputError(
             f"{path} cannot be written ({error.strerror or error}); name another place"
+        ) from None
+
+
+@contextmanager
+def reading(path: Path, what: str = "") -> Iterator[None]:
+    """Turn whatever HDF5 and the libraries above it say of a damaged result into one message.
+
+    Args:
+        path: of the file; what: the part of it that is read.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:  # a damaged file brings out errors of every kind
+        part = f"; {what}" if what else ""
+        text = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(
+            f"{path} cannot be read as netCDF4{part}: it is damaged, or another kind of file ({text[:200]}); "
+            "name a run.nc that viscorod wrote, or take another copy of it"
         ) from None
 
 

@@ -21,9 +21,11 @@ MOST_RECORDED = 100e9
 LONGEST = 30 * 86_400.0
 """Seconds of computing, by the lowest estimate."""
 LARGEST_RESULT = 200e9
-"""Bytes of one variable of a result file as its dimensions declare it."""
+"""Bytes of all arrays of a result file as their shapes declare them."""
 MOST_DECLARED = 1000
-"""Bytes declared per byte of a result file; stored states compress to a tenth at most."""
+"""The same per byte of the file; stored states compress to a tenth at most."""
+MOST_PARTS = 500_000
+"""Arrays and groups of a result file: a sweep of 10 000 members that are kept apart has 300 000."""
 
 NODE_BYTES = 22e3
 """Memory for a node in statics: measured with 100 000 nodes in elements of order 5."""
