@@ -147,6 +147,9 @@ def join_path(prefix: str, path: str) -> str:
 
 def _text(problems: tuple[Fault, ...], heading: str) -> str:
     if len(problems) == 1:
-        return f"{heading}: {problems[0]}" if heading else str(problems[0])
-    lines = "".join(f"\n  - {problem}" for problem in problems)
-    return f"{heading + ': ' if heading else ''}{len(problems)} problems{lines}"
+        text = f"{heading}: {problems[0]}" if heading else str(problems[0])
+    else:
+        lines = "".join(f"\n  - {problem}" for problem in problems)
+        text = f"{heading + ': ' if heading else ''}{len(problems)} problems{lines}"
+    # what a user gave may be no text that can be printed: lone surrogates
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")

@@ -14,6 +14,7 @@ from typing import Any, TypeAlias
 
 from viscorod.analyses.case_run import run_case
 from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, Found, in_parallel
+from viscorod.arguments import require_callback
 from viscorod.casefile.case import Case, case_from_dict, load_case
 from viscorod.casefile.case_reader import TABLES
 from viscorod.errors import Fault, InputError, SolveError
@@ -61,6 +62,8 @@ def sweep(
     """
     if not isinstance(case, Case):
         case = load_case(case)
+    if progress is not None:
+        require_callback("progress", progress, 0.0)
     rows = _rows(values)
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
         raise InputError(Fault("workers", show(workers), "a whole number of at least 1 is needed", "give 2"))
@@ -97,6 +100,8 @@ def _rows(values: Values) -> list[dict[str, Any]]:
                 raise InputError(Fault(key, found, why, "give every key one value per member"))
         rows = [{key: column[k] for key, column in columns.items()} for k in range(count)]
     else:
+        if not isinstance(values, Sequence) or not all(isinstance(row, Mapping) for row in values):
+            raise InputError(Fault("values", show(values), "keys with their values are needed here", advice))
         rows = [{str(key): _plain(value) for key, value in row.items()} for row in values]
         for k, row in enumerate(rows):
             if list(row) != list(rows[0]):

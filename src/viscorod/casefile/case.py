@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
+from viscorod.arguments import checked
 from viscorod.casefile.case_reader import ANALYSES, CaseReader
 from viscorod.casefile.sizes import size_problems, too_deep
 from viscorod.casefile.unit_conversion import converted
@@ -60,6 +61,7 @@ class Case:
         return {"title": self.title, **self.description.to_dict(), self.kind: self.settings.to_dict()}
 
 
+@checked
 def load_case(path: str | Path) -> Case:
     """Read a case file.
 

@@ -246,7 +246,7 @@ def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
         InputError: the data set is of another kind, or variables are missing.
     """
     found = data.attrs.get("kind")
-    if found != kind:
+    if not isinstance(found, str) or found != kind:
         raise InputError(
             f"this data set has kind = {found!r} where {kind!r} is needed; viscorod.load opens any kind"
         )

@@ -36,6 +36,17 @@ _UNIT = 1e-6
 _POSITIVE = {"relaxation_time"}
 _NOT_NEGATIVE = {"station_s", "point_s", "point_weight", "half_width", "step_size", "kinetic"}
 _FROM = {"station_order": 0, "connection_station": -1, "iterations": 0, "negative_eigenvalues": 0}
+_OF_POINTS = ("point_rod", "point_s", "point_weight")
+_TOGETHER = {
+    "strain": ("section_force", *_OF_POINTS),
+    "section_force": ("strain",),
+    "dissipation": ("strain",),
+    "half_width": ("strain",),
+    "branch_loss": ("relaxation_time",),
+    "mode_shape": ("mode_rotation", "mode_residual", "mode_name", "mode_share"),
+    "linear_momentum": ("angular_momentum",),
+}
+"""Variable -> others that are there with it."""
 _MOST_TOLD = 8
 
 
@@ -131,6 +142,12 @@ def _of_variables(data: xr.Dataset, along: str) -> Iterator[str]:
     for dimension, size in (("side", 2), ("part", 2)):
         if data.sizes.get(dimension, size) != size:
             yield f"{dimension} has {data.sizes[dimension]} places, where {size} are needed"
+    for name, others in _TOGETHER.items():
+        yield from (
+            f"{other} is missing, which belongs to {name}"
+            for other in others
+            if name in data and other not in data
+        )
     if "support" in data.dims and "support" not in data.coords:
         yield "the names of the supports are missing"
 
@@ -222,8 +239,6 @@ def _of_connections(data: xr.Dataset) -> Iterator[str]:
     there = [name for name in joints if name in data]
     if there and len(there) < len(joints):
         yield f"{next(name for name in joints if name not in data)} is missing, which belongs to {there[0]}"
-    if "branch_loss" in data and "relaxation_time" not in data:
-        yield "relaxation_time is missing, which belongs to branch_loss"
 
 
 def _list(words: Any) -> str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import numpy as np
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
+from viscorod.arguments import checked
 from viscorod.errors import InputError
 from viscorod.results.data_schema import DIMENSION
 from viscorod.results.energy import Energy
@@ -159,6 +160,7 @@ class Sweep:
     def __str__(self) -> str:
         return self.report()
 
+    @checked
     def save(self, path: str | Path) -> Path:
         """Write one netCDF4 file, for ``viscorod.load`` and any HDF5 tool; returns the path.
 

@@ -25,6 +25,7 @@ import numpy as np
 
 from viscorod.errors import InputError, writing
 from viscorod.results.files.checksums import FORMAT, seal
+from viscorod.results.files.file_tail import write_tail
 from viscorod.results.files.storage import read, write
 
 if TYPE_CHECKING:
@@ -220,6 +221,8 @@ def complete(folder: Path, path: Path, attrs: Mapping[str, Any] | None = None, *
                     file.variables[name][part] = data.variables[name][part].values
         with writing(path), h5py.File(new, "r+", libver=FORMAT) as stored:
             seal(stored)
+        with writing(path):
+            write_tail(new)
     new.replace(path)
     if not keep:
         shutil.rmtree(folder, ignore_errors=True)

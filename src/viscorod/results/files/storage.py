@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from viscorod.arguments import checked
 from viscorod.errors import InputError, reading, writing
 from viscorod.results.files.checksums import FORMAT, require_unchanged, seal, stored_sums
 from viscorod.results.files.checksums import NAME as CHECKSUMS
+from viscorod.results.files.file_tail import require_tail_fits, write_tail
 from viscorod.results.files.pieces_of_arrays import piece_shape
 from viscorod.results.files.plain_file import require_plain, require_written
 
@@ -63,6 +65,7 @@ def write(
                         unlimited_dims=[unlimited] if unlimited else None,
                     )
             seal(stored)
+        write_tail(path)
     return path
 
 
@@ -96,11 +99,17 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"{path} is not a file; name a run.nc that viscorod wrote")
     with reading(path):
+        tailed = require_tail_fits(path)
         with h5py.File(path, "r") as file:
             size = require_plain(file, path)
             require_written(file, path)
             sums = stored_sums(file)
             if sums is not None:
+                if not tailed:
+                    raise InputError(
+                        f"{path} is damaged, or another program changed it: its end is not what viscorod wrote there; "
+                        "take another copy of the file, or compute it again"
+                    )
                 require_unchanged(file, sums, path)
         # numbers stand as they are: nothing in the file may scale them, or call them gaps or dates
         with xr.open_dataset(
@@ -120,6 +129,7 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
     return data
 
 
+@checked
 def load(path: str | Path) -> Run | Equilibrium | Steady | Sweep:
     """Open a saved run, equilibrium, steady rotation or sweep; it answers everything that a fresh one does.
 
