@@ -79,7 +79,8 @@ class Pace:
         count = math.floor(frames + 1e-9) + 1 if frames < 1e9 else MOST_FRAMES + 1
         if count > MOST_FRAMES:
             raise InputError(
-                f"{max(frames, count):.6g} frames are too many (at most {MOST_FRAMES}); give a larger speed or fewer frames per second"
+                f"{max(frames, count):.6g} frames are too many (at most {MOST_FRAMES}); "
+                "give a larger speed or fewer frames per second"
             )
         times = np.asarray(start + np.arange(count) * speed / fps, dtype=np.float64)
         return cls(times, fps, speed)
