@@ -56,8 +56,8 @@ def write_tail(path: Path) -> None:
         os.fsync(stream.fileno())
 
 
-def require_tail_fits(path: Path) -> bool:
-    """Compare a file with its tail; False if it has none.
+def require_tail_fits(path: Path) -> None:
+    """Compare a file with its tail; another program that opens a file to write cuts it off, and then there is none.
 
     Raises:
         InputError: the file is damaged.
@@ -66,12 +66,12 @@ def require_tail_fits(path: Path) -> bool:
     size = path.stat().st_size
     with path.open("rb") as stream:
         if size < _END.size:
-            return False
+            return
         stream.seek(size - _END.size)
         length, checksum, word = _END.unpack(stream.read(_END.size))
         begin = size - _END.size - length
         if word != _WORD or begin < 0:
-            return False
+            return
         stream.seek(begin)
         text = stream.read(length)
         if zlib.crc32(text) != checksum:
@@ -82,7 +82,6 @@ def require_tail_fits(path: Path) -> bool:
         for first, last, known in parts:
             if _sum_of(stream, first, last) != known:
                 raise _damaged(path, f"bytes {first} to {last} are not those that were written")
-    return True
 
 
 def _sum_of(stream: BinaryIO, first: int, last: int) -> int:

@@ -11,10 +11,10 @@ import math
 from pathlib import Path
 from typing import Any
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, reading
 from viscorod.limits import LARGEST_RESULT, MOST_DECLARED, MOST_PARTS
 
-__all__ = ["is_bare", "require_plain", "require_written"]
+__all__ = ["is_bare", "require_levels_readable", "require_plain", "require_written"]
 
 
 def require_plain(file: Any, path: Path) -> int:
@@ -100,6 +100,21 @@ def require_written(file: Any, path: Path) -> None:
             raise _refused(path, f"{name} is not complete, {there} of {whole} parts are there")
 
     file.visititems(look)
+
+
+def require_levels_readable(group: Any, path: Path) -> None:
+    """Read the coordinates of dimensions once, which xarray reads when a file is opened.
+
+    Raises:
+        InputError: one is damaged; its name is given.
+    """
+    import h5py
+
+    for name in group:
+        item = group[name]
+        if isinstance(item, h5py.Dataset) and item.is_scale and not is_bare(item):
+            with reading(path, name):
+                item[()]
 
 
 def is_bare(item: Any) -> bool:

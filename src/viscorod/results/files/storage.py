@@ -12,7 +12,7 @@ from viscorod.results.files.checksums import FORMAT, require_unchanged, seal, st
 from viscorod.results.files.checksums import NAME as CHECKSUMS
 from viscorod.results.files.file_tail import require_tail_fits, write_tail
 from viscorod.results.files.pieces_of_arrays import piece_shape
-from viscorod.results.files.plain_file import require_plain, require_written
+from viscorod.results.files.plain_file import require_levels_readable, require_plain, require_written
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -99,18 +99,14 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"{path} is not a file; name a run.nc that viscorod wrote")
     with reading(path):
-        tailed = require_tail_fits(path)
+        require_tail_fits(path)
         with h5py.File(path, "r") as file:
             size = require_plain(file, path)
             require_written(file, path)
             sums = stored_sums(file)
             if sums is not None:
-                if not tailed:
-                    raise InputError(
-                        f"{path} is damaged, or another program changed it: its end is not what viscorod wrote there; "
-                        "take another copy of the file, or compute it again"
-                    )
                 require_unchanged(file, sums, path)
+            require_levels_readable(file if group is None else file[group], path)
         # numbers stand as they are: nothing in the file may scale them, or call them gaps or dates
         with xr.open_dataset(
             path, engine="h5netcdf", group=group, cache=False, mask_and_scale=False, decode_times=False
