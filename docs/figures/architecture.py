@@ -26,6 +26,7 @@ WORDS = {
     "solve": "mesh, formulations, statics, motion, modes, steady rotations",
     "mechanics": "kernels: arrays in, arrays out",
     "model": "what the user says, validated",
+    "argument_checks": "what a value may be",
     "errors": "faults in words",
     "limits": "largest sizes",
     "typing": "array types",

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from viscorod.analyses.case_run import run_case
 from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, Found, in_parallel
-from viscorod.arguments import require_callback
+from viscorod.argument_checks import require_callback
 from viscorod.casefile.case import Case, case_from_dict, load_case
 from viscorod.casefile.case_reader import TABLES
 from viscorod.errors import Fault, InputError, SolveError

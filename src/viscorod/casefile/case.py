@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from viscorod.arguments import checked
+from viscorod.argument_checks import checked
 from viscorod.casefile.case_reader import ANALYSES, CaseReader
 from viscorod.casefile.sizes import size_problems, too_deep
 from viscorod.casefile.unit_conversion import converted
