@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Annotated, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
 from viscorod.analyses.one_thread import one_blas_thread
-from viscorod.argument_checks import file_path, flag, require_callback, text
+from viscorod.checks import file_path, flag, require_callback, text
 from viscorod.errors import InputError
 from viscorod.model.fields.arguments import given
 from viscorod.model.fields.definition import Definition, RefusedError

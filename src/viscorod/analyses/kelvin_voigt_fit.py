@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.argument_checks import checked
+from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.values import numbers

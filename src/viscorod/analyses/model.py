@@ -17,7 +17,7 @@ from viscorod.analyses.call_arguments import (
     SteadyArguments,
     takes,
 )
-from viscorod.argument_checks import checked
+from viscorod.checks import checked
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings import ModesSettings
 

@@ -14,9 +14,9 @@ from typing import Any, TypeAlias
 
 from viscorod.analyses.case_run import run_case
 from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, Found, in_parallel
-from viscorod.argument_checks import require_callback
 from viscorod.casefile.case import Case, case_from_dict, load_case
 from viscorod.casefile.case_reader import TABLES
+from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.fields.definition import did_you_mean, show, some_of
 from viscorod.results.sweep_result import Sweep, SweepRun

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from viscorod.argument_checks import checked
 from viscorod.casefile.case_reader import ANALYSES, CaseReader
 from viscorod.casefile.sizes import size_problems, too_deep
 from viscorod.casefile.unit_conversion import converted
 from viscorod.casefile.units import Conversion
+from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
 from viscorod.limits import DEEPEST_NESTING, LARGEST_CASE
 from viscorod.model.description.model_description import ModelDescription

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
 
-from viscorod.argument_checks import checked
+from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.array_pieces import extremes
 from viscorod.results.data_schema import AXES, DIMENSION, annotated

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from viscorod.argument_checks import checked
+from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.mechanics.rotations.quaternion import conjugate, product, rotation_vector
 from viscorod.results.between_records import step_ends

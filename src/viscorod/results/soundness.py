@@ -45,6 +45,7 @@ _TOGETHER = {
     "branch_loss": ("relaxation_time",),
     "mode_shape": ("mode_rotation", "mode_residual", "mode_name", "mode_share"),
     "linear_momentum": ("angular_momentum",),
+    "velocity": ("angular_velocity",),
 }
 """Variable -> others that are there with it."""
 _MOST_TOLD = 8

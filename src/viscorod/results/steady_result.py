@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from viscorod.argument_checks import checked
+from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.result import Result
 from viscorod.solve.modes.vibrations import Modes

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import numpy as np
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
-from viscorod.argument_checks import checked
+from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.data_schema import DIMENSION
 from viscorod.results.energy import Energy

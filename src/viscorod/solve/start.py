@@ -8,7 +8,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import model_validator
 
-from viscorod.argument_checks import file_path
+from viscorod.checks import file_path
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import of_kind
 from viscorod.model.fields.metadata import Accepts, Check, Key

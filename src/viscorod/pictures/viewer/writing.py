@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.argument_checks import checked
+from viscorod.checks import checked
 from viscorod.errors import InputError, writing
 from viscorod.pictures.drawing.load_arrows import gravity
 from viscorod.pictures.style import scaled

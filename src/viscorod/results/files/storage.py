@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscorod.argument_checks import checked
+from viscorod.checks import checked
 from viscorod.errors import InputError, reading, writing
 from viscorod.results.files.checksums import FORMAT, require_unchanged, seal, stored_sums
 from viscorod.results.files.checksums import NAME as CHECKSUMS
