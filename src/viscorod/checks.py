@@ -13,16 +13,32 @@ import os
 import reprlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 
 from viscorod.errors import Fault, InputError
+from viscorod.limits import MOST_CHOSEN
 
-__all__ = ["KINDS", "checked", "file_path", "require_callback", "text"]
+__all__ = [
+    "KINDS",
+    "checked",
+    "checked_with",
+    "file_path",
+    "flag",
+    "matrix",
+    "number",
+    "number_of_parts",
+    "numbers",
+    "of_class",
+    "require_callback",
+    "text",
+]
 
 P = ParamSpec("P")
 R = TypeVar("R")
+Kind: TypeAlias = Callable[[str, Any], Any]
+"""Name and value of an argument -> the value that is used; raises ``InputError``."""
 
 _SHORT = reprlib.Repr()
 _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 60, 60, 30
@@ -99,6 +115,14 @@ def whole(name: str, value: Any) -> int:
     return int(value)
 
 
+def number_of_parts(name: str, value: Any) -> int:
+    """Return a number of parts, at least 1."""
+    found = whole(name, value)
+    if not 1 <= found <= MOST_CHOSEN:
+        raise _refused(name, value, "outside what is allowed", f"give a number from 1 to {MOST_CHOSEN}")
+    return found
+
+
 def flag(name: str, value: Any) -> bool:
     """Return a truth value."""
     if not isinstance(value, bool | np.bool_):
@@ -163,7 +187,28 @@ def require_callback(name: str, value: Any, *arguments: Any) -> None:
         ) from None
 
 
-Kind = Callable[[str, Any], Any]
+def matrix(name: str, value: Any) -> np.ndarray:
+    """Return a matrix (6, 6) of finite numbers."""
+    try:
+        found = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        found = np.zeros(0)
+    if found.shape != (6, 6) or not np.isfinite(found).all():
+        raise _refused(name, value, "six rows of six finite numbers are needed here", "give a 6x6 matrix")
+    return found
+
+
+def of_class(*kinds: type) -> Kind:
+    """Return what lets objects of some classes through."""
+
+    def check(name: str, value: Any) -> Any:
+        if not isinstance(value, kinds):
+            words = " or ".join(kind.__name__ for kind in kinds)
+            raise _refused(name, value, f"this is no {words}", f"give a {words}")
+        return value
+
+    return check
+
 
 KINDS: dict[str, Kind] = {
     "path": file_path,
@@ -175,8 +220,12 @@ KINDS: dict[str, Kind] = {
     "quantity": word,
     "kind": word,
     "name": word,
-    "rod": word,
+    "port": word,
+    "frequency_unit": word,
+    "modulus_unit": word,
+    "temperature": number,
     "time": number,
+    "duration": number,
     "level": number,
     "times": numbers,
     "s": numbers,
@@ -200,21 +249,31 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     Raises:
         InputError: an argument has a value of another kind.
     """
-    parameters = inspect.signature(function).parameters
-    order = list(parameters)
-    known = {name: KINDS[name] for name in order if name in KINDS}
-    free = {name for name in known if "None" in str(parameters[name].annotation)}
+    return checked_with()(function)
 
-    def converted(name: str, value: Any) -> Any:
-        return known[name](name, value) if name in known and not (value is None and name in free) else value
 
-    @functools.wraps(function)
-    def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        run: Any = function
-        listed = [converted(name, value) for name, value in zip(order, args, strict=False)]
-        result: R = run(
-            *listed, *args[len(listed) :], **{name: converted(name, v) for name, v in kwargs.items()}
-        )
-        return result
+def checked_with(**more: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Do what ``checked`` does, with kinds for more arguments, or others."""
 
-    return call
+    def decorate(function: Callable[P, R]) -> Callable[P, R]:
+        kinds = KINDS | more
+        parameters = inspect.signature(function).parameters
+        order = list(parameters)
+        free = {name for name in order if "None" in str(parameters[name].annotation)}
+
+        def converted(name: str, value: Any) -> Any:
+            return (
+                kinds[name](name, value) if name in kinds and not (value is None and name in free) else value
+            )
+
+        @functools.wraps(function)
+        def call(*args: P.args, **kwargs: P.kwargs) -> R:
+            run: Any = function
+            listed = [converted(name, value) for name, value in zip(order, args, strict=False)]
+            named = {name: converted(name, value) for name, value in kwargs.items()}
+            result: R = run(*listed, *args[len(listed) :], **named)
+            return result
+
+        return call
+
+    return decorate

@@ -230,6 +230,59 @@ def test_fields_of_descriptions(kind):
             told(kind, **{field: copy.copy(value)})
 
 
+@pytest.mark.parametrize("wrong", WRONG)
+def test_co_simulation(wrong, model):
+    coupled = model.co_simulation(ports=["beam.end"])
+    value = copy.copy(WRONG[wrong])
+    for argument in ("port", "force", "moment"):
+        told(coupled.apply, **{"port": "beam.end", argument: value})
+    for method in (coupled.position, coupled.velocity, coupled.frame, coupled.angular_velocity):
+        told(method, place=value)
+    told(coupled.restore, state=value)
+    if wrong not in ("true", "one", "fraction"):
+        told(coupled.step, duration=value)
+
+
+def usual():
+    """Arguments of functions of ``viscorod.programs`` by their names; any other is a number."""
+    line = vr.Straight([0, 0, 0], [0, 0, 1.0])
+    material = vr.Material(youngs_modulus=1e6, poissons_ratio=0.3, density=1000.0)
+    stiffness = np.eye(6)
+    return {
+        "rod": vr.Rod(line, vr.Rectangle(0.01, 0.01), material),
+        "stations": [0.0, 1.0],
+        "stiffness": stiffness,
+        "damping": 0.1 * stiffness,
+        "law": 0.1 * stiffness,
+        "times": [0.1] * 6,
+        "pieces": 2,
+        "elements": 2,
+        "poissons_ratio": 0.3,
+    }
+
+
+PROGRAMS = [
+    name
+    for name in vr.programs.__all__
+    if callable(getattr(vr.programs, name)) and not inspect.isclass(getattr(vr.programs, name))
+]
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_functions_for_other_programs(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    function = getattr(vr.programs, name)
+    known = usual()
+    needed = {
+        key: known.get(key, 1.0)
+        for key, parameter in inspect.signature(function).parameters.items()
+        if parameter.default is inspect.Parameter.empty
+    }
+    for argument in inspect.signature(function).parameters:
+        for value in WRONG.values():
+            told(function, **{**needed, argument: copy.copy(value)})
+
+
 LEAST = 5e-324
 
 

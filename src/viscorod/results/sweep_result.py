@@ -80,6 +80,10 @@ class Sweep:
     """
 
     def __init__(self, members: Sequence[SweepRun], title: str = "", notes: Sequence[str] = ()) -> None:
+        if not isinstance(members, Sequence) or not all(isinstance(member, SweepRun) for member in members):
+            raise InputError("members: a list of SweepRun is needed here; viscorod.sweep computes one")
+        if not isinstance(notes, Sequence):
+            raise InputError(f"notes: {notes!r}: a list of texts is needed here")
         self.members = tuple(members)
         self.title = title
         self.notes = tuple(notes)
