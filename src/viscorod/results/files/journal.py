@@ -24,6 +24,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError, writing
+from viscorod.results.files.checksums import FORMAT, seal
+from viscorod.results.files.file_tail import write_tail
 from viscorod.results.files.storage import read, write
 
 if TYPE_CHECKING:
@@ -199,6 +201,7 @@ def complete(folder: Path, path: Path, attrs: Mapping[str, Any] | None = None, *
         InputError: the file cannot be written; the journal stays.
     """
     import h5netcdf
+    import h5py
 
     data = contents(folder).assign_attrs(attrs or {})
     along = next(iter(_description(folder)["variables"].values()))["dims"][0]
@@ -210,12 +213,16 @@ def complete(folder: Path, path: Path, attrs: Mapping[str, Any] | None = None, *
     else:
         first = data.isel({along: slice(0, step)}).load()
         write(first, new, unlimited=along, chunk=step)
-        with writing(path), h5netcdf.File(new, "a") as file:
+        with writing(path), h5netcdf.File(new, "a", libver=FORMAT) as file:
             file.resize_dimension(along, count)
             for begin in range(step, count, step):
                 part = slice(begin, min(begin + step, count))
                 for name in _description(folder)["variables"]:
                     file.variables[name][part] = data.variables[name][part].values
+        with writing(path), h5py.File(new, "r+", libver=FORMAT) as stored:
+            seal(stored)
+        with writing(path):
+            write_tail(new)
     new.replace(path)
     if not keep:
         shutil.rmtree(folder, ignore_errors=True)
