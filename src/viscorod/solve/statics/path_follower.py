@@ -151,7 +151,7 @@ class PathFollower(ArcLength):
         if start is None:
             path.outcome = Outcome.SINGULAR
             return
-        at = self.judged(start)
+        at = self.softened(start)
         self._record(at, on_point)
         step = 0.25 * largest
         while path.count < points:
@@ -171,7 +171,7 @@ class PathFollower(ArcLength):
                 continue
             reached = self.judged(reached)
             ended = self._ended(at, reached, step, endings, load_factor)
-            last = ended or reached
+            last = self.softened(ended or reached)
             events = special_points(self, at, last, self.distance(at, last.change))
             if events is None:
                 path.rejected += 1

@@ -283,8 +283,14 @@ class StaticSolver:
 
     def tangent(self, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0) -> Tangent:
         """Return the tangent stiffness at an equilibrium, and the conditions of joints and held strains beside it."""
-        system, supports = self.system, self.supports
         self.restore(state, t, before=before, scale=scale)
+        return self.tangent_here(state, t, before=before, scale=scale)
+
+    def tangent_here(self, state: State, t: float, *, before: bool, scale: float) -> Tangent:
+        """Return the same with the present stress iterate, which may have been carried to a state near by."""
+        system, supports = self.system, self.supports
+        supports.update(t, before, scale)
+        system.constraints.update(t, before, scale)
         system.assemble(state, self.loads.at(t, before, scale), None, tangent=True, moving=False)
         stiffness, basis = supports.reduce_tangent(state, system.residual(), system.matrix)
         gradients = None
