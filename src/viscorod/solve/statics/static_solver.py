@@ -154,9 +154,12 @@ class StaticSolver:
             passed_by = earlier is not None and failed and step < PART * size
             if passed_by and earlier is not None:
                 before_it, trial = earlier
-                trial = trial.copy()
-                reached = at + np.copysign(min(0.5 * abs(at - before_it), abs(stop - at)), stop - at)
-                earlier = None
+                trial, earlier = trial.copy(), None
+                by = 0.5 * abs(at - before_it)
+                if by < smallest_step * size:
+                    continue
+                step = min(step, by)
+                reached = at + np.copysign(min(by, abs(stop - at)), stop - at)
             path.load_level = reached
             path.report = report = self.newton(trial, t, before=before, scale=reached)
             if report.converged and self.turns.jumped(state, trial):
