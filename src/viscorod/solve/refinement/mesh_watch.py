@@ -90,7 +90,9 @@ class MeshWatch:
         chosen |= {int(np.argmax(np.abs(history.instant)))}
 
         def estimated(k: int) -> bool:
-            return self._estimate(history.snapshots[k], Balance(self.finer, factor=history.instant[k], unit=unit))
+            return self._estimate(
+                history.snapshots[k], Balance(self.finer, factor=history.instant[k], unit=unit)
+            )
 
         for k in sorted(chosen):
             beside = (near for near in (k, k - 1, k + 1) if 0 < near <= last)

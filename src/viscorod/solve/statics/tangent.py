@@ -9,6 +9,7 @@ import scipy.linalg
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.typing import Floats
 
 __all__ = ["Tangent", "negative_eigenvalues", "null_vector"]
