@@ -88,15 +88,14 @@ def _softest(inverse: Inverse) -> tuple[Floats, Floats]:
     import scipy.sparse.linalg as spla
 
     if inverse.size <= FULL:
-        found = np.linalg.eigh(inverse.apply(np.eye(inverse.size)))
+        flexible, motions = np.linalg.eigh(inverse.apply(np.eye(inverse.size)))
     else:
         operator = spla.LinearOperator((inverse.size,) * 2, matvec=inverse.apply, dtype=float)
         start = inverse.apply(np.random.default_rng(1).standard_normal(inverse.size))
         try:
-            found = spla.eigsh(operator, COUNT, v0=start, tol=1e-6)
+            flexible, motions = spla.eigsh(operator, COUNT, v0=start, tol=1e-6)
         except spla.ArpackNoConvergence as error:
-            found = error.eigenvalues, error.eigenvectors
-    flexible, motions = found
+            flexible, motions = error.eigenvalues, error.eigenvectors
     order = np.argsort(-np.abs(flexible), kind="stable")[:COUNT]
     order = order[np.abs(flexible[order]) > 0.0]
     return 1.0 / flexible[order], motions[:, order]
