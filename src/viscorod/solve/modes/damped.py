@@ -94,7 +94,8 @@ def _nearest(found: DampedModes, count: int, near: float | None) -> np.ndarray:
 
 def _refined(reduction: _Reduction, found: DampedModes, wanted: np.ndarray) -> DampedModes:
     """Return the same with better roots where residuals are not good."""
-    roots, vectors, residuals = found.roots.copy(), found.vectors.copy(), found.residuals.copy()
+    roots, vectors = found.roots.astype(complex), found.vectors.astype(complex)
+    residuals = found.residuals.copy()
     for k in wanted:
         if not reduction.good < residuals[k]:
             continue
@@ -199,7 +200,7 @@ class _Reduction:
 
     def swinging(self, roots: np.ndarray, vectors: np.ndarray) -> np.ndarray:
         """Return which roots oscillate: those with an imaginary part that is not round-off."""
-        found = np.abs(roots.imag) > REAL * np.abs(roots)
+        found: np.ndarray = np.abs(roots.imag) > REAL * np.abs(roots)
         for k in np.flatnonzero(found):
             found[k] = abs(roots[k]) >= SLOW * self.frequency(vectors[:, k])
         return found
