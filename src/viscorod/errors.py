@@ -8,15 +8,11 @@ from __future__ import annotations
 
 import inspect
 import warnings
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
-__all__ = ["AccuracyWarning", "Fault", "InputError", "SolveError", "users_level", "warn", "writing"]
+__all__ = ["AccuracyWarning", "Fault", "InputError", "SolveError", "users_level", "warn"]
 
 
 @dataclass(frozen=True)
@@ -89,21 +85,6 @@ def users_level() -> int:
     while frame is not None and str(frame.f_globals.get("__name__")).startswith(("viscorod.", "pydantic.")):
         level, frame = level + 1, frame.f_back
     return level - 1
-
-
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Turn what the system says of a place that cannot be written into one message.
-
-    Raises:
-        InputError: the place cannot be written.
-    """
-    try:
-        yield
-    except OSError as error:
-        raise InputError(
-            f"{path} cannot be written ({error.strerror or error}); name another place"
-        ) from None
 
 
 def join_path(prefix: str, path: str) -> str:
