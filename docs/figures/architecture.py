@@ -28,6 +28,7 @@ WORDS = {
     "mechanics": "kernels: arrays in, arrays out",
     "model": "what the user says, validated",
     "checks": "what a value may be",
+    "whole_files": "write, then replace",
     "errors": "faults in words",
     "limits": "largest sizes",
     "typing": "array types",

@@ -16,16 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = [
-    "AccuracyWarning",
-    "Fault",
-    "InputError",
-    "SolveError",
-    "reading",
-    "users_level",
-    "warn",
-    "writing",
-]
+__all__ = ["AccuracyWarning", "Fault", "InputError", "SolveError", "reading", "users_level", "warn"]
 
 
 @dataclass(frozen=True)
@@ -98,21 +89,6 @@ def users_level() -> int:
     while frame is not None and str(frame.f_globals.get("__name__")).startswith(("viscorod.", "pydantic.")):
         level, frame = level + 1, frame.f_back
     return level - 1
-
-
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Turn what the system says of a place that cannot be written into one message.
-
-    Raises:
-        InputError: the place cannot be written.
-    """
-    try:
-        yield
-    except OSError as error:
-        raise InputError(
-            f"{path} cannot be written ({error.strerror or error}); name another place"
-        ) from None
 
 
 @contextmanager

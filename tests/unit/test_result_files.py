@@ -1,5 +1,6 @@
 """What a result file promises: what was written is what is read, and nothing else of the machine is."""
 
+import copy
 import json
 import pickle
 import zlib
@@ -10,7 +11,10 @@ import pytest
 import xarray as xr
 
 import viscorod as vr
+from helpers.damaged_cases import CASES
 from helpers.synthetic_results import rolled_up, swing
+from viscorod.analyses.case_run import as_model
+from viscorod.casefile.case import case_from_dict
 from viscorod.results.files import storage
 from viscorod.results.files.checked_array import CheckedArray, OpenFile
 from viscorod.results.files.checksums import NAME
@@ -332,3 +336,21 @@ def test_parts_of_an_array_are_those_of_the_whole(shape, tmp_path, monkeypatch):
         )
         expected = xr.Variable(data["user"].dims, values)[key].values
         assert np.array_equal(lazy[key].values, expected)
+
+
+def test_a_run_that_went_to_disk_has_checksums_too(tmp_path, monkeypatch):
+    """Written in many pieces, which are not those of the arrays."""
+    monkeypatch.setattr("viscorod.results.files.journal.CHUNK", 2e4)
+    monkeypatch.setattr("viscorod.results.files.pieces_of_arrays.PIECE", 3000)
+    case = copy.deepcopy(CASES["cantilever_swing"])
+    for rod in case["rods"].values():
+        rod |= {"elements": 2, "order": 2}
+    model = as_model(case_from_dict(case).description)
+    run = model.simulate(0.2, output_interval=0.002, folder=tmp_path)
+    with h5py.File(tmp_path / "run.nc") as file:
+        assert file["position"].id.get_num_chunks() > 3
+        assert NAME in file.attrs
+    loaded = vr.load(tmp_path / "run.nc")
+    assert loaded.data.identical(run.data)
+    assert NAME not in loaded.data.attrs
+    assert np.array_equal(loaded.time, 0.002 * np.arange(101))

@@ -53,6 +53,7 @@ class CallOptions:
         stop: asked regularly; a reason that it returns ends the computation.
         folder: where the states of a motion go as they come; None keeps them in memory.
         resume: go on with the motion that was stopped in that folder.
+        anew: begin anew where a motion was stopped in that folder.
         attributes: of the result, beside those that all have, such as the text of its case file.
     """
 
@@ -61,6 +62,7 @@ class CallOptions:
     stop: Callable[[], str] | None = None
     folder: Path | None = None
     resume: bool = False
+    anew: bool = False
     attributes: dict[str, str] = field(default_factory=dict)
 
 
@@ -159,6 +161,11 @@ class SimulateArguments(SimulateSettings, Progressing):
     )
     resume: Annotated[bool, _kept("resume", "True or False", flag)] = Key(
         "go on with the run that was stopped in that folder; model and settings have to be the same",
+        default=False,
+        kw_only=True,
+    )
+    anew: Annotated[bool, _kept("anew", "True or False", flag)] = Key(
+        "remove a run that was stopped in that folder, and begin anew; without this word it is not lost",
         default=False,
         kw_only=True,
     )

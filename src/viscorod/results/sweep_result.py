@@ -184,12 +184,12 @@ class Sweep:
                 for member in self.members
             ],
         }
-        apart = {
+        groups = {
             f"member_{member.number}": member.result.data
             for member in self.members
             if member.result is not None and (self.separate or not member.completed)
         }
-        return write(self.data.assign_attrs(sweep=json.dumps(record, default=_plain)), path, apart)
+        return write(self.data.assign_attrs(sweep=json.dumps(record, default=_plain)), path, groups)
 
     @classmethod
     def of(cls, data: xr.Dataset, path: Path) -> Sweep:

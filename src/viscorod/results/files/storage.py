@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import io
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from viscorod.checks import checked
-from viscorod.errors import InputError, reading, writing
+from viscorod.errors import InputError, reading
 from viscorod.results.files.checksums import FORMAT, require_unchanged, seal, stored_sums
 from viscorod.results.files.checksums import NAME as CHECKSUMS
 from viscorod.results.files.file_tail import require_tail_fits, write_tail
+from viscorod.results.files.hdf5_output import Hdf5Output, hdf5_output, uninterrupted
 from viscorod.results.files.pieces_of_arrays import piece_shape
 from viscorod.results.files.plain_file import require_levels_readable, require_plain, require_written
+from viscorod.whole_files import make_durable, replacing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,6 +30,9 @@ if TYPE_CHECKING:
 
 LARGE = 2.5e8
 """Bytes from which on a file is not read into memory."""
+PIECE = 16e6
+"""Bytes that are written at once."""
+IN_MEMORY = "the result is still in memory: make room, or save it to another place"
 
 
 def write(
@@ -31,55 +40,116 @@ def write(
     path: str | Path,
     groups: Mapping[str, xr.Dataset] | None = None,
     *,
-    unlimited: str | None = None,
-    chunk: int = 0,
+    instead: str = IN_MEMORY,
+    before: Callable[[slice], None] | None = None,
+    piece: float = PIECE,
 ) -> Path:
     """Write a data set to ``path`` as netCDF4, making its folder; returns the path.
 
-    Every piece of an array has a checksum, and the file those of all (``checksums``).
+    The file is written beside ``path`` and replaces it when it is whole and on the disk. Every piece of an array has a
+    checksum, and the file those of all (see ``checksums`` and ``file_tail``).
 
     Args:
-        data: the root of the file; groups: more data sets, by name.
+        data: of the file.
         path: of the file.
-        unlimited: a dimension that can grow afterwards, and is stored in pieces of ``chunk`` places; whoever lets it
-            grow has to ``seal`` the file then.
-        chunk: places in a piece.
+        groups: more data sets, by the names of their groups in the file.
+        instead: what to do if the place cannot be written.
+        before: called with the rows that are written next, of arrays whose rows lie side by side.
+        piece: bytes that are written at once.
 
     Raises:
-        InputError: the place cannot be written.
+        InputError: the place cannot be written; what was there is still there.
     """
+    path, parts = Path(path), {"": data, **(groups or {})}
+    needs = sum(part.nbytes for part in parts.values())
+    with replacing(path, needs=needs, instead=instead) as new:
+        with hdf5_output(new) as output:
+            uninterrupted(partial(_write_parts, output, parts, before, piece), output.abandon)
+        if new.is_file():  # and no device
+            write_tail(new)
+    make_durable(path.parent)
+    return path
+
+
+def packed(data: xr.Dataset) -> bytes:
+    """Return a small data set as the content of a netCDF4 file."""
+    file = io.BytesIO()
+    uninterrupted(partial(_write_parts, file, {"": data}, None, PIECE), lambda: None)
+    return file.getvalue()
+
+
+def _write_parts(
+    output: Hdf5Output | io.BytesIO,
+    parts: Mapping[str, xr.Dataset],
+    before: Callable[[slice], None] | None,
+    piece: float,
+) -> None:
     import h5netcdf
     import h5py
     from xarray.backends import H5NetCDFStore
 
-    path = Path(path)
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with h5py.File(path, "w", libver=FORMAT, track_order=True) as stored:
-            with h5netcdf.File(stored, "w") as file:
-                for name, part in {"": data, **(groups or {})}.items():
-                    store = H5NetCDFStore(file, group=name or None, mode="a")
-                    part.dump_to_store(
-                        store,
-                        encoding=_encoding(part, unlimited, chunk),
-                        unlimited_dims=[unlimited] if unlimited else None,
-                    )
+    check = output.require_written if isinstance(output, Hdf5Output) else None
+    with h5py.File(output, "w", libver=FORMAT, track_order=True) as stored:
+        with h5netcdf.File(stored, "w") as file:
+            for group, data in parts.items():
+                pieces = _Pieces(check, before, piece)
+                store = H5NetCDFStore(file, group=group, mode="a")
+                data.dump_to_store(store, writer=pieces, encoding=_encoding(data))
+                pieces.write_rows()
+        if check is not None:
+            check()
             seal(stored)
-        write_tail(path)
-    return path
 
 
-def _encoding(data: xr.Dataset, unlimited: str | None, chunk: int) -> dict[Any, dict[str, Any]]:
+def _encoding(data: xr.Dataset) -> dict[Any, dict[str, Any]]:
     """Return how the variables of a data set are stored: numbers in pieces, each with a checksum."""
     found: dict[Any, dict[str, Any]] = {}
     for name, variable in data.variables.items():
         found[name] = {"_FillValue": None}  # results hold no gaps to mark
         if variable.size and variable.ndim and variable.dtype.kind in "fiub":
             piece = piece_shape(variable.shape, variable.dtype.itemsize)
-            if unlimited in variable.dims:
-                piece = (chunk, *variable.shape[1:])
             found[name] |= {"chunksizes": piece, "fletcher32": True}
     return found
+
+
+class _Pieces:
+    """Writes arrays piece by piece, so that no more than a piece is held beside them.
+
+    Arrays whose rows lie side by side, as those of a journal, are written together at the end, so that they are read
+    once.
+    """
+
+    def __init__(
+        self, check: Callable[[], None] | None, before: Callable[[slice], None] | None, piece: float
+    ) -> None:
+        self._check, self._before, self._piece = check, before, piece
+        self._rows: list[tuple[np.ndarray, Any]] = []
+
+    def add(self, source: np.ndarray, target: Any) -> None:
+        """Write an array; xarray calls this for each."""
+        if not source.ndim:
+            target[...] = source
+        elif source.flags.c_contiguous:
+            self._write([(source, target)], None)
+        else:
+            self._rows.append((source, target))
+
+    def write_rows(self) -> None:
+        """Write what waits."""
+        if self._rows:
+            self._write(self._rows, self._before)
+
+    def _write(self, pairs: Sequence[tuple[np.ndarray, Any]], before: Callable[[slice], None] | None) -> None:
+        count = len(pairs[0][0])
+        step = max(1, int(self._piece * count // max(1, sum(source.nbytes for source, _ in pairs))))
+        for begin in range(0, count, step):
+            part = slice(begin, min(begin + step, count))
+            if before is not None:
+                before(part)
+            for source, target in pairs:
+                target[part] = source[part]
+            if self._check is not None:
+                self._check()
 
 
 def read(path: str | Path, group: str | None = None) -> xr.Dataset:
@@ -130,11 +200,19 @@ def load(path: str | Path) -> Run | Equilibrium | Steady | Sweep:
     """Open a saved run, equilibrium, steady rotation or sweep; it answers everything that a fresh one does.
 
     Args:
-        path: a file written by ``save``, by ``viscorod run`` or by ``viscorod sweep``.
+        path: a file written by ``save``, by ``viscorod run`` or by ``viscorod sweep``, or the folder of a run. While
+            the run has not ended, the folder gives the states so far.
 
     Raises:
         InputError: no such file, or not a result of viscorod.
     """
+    from viscorod.results.files.stopped_run import result_file, stopped_run
+    from viscorod.results.run import Run
+
+    if Path(path).is_dir():
+        path = result_file(Path(path))
+        if path.is_dir():
+            return Run(stopped_run(path))
     data = read(path)
     if data.attrs.get("kind") == "sweep":
         from viscorod.results.sweep_result import Sweep

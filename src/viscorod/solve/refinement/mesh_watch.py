@@ -100,8 +100,8 @@ class MeshWatch:
 
     def note(self, history: History) -> None:
         """Keep the last recorded state of a motion for :meth:`see_motion`, or some of all evenly, and the first."""
-        if history.instant and history.instant[0] == 0.0:
-            self.start = history.snapshots[0]
+        if history.start is not None:
+            self.start = history.start
         last = history.instant[-1] if history.instant else 0.0
         if last == 0.0 or (self.noted and self.noted[-1][0] == last):
             return
@@ -110,6 +110,18 @@ class MeshWatch:
             self.noted.append((history.instant[-1], history.snapshots[-1]))
             if len(self.noted) == 2 * INSTANTS:  # half as many, twice as far apart
                 self.noted, self._stride = self.noted[1::2], 2 * self._stride
+
+    def notes(self) -> dict[str, Any]:
+        """Return what was noted, for another run of the same problem that goes on from there."""
+        if not self.feasible:
+            return {}
+        return {
+            "noted": self.noted, "start": self.start, "_stride": self._stride, "_count": self._count
+        }  # fmt: skip
+
+    def take_over(self, notes: dict[str, Any]) -> None:
+        """Go on with what another run noted."""
+        vars(self).update(notes)
 
     def phases(self, static: StaticSolver, start: Snapshot, scale: float) -> PhaseDrift:
         """Compare the slowest vibrations about a state at rest under a multiple of the loads at t = 0."""
