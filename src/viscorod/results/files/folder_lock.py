@@ -113,6 +113,7 @@ class FolderLock:
         self._place = folder / FOLDER / LOCK
         self._key = os.path.realpath(folder)
         self._file: IO[bytes] | None = None
+        self._mine = False
 
     def acquire(self) -> None:
         """Lock it.
@@ -130,10 +131,12 @@ class FolderLock:
                 file = os.fdopen(os.open(self._place, os.O_RDWR | os.O_CREAT, 0o666), "r+b", buffering=0)
             except FileNotFoundError:  # the holder before is just tidying up
                 continue
-            if self._lock(file) and not _is_at(file, self._place):
+            self._file = file  # so that it is closed whatever comes
+            locked = self._lock(file)
+            if locked and not _is_at(file, self._place):
                 file.close()
                 continue
-            self._file = file
+            self._mine = True
             with suppress(OSError):
                 file.truncate(0)
                 file.write(f"process {os.getpid()} on {platform.node() or 'this machine'}".encode())
@@ -145,9 +148,10 @@ class FolderLock:
         try:
             _lock(file)
         except (BlockingIOError, PermissionError):
+            holder = b""
             with suppress(OSError):
-                raise self._refused(file.read(200).decode("utf-8", "replace")) from None
-            raise self._refused("") from None
+                holder = file.read(200)
+            raise self._refused(holder.decode("utf-8", "replace")) from None
         except OSError as error:
             warn(
                 f"{self.folder}: this file system has no locks ({error.strerror or error}), so that nothing keeps a "
@@ -164,18 +168,18 @@ class FolderLock:
 
     def release(self) -> None:
         """Unlock it, and remove the file and what is empty then."""
-        if self._file is not None:
-            here = _is_at(self._file, self._place)
+        file = self._file
+        if file is not None and not file.closed:
+            here = self._mine and _is_at(file, self._place)
             if os.name == "nt":  # which removes no open file
-                self._file.close()
+                file.close()
             if here:  # while it is locked, so that nobody has it by then
                 with suppress(OSError):
                     self._place.unlink()
                     self._place.parent.rmdir()
-            if not self._file.closed:
-                _unlock(self._file)
-            self._file.close()
-            self._file = None
+            if self._mine and not file.closed:
+                _unlock(file)
+            file.close()
         with _guard:
             if _held.get(self._key) is self:
                 del _held[self._key]
