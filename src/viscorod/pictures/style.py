@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -129,7 +130,14 @@ def legend_inside(axes: Axes) -> None:
 
 def label_once(axes: Axes, name: str) -> str:
     """Return a name for the legend of an axes, or what hides it where it is there already."""
-    return "_" if name in axes.get_legend_handles_labels()[1] else name
+    seen = _NAMED.setdefault(axes, set())
+    if name not in seen and name in axes.get_legend_handles_labels()[1]:  # which looks at all that is drawn
+        seen.add(name)
+    return "_" if name in seen else name
+
+
+_NAMED: WeakKeyDictionary[Axes, set[str]] = WeakKeyDictionary()
+"""Names that are in the legends of axes."""
 
 
 def heading(axes: Axes, text: str) -> None:
