@@ -214,7 +214,7 @@ def load(path: str | Path) -> Run | Equilibrium | Steady | Sweep:
         if path.is_dir():
             return Run(stopped_run(path))
     data = read(path)
-    if data.attrs.get("kind") == "sweep":
+    if str(data.attrs.get("kind")) == "sweep":  # a damaged one may be an array
         from viscorod.results.sweep_result import Sweep
 
         return Sweep.of(data, Path(path))
