@@ -54,10 +54,10 @@ CASES = {
 def test_sparse_matrices_give_what_full_ones_do(case, monkeypatch):
     """Two solvers against each other: eigenvalues, stability and the rotation itself."""
     make, kind = CASES[case]
-    full = make().steady(**kind, modes=8)
+    full = make().steady(**kind, modes=6)
     for module in (geometric_steady, stability):
         monkeypatch.setattr(module, "FULL", 0)
-    sparse = make().steady(**kind, modes=8)
+    sparse = make().steady(**kind, modes=6)
     assert not any("grow" in text for text in sparse.warnings)
     assert not full.warnings
     assert sparse.data["position"].values == pytest.approx(full.data["position"].values, abs=1e-7)
