@@ -8,11 +8,23 @@ from __future__ import annotations
 
 import inspect
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["AccuracyWarning", "Fault", "InputError", "SolveError", "users_level", "warn"]
+if TYPE_CHECKING:
+    from pathlib import Path
+
+__all__ = [
+    "AccuracyWarning",
+    "Fault",
+    "InputError",
+    "SolveError",
+    "reading",
+    "users_level",
+    "warn",
+]
 
 
 @dataclass(frozen=True)
@@ -87,6 +99,29 @@ def users_level() -> int:
     return level - 1
 
 
+@contextmanager
+def reading(path: Path, what: str = "") -> Iterator[None]:
+    """Turn whatever HDF5 and the libraries above it say of a damaged result into one message.
+
+    Args:
+        path: of the file; what: the part of it that is read.
+
+    Raises:
+        InputError: the file cannot be read.
+    """
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:  # a damaged file brings out errors of every kind
+        part = f"; {what}" if what else ""
+        text = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(
+            f"{path} cannot be read as netCDF4{part}: it is damaged, or another kind of file ({text[:200]}); "
+            "name a run.nc that viscorod wrote, or take another copy of it"
+        ) from None
+
+
 def join_path(prefix: str, path: str) -> str:
     """Return `prefix` and `path` as one key path: ``rods.beam`` + ``section`` -> ``rods.beam.section``."""
     if not prefix or not path:
@@ -96,6 +131,9 @@ def join_path(prefix: str, path: str) -> str:
 
 def _text(problems: tuple[Fault, ...], heading: str) -> str:
     if len(problems) == 1:
-        return f"{heading}: {problems[0]}" if heading else str(problems[0])
-    lines = "".join(f"\n  - {problem}" for problem in problems)
-    return f"{heading + ': ' if heading else ''}{len(problems)} problems{lines}"
+        text = f"{heading}: {problems[0]}" if heading else str(problems[0])
+    else:
+        lines = "".join(f"\n  - {problem}" for problem in problems)
+        text = f"{heading + ': ' if heading else ''}{len(problems)} problems{lines}"
+    # what a user gave may be no text that can be printed: lone surrogates
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")

@@ -91,7 +91,7 @@ def _refined_motion(
     run = analysis(discrete, settings)
     for _ in range(MOST_REPEATS):
         motion, forces = REPEATED * settings.accuracy, np.inf
-        divisions = None if discrete.watch.lost else discrete.watch.refined(motion, forces)
+        divisions = None if discrete.watch.unknown else discrete.watch.refined(motion, forces)
         if divisions is None:
             break
         logging.getLogger("viscorod").info(

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 FORMATS = (".mp4", ".gif")
 MOST_FRAMES = 20_000
 
+_SLOWEST = 1.6e-3  # frames per second: a GIF counts hundredths of a second in two bytes
 _SHORT, _LONG = 2.0, 60.0  # film [s] at true speed
 _USUAL = 10.0  # of one that would be shorter or longer
 _WIDTH, _HEIGHT = 8.0, 6.0
@@ -70,13 +71,19 @@ class Pace:
         if run.time.size < 2:
             raise InputError("this run holds one state only; a film needs two or more")
         if hundredths:
+            if fps < _SLOWEST:
+                raise InputError(
+                    f"fps = {fps!r}: a frame of a .gif lasts 655 s at most; give {_SLOWEST:g} or more"
+                )
             fps = 100.0 / max(2, round(100.0 / fps))
         if speed is None:
             speed = 1.0 if _SHORT <= end - start <= _LONG else _round_number((end - start) / _USUAL)
-        count = math.floor((end - start) * fps / speed * (1.0 + 1e-12) + 1e-9) + 1
+        frames = (end - start) * fps / speed * (1.0 + 1e-12)
+        count = math.floor(frames + 1e-9) + 1 if frames < 1e9 else MOST_FRAMES + 1
         if count > MOST_FRAMES:
             raise InputError(
-                f"{count} frames are too many (at most {MOST_FRAMES}); give a larger speed or fewer frames per second"
+                f"{max(frames, count):.6g} frames are too many (at most {MOST_FRAMES}); "
+                "give a larger speed or fewer frames per second"
             )
         times = np.asarray(start + np.arange(count) * speed / fps, dtype=np.float64)
         return cls(times, fps, speed)

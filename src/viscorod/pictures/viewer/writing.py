@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.pictures.drawing.load_arrows import gravity
 from viscorod.pictures.style import scaled
@@ -44,6 +45,7 @@ _FEWEST = 2
 _TRIES = 6
 
 
+@checked
 def view(
     result: Result | Sweep, path: str | Path, *, frames: int = FRAMES, megabytes: float = MEGABYTES
 ) -> Path:

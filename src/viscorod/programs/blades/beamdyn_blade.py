@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from viscorod.checks import checked, checked_with, of_class
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.symmetry import skew_entry
 from viscorod.programs.blades.blade_text import Lines
@@ -65,6 +66,7 @@ class BeamDynBlade:
         return tuple(check_product(stiffness, self.mu) for stiffness in self.stiffness)
 
 
+@checked
 def read_beamdyn_blade(path: str | Path) -> BeamDynBlade:
     """Read a blade file, of the format with or without the section on modal damping.
 
@@ -125,6 +127,7 @@ def _matrix(lines: Lines, what: str) -> Floats:
     return symmetric_part(matrix)
 
 
+@checked_with(blade=of_class(BeamDynBlade))
 def write_beamdyn_blade_file(blade: BeamDynBlade, path: str | Path, *, modal_section: bool = False) -> Path:
     """Write a blade file with 17 digits, so that reading it gives the same numbers.
 
