@@ -25,7 +25,14 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
 from viscorod.results.result_places import ResultPlace, ResultPlaces
 from viscorod.solve.constraints.redundancy import require_independent
-from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions, undetermined
+from viscorod.solve.constraints.rigid_motions import (
+    MANY,
+    FreeMotion,
+    free_motions,
+    jointed_parts,
+    undetermined,
+    undetermined_of_many,
+)
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State, System
@@ -215,13 +222,18 @@ class DiscreteModel:
         Raises:
             InputError: they do; it names the motion.
         """
-        motions = free_motions(self.problem)
-        if not motions:
+        many = jointed_parts(self.problem) > MANY
+        motions = [] if many else free_motions(self.problem)
+        if not (many or motions):
             return []
         self.system.assemble(State.reference(self.problem), loads, None, tangent=True, moving=False)
         size = 6 * self.problem.size
         stiffness = self.system.matrix.sparse()[:size, :size]
-        loose = undetermined(self.problem, self.system.external, stiffness, motions)
+        found = undetermined_of_many(self.problem, self.system.external, stiffness) if many else None
+        if found is None:
+            motions = motions or free_motions(self.problem)
+            found = undetermined(self.problem, self.system.external, stiffness, motions)
+        loose = found
         if searching and self.system.external.any() and not any(motion.translation for motion in loose):
             return loose
         if loose:
