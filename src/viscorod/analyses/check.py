@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -89,15 +90,16 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
     if isinstance(settings, SteadySettings):
         require_steady(model, problem, settings)
     n = problem.size
-    frequencies, ratios, names, rigid_motions = _first_modes(discrete)
+    first = _first_modes(discrete)
+    frequencies = first.frequencies
     return CheckReport(
         rods=[_rod_row(problem, name, rod) for name, rod in model.rods.items()],
         sections=[row for name, rod in model.rods.items() for row in _section_rows(name, rod)],
         frequencies=frequencies,
-        damping_ratios=ratios,
-        mode_names=names,
-        rigid_motions=rigid_motions,
-        warnings=_doubts(model, problem, frequencies, settled=True),
+        damping_ratios=first.damping_ratios,
+        mode_names=first.names,
+        rigid_motions=first.rigid,
+        warnings=_doubts(model, problem, frequencies, settled=True) + first.warnings,
         nodes=n,
         unknowns=6 * n - int(problem.supports.fixed.sum()),
         bodies=[_body_row(name, body) for name, body in model.bodies.items()],
@@ -116,18 +118,34 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
     )
 
 
-def _first_modes(discrete: DiscreteModel) -> tuple[Floats, Floats, tuple[str, ...], tuple[str, ...]]:
-    """Return frequencies [Hz], damping ratios and names of the first modes of the reference shape, and rigid motions.
+class _FirstModes(NamedTuple):
+    """The first modes of the reference shape: frequencies [Hz], damping ratios, names; rigid motions; doubts."""
 
-    There are none where very many parts are joined: each may have motions of its own without any stiffness.
-    """
+    frequencies: Floats
+    damping_ratios: Floats
+    names: tuple[str, ...]
+    rigid: tuple[str, ...]
+    warnings: list[str]
+
+
+def _first_modes(discrete: DiscreteModel) -> _FirstModes:
+    """Return them; none where very many parts are joined: each may have motions of its own without any stiffness."""
     solver, state = discrete.static, State.reference(discrete.problem)
     if jointed_parts(discrete.problem) > MANY:
-        return np.zeros(0), np.zeros(0), (), ()
+        return _FirstModes(np.zeros(0), np.zeros(0), (), (), [])
     linear = linearise(solver, state, scale=0.0)
     modes = complex_modes(solver, state, linear, MODES + linear.rigid)
-    k = modes.rigid
-    return modes.frequencies[k:], modes.damping_ratios[k:], modes.names[k:], modes.names[:k]
+    k, warnings = modes.rigid, []
+    if k > linear.rigid:
+        warnings.append(
+            "slow motions of the reference shape are free of stiffness, or lost in round-off: nothing resists them, as "
+            "in cables without loads, or stretch is so much stiffer than bending over the whole length that double "
+            "precision keeps no digit of it; look at modes about the equilibrium, where loads stretch the rods, or use "
+            "fewer elements"
+        )
+    return _FirstModes(
+        modes.frequencies[k:], modes.damping_ratios[k:], modes.names[k:], modes.names[:k], warnings
+    )
 
 
 def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
