@@ -133,6 +133,7 @@ def _first_modes(discrete: DiscreteModel) -> _FirstModes:
     solver, state = discrete.static, State.reference(discrete.problem)
     if jointed_parts(discrete.problem) > MANY:
         return _FirstModes(np.zeros(0), np.zeros(0), (), (), [])
+    discrete.announce_modes()
     linear = linearise(solver, state, scale=0.0)
     modes = complex_modes(solver, state, linear, MODES + linear.rigid)
     k, warnings = modes.rigid, []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -59,6 +60,8 @@ IMPOSED = (
 )
 
 
+LARGE = 5000
+"""Nodes from which on modes take more than a second or two."""
 MOST_NAMED = 6
 """Free motions that a message names."""
 
@@ -200,6 +203,13 @@ class DiscreteModel:
         stored = {name: (division.order, division.ends.tolist()) for name, division in divisions.items()}
         attributes = self.attributes | {"divisions": json.dumps(stored)}
         return self._begun(self.model, problem, self.formulation, attributes, self.options)
+
+    def announce_modes(self) -> None:
+        """Say that modes are being found, where that takes more than a few seconds: it shows no progress."""
+        if self.problem.size > LARGE:
+            logging.getLogger("viscorod").warning(
+                "viscorod: finding vibrations of %d nodes, some seconds for every 10 000", self.problem.size
+            )
 
     def require_independent(self) -> None:
         """Refuse conditions that others imply already: joints, held strains and supports that hold the same.

@@ -18,6 +18,7 @@ __all__ = ["modes"]
 def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
     """Find small vibrations, the slowest or those near a frequency; see ``Model.modes``."""
     discrete.require_independent()
+    discrete.announce_modes()
     if isinstance(settings.about, Start):
         state, _ = equilibrium_near(discrete, settings.about)
         linear = vibrations.linearise(discrete.static, state)
