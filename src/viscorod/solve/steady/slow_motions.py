@@ -111,10 +111,7 @@ class QuadraticPencil:
 
     def determinant(self, s: complex) -> float:
         """Return the phase [rad] of the determinant, without the roots of copies."""
-        matrix = sparse.csc_array(self.at(s).astype(complex))
-        factor = factored(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1)
-        odd = _parity(factor.perm_r) * _parity(factor.perm_c) < 0
-        return float(np.angle(factor.U.diagonal()).sum() + np.pi * odd)
+        return factored(self.at(s).astype(complex)).phase
 
 
 @dataclass
@@ -149,32 +146,33 @@ class _Inverse:
         self.pencil, self.shift = pencil, shift
         self.H = sparse.csr_array(shift * pencil.M + pencil.C1)
         self.c = pencil.Z.shape[1]
-        self.factor = factored(
-            sparse.csc_array(pencil.at(shift)), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1
-        )
+        self.factor = factored(pencil.at(shift))
 
-    def _solved(self, top: np.ndarray, bottom: np.ndarray, trans: str) -> tuple[np.ndarray, np.ndarray]:
+    def _solved(
+        self, top: np.ndarray, bottom: np.ndarray, *, transposed: bool = False
+    ) -> tuple[np.ndarray, np.ndarray]:
         both = np.concatenate([top, bottom])
         if np.iscomplexobj(both):
-            found = self.factor.solve(both.real.copy(), trans) + 1j * self.factor.solve(
-                both.imag.copy(), trans
+            real, imaginary = (
+                self.factor.solve(part.copy(), transposed=transposed) for part in (both.real, both.imag)
             )
+            found = real + 1j * imaginary
         else:
-            found = self.factor.solve(both, trans)
+            found = self.factor.solve(both, transposed=transposed)
         return found[: self.pencil.size], found[self.pencil.size :]
 
     def solve(self, f: np.ndarray, g: np.ndarray) -> np.ndarray:
         """Return z with ``(matrix - shift mass) z = (f, g)``."""
         p = self.pencil
         f = p.without_copies(f)
-        y, mu = self._solved(-g - self.H @ f, np.zeros((self.c, *f.shape[1:])), "N")
+        y, mu = self._solved(-g - self.H @ f, np.zeros((self.c, *f.shape[1:])))
         return np.concatenate([y, self.shift * y + p.A @ y + p.Z @ mu + f])
 
     def transposed(self, z: np.ndarray) -> np.ndarray:
         """Return ``(matrix - shift mass)^-T z``."""
         p = self.pencil
         a, b = p.without_copies(z[: p.size]), z[p.size :]
-        t, _ = self._solved(a + self.shift * b + p.A.T @ b, p.Z.T @ b, "T")
+        t, _ = self._solved(a + self.shift * b + p.A.T @ b, p.Z.T @ b, transposed=True)
         return np.concatenate([p.without_copies(b - self.H.T @ t), -t])
 
     def apply(self, z: np.ndarray) -> np.ndarray:
@@ -368,16 +366,3 @@ def _winding(phase: Callable[[float], complex], ends: Floats) -> int | None:
     except SolveError:
         return None
     return round(total / np.pi)
-
-
-def _parity(order: np.ndarray) -> int:
-    """Return the sign of a permutation."""
-    seen, sign = np.zeros(len(order), dtype=bool), 1
-    for first in range(len(order)):
-        place, length = first, 0
-        while not seen[place]:
-            seen[place] = True
-            place, length = int(order[place]), length + 1
-        if length and length % 2 == 0:
-            sign = -sign
-    return sign

@@ -31,7 +31,7 @@ def smallest_solution(matrix: sparse.csr_array, right: Floats) -> Floats:
     random = np.random.default_rng(1)
     columns, rows = (random.standard_normal((size, BORDER)) / np.sqrt(size) for _ in range(2))
     whole = sparse.block_array([[matrix, sparse.csr_array(columns)], [sparse.csr_array(rows.T), None]])
-    factor = factored(sparse.csc_array(whole), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1)
+    factor = factored(whole)
     sides = np.zeros((size + BORDER, 1 + BORDER))
     sides[:size, 0] = right
     sides[size:, 1:] = np.eye(BORDER)
