@@ -222,7 +222,8 @@ class DiscreteModel:
         size = 6 * self.problem.size
         stiffness = self.system.matrix.sparse()[:size, :size]
         loose = undetermined(self.problem, self.system.external, stiffness, motions)
-        if searching and self.system.external.any() and not any(motion.translation for motion in loose):
+        acting = self.system.external.any() or self.supports.moving or bool(self.problem.joints.motions)
+        if searching and acting and not any(motion.translation for motion in loose):
             return loose
         if loose:
             raise unheld(loose)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
 
+from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.modes.linearisation import linearise
 from viscorod.solve.refinement.correction import Balance, corrected
 from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
@@ -96,7 +96,7 @@ class PhaseDrift:
         omega, shapes = self.modes.omega, self.modes.shapes
         if not len(omega):
             return 0.0
-        modal = shapes.T @ sparse.block_diag(list(self.problem.mass), format="csr")
+        modal = shapes.T @ block_diagonal(self.problem.mass)
         reach = np.linalg.norm(shapes.reshape(self.problem.size, 6, -1)[:, :3], axis=1).max(axis=0)
         largest, amplitude = 0.0, np.zeros(len(omega))
         for t, rate in zip(times, rates, strict=True):
