@@ -257,7 +257,7 @@ def _require_closed(discrete: DiscreteModel) -> None:
     """Refuse to start from a reference shape in which joints are open."""
     constraints = discrete.system.constraints
     constraints.update(0.0)
-    gaps = constraints.open_joints(driven=constraints.target)
+    gaps = constraints.open_joints(driven=constraints.driven)
     if gaps:
         raise InputError(
             f"initial = 'reference': joints are open in the reference shape: {', '.join(gaps)}. "

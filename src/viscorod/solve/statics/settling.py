@@ -201,10 +201,10 @@ class Settling:
     def _moves(self) -> tuple[bool, float]:
         """Return whether motions are prescribed or joints are open, and by how much they turn in all [rad]."""
         self._place(1.0)
-        supports, joints = self.supports.target.copy(), self.system.constraints.target.copy()
+        supports, joints = self.supports.target.copy(), self.system.constraints.driven.copy()
         self._place(self.motion)
         supports -= self.supports.target
-        joints -= self.system.constraints.target
+        joints -= self.system.constraints.driven
         turn = max(float(np.abs(supports[:, 3:]).max(initial=0.0)), float(np.abs(joints).max(initial=0.0)))
         return bool(supports.any() or joints.any()), turn
 
