@@ -101,7 +101,8 @@ class Stream(History):
         self.sink.count = self._gone
         self.sink.append(data)
         # all at once: an interrupt comes before that or after it
-        vars(self).update(vars(History()), start=self.start, _gone=self._gone + count, _signs=signs)
+        fresh = vars(History(start=self.start, last=self.last))
+        vars(self).update(fresh, _gone=self._gone + count, _signs=signs)
 
     def contents(self) -> xr.Dataset:
         """Return the data set of all states that have gone, of which there will be no more."""

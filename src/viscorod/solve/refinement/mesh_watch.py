@@ -54,7 +54,7 @@ class MeshWatch:
         self.found = self.lost = 0
         self.noted: list[tuple[float, Snapshot]] = []
         self.start: Snapshot | None = None
-        self._stride, self._count = 1, 0
+        self._stride, self._count, self._seen = 1, 0, 0.0
 
     @cached_property
     def finer(self) -> FinerMesh:
@@ -102,12 +102,12 @@ class MeshWatch:
         """Keep the last recorded state of a motion for :meth:`see_motion`, or some of all evenly, and the first."""
         if history.start is not None:
             self.start = history.start
-        last = history.instant[-1] if history.instant else 0.0
-        if last == 0.0 or (self.noted and self.noted[-1][0] == last):
+        if history.last is None or history.last[0] in (0.0, self._seen):
             return
+        self._seen = history.last[0]
         self._count += 1
         if self._count % self._stride == 0:
-            self.noted.append((history.instant[-1], history.snapshots[-1]))
+            self.noted.append(history.last)
             if len(self.noted) == 2 * INSTANTS:  # half as many, twice as far apart
                 self.noted, self._stride = self.noted[1::2], 2 * self._stride
 
@@ -115,9 +115,7 @@ class MeshWatch:
         """Return what was noted, for another run of the same problem that goes on from there."""
         if not self.feasible:
             return {}
-        return {
-            "noted": self.noted, "start": self.start, "_stride": self._stride, "_count": self._count
-        }  # fmt: skip
+        return {name: vars(self)[name] for name in ("noted", "start", "_stride", "_count", "_seen")}
 
     def take_over(self, notes: dict[str, Any]) -> None:
         """Go on with what another run noted."""
