@@ -59,7 +59,7 @@ DAMAGE = st.tuples(
 
 
 @given(damages=st.lists(DAMAGE, min_size=1, max_size=3))
-@examples(few=8, many=5000)
+@examples(few=5, many=5000)
 def test_damaged_journals_go_on_or_are_refused(base, tmp_path, damages):
     folder = tmp_path / "run"
     shutil.rmtree(folder, ignore_errors=True)
@@ -79,7 +79,7 @@ def test_damaged_journals_go_on_or_are_refused(base, tmp_path, damages):
 
 
 @given(places=st.lists(st.floats(0.0, 1.0), min_size=1, max_size=3))
-@examples(few=3, many=1000)
+@examples(few=1, many=1000)
 def test_interrupted_again_and_again_a_run_goes_on(tmp_path, places):
     runs.whole()
     folder = tmp_path / "run"
@@ -102,7 +102,7 @@ LINES = 6000
 
 
 @given(words=st.lists(st.sampled_from(["run", "resume", "anew"]), min_size=2, max_size=4))
-@examples(few=3, many=500)
+@examples(few=2, many=500)
 def test_several_writers_make_one_run(base, tmp_path, words):
     folder = tmp_path / "run"
     shutil.rmtree(folder, ignore_errors=True)

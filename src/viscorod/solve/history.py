@@ -211,6 +211,8 @@ class History:
     unstable: list[int] = field(default_factory=list)  # negative eigenvalues of the points of a path
     start: Snapshot | None = None
     """The state at 0, if it was recorded here."""
+    last: tuple[float, Snapshot] | None = None
+    """The last instant and state that were recorded here."""
 
     @property
     def count(self) -> int:
@@ -230,7 +232,8 @@ class History:
         self.branches.append(account.branches)
         self.step_size.append(step_size)
         self.iterations.append(iterations)
-        self.instant.append(instant)  # the last, which makes it count
+        self.last = instant, snapshot
+        self.instant.append(instant)  # at the end, which makes it count
 
     def truncate(self, count: int) -> None:
         """Keep the first ``count`` records only."""

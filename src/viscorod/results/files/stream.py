@@ -83,7 +83,7 @@ class Stream(History):
             self.flush()
         super().record(instant, snapshot, account, step_size, iterations)
         if self.count % self._stride == 0:
-            self._samples.append(snapshot)
+            self._samples.append(_own(snapshot))
             if len(self._samples) >= 2 * MOST:  # half as many, twice as far apart
                 self._samples, self._stride = self._samples[::2], 2 * self._stride
 
@@ -101,7 +101,8 @@ class Stream(History):
         self.sink.count = self._gone
         self.sink.append(data)
         # all at once: an interrupt comes before that or after it
-        vars(self).update(vars(History()), start=self.start, _gone=self._gone + count, _signs=signs)
+        fresh = vars(History(start=self.start, last=self.last))
+        vars(self).update(fresh, _gone=self._gone + count, _signs=signs)
 
     def contents(self) -> xr.Dataset:
         """Return the data set of all states that have gone, of which there will be no more."""
@@ -216,6 +217,12 @@ def _require_same(known: Mapping[str, Any], attributes: Mapping[str, str], folde
 def _lines(attrs: Mapping[str, Any]) -> list[str]:
     found = {name: json.loads(str(attrs.get(name, "null"))) for name in ("case", "settings")}
     return json.dumps(found, indent=1).splitlines()
+
+
+def _own(snapshot: Snapshot) -> Snapshot:
+    """Return a copy: the arrays of a snapshot are parts of those of all states of a piece of its step."""
+    fields: dict[str, Any] = {k: v.copy() for k, v in snapshot._asdict().items() if isinstance(v, np.ndarray)}
+    return snapshot._replace(state=snapshot.state.copy(), **fields)
 
 
 def _size(snapshot: Snapshot) -> int:

@@ -109,13 +109,13 @@ class MeshWatch:
         """
         if history.start is not None:
             self.start = history.start
-        last = history.instant[-1] if history.instant else 0.0
-        if last == 0.0 or (self._latest is not None and self._latest[0] == last):
+        last = history.last
+        if last is None or last[0] == 0.0 or (self._latest is not None and self._latest[0] == last[0]):
             return
         self._count += 1
-        self._latest = history.instant[-1], history.snapshots[-1]
+        self._latest = last
         if self._count >= self._next:
-            self.noted = [*self.noted[1 - INSTANTS :], self._latest]
+            self.noted = [*self.noted[1 - INSTANTS :], last]
             self._next = int(GROWTH * self._count) + 1
 
     def notes(self) -> dict[str, Any]:
