@@ -315,3 +315,23 @@ def test_arm_turns_towards_the_pull() -> None:
     model.force("arm.end", (1, 1, 0))
     along = (1.0 + np.sqrt(2.0) / 1e3) / np.sqrt(2.0)
     assert model.equilibrium().position("arm.end") == pytest.approx([along, along, 0.0], abs=1e-8)
+
+
+@pytest.mark.parametrize("bending", [0.0, 1e-3])
+def test_pins_leave_a_tight_string_to_turn_about_itself(bending: float) -> None:
+    """A string between pins that are pulled apart: n/(2 L) sqrt(N L/m), though nothing holds its turn."""
+    section = vr.StiffnessSection(
+        [1e4, 1e4, 1e4, bending, bending, bending], [1.0, 1.0, 1.0, 1e-9, 1e-9, 2e-9]
+    )
+    model = vr.Model()
+    model.add("string", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section))
+    model.pin("string.start")
+    model.pin("string.end", motion={"ux": 0.01})
+    found = model.equilibrium()
+    assert found.reactions.sel(support="string.end", motion="fx") == pytest.approx(100.0, rel=1e-9)
+    assert "rotation about x" in found.found_by
+    modes = model.modes(count=5)
+    speed = np.sqrt(100.0 * 1.01)  # of waves, per length before the pull
+    assert np.count_nonzero(modes.rigid) == 1
+    exact = np.repeat([1, 2], 2) * speed / 2.0 / 1.01
+    np.testing.assert_allclose(modes.frequencies[1:], exact, rtol=5e-4)

@@ -100,3 +100,69 @@ def test_twist_is_judged_like_bending():
         text.startswith("twist times the half width of the section reaches 0.31") for text in found.warnings
     )
     assert not any("twist" in text for text in rubber_rod("clamp", {"rx": 3.0}).equilibrium().warnings)
+
+
+def half_ring(**motion):
+    """Half a ring in the plane x-z between clamps, of which one turns."""
+    section = vr.StiffnessSection([1e6, 1e6, 1e6, 1.0, 1.0, 1.0], [1.0] * 6)
+    model = vr.Model()
+    model.add("ring", vr.Rod.arc((0, 0, 0), (0, 0, 1), (1, 0, 0), 1.0, np.pi, section=section))
+    model.clamp("ring.start")
+    model.clamp("ring.end", motion=motion)
+    return model
+
+
+def test_two_turns_of_a_half_ring_come_undone():
+    """Topology (Dirac's belt): two whole turns about any axis can be undone while the ends stay where they are."""
+    found = half_ring(ry=4.0 * np.pi).equilibrium()
+    assert found.stable
+    assert "settling" in found.found_by
+    assert found.elastic_energy < 1e-12
+    assert np.abs(found.displacement("ring@1.5")).max() < 1e-6
+
+
+def test_turns_of_a_half_ring_less_two_are_the_same():
+    """Independent way: two turns each about y and z, and the same turn of the end less two whole ones by load steps."""
+    turn = 4.0 * np.pi
+    found = half_ring(ry=turn, rz=turn).equilibrium()
+    less = turn - 4.0 * np.pi / np.sqrt(2.0)
+    other = half_ring(ry=less, rz=less).equilibrium(search=False)
+    assert found.stable
+    assert other.stable
+    assert found.elastic_energy == pytest.approx(other.elastic_energy, rel=1e-8)
+    assert found.position("ring@1.5") == pytest.approx(other.position("ring@1.5"), abs=1e-6)
+
+
+@pytest.mark.parametrize("analysis", ["equilibrium", "path"])
+@pytest.mark.parametrize("turn", [2.9, 3.3, 2.0 * np.pi, 2.0 * np.pi + 0.7, 4.0 * np.pi + 1.0])
+def test_motors_of_a_ball_joint_turn_a_rod_by_any_angle(analysis, turn):
+    """Closed form: a rod on a ball joint turns rigidly, by the rotation vector that the three motors make."""
+    axis = np.array([1.0, 2.0, 2.0]) / 3.0
+    section = vr.StiffnessSection([1e4] * 3 + [1.0] * 3, [1.0] * 6)
+    model = vr.Model()
+    model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=2))
+    model.ball("rod.start", "ground", motion=dict(zip(("rx", "ry", "rz"), turn * axis, strict=True)))
+    found = getattr(model, analysis)(
+        **({"load_factors": (0.5, 1.0)} if analysis == "path" else {"load_steps": 2})
+    )
+    for part in (0.5, 1.0):
+        at = int(np.flatnonzero(found.load_factor == part)[-1])
+        c, s = np.cos(part * turn), np.sin(part * turn)
+        end = c * np.eye(3)[0] + s * np.cross(axis, np.eye(3)[0]) + (1.0 - c) * axis[0] * axis
+        assert found.data["position"].values[at, -1] == pytest.approx(end, abs=1e-8)
+        assert found.data["joint_value"].values[at, -3:] == pytest.approx(part * turn * axis, abs=1e-9)
+    assert found.elastic_energy < 1e-12
+
+
+def test_motors_of_a_ball_joint_twist_a_rod_by_whole_turns():
+    """Closed form: the torque ``GJ angle/L``, and the energy."""
+    section = vr.StiffnessSection([1e6] * 3 + [100.0, 100.0, 0.8], [1.0] * 6)
+    model = vr.Model()
+    model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=6))
+    model.clamp("rod.start")
+    model.ball("rod.end", "ground", motion={"rx": 9.0, "ry": 0.0, "rz": 0.0})
+    found = model.equilibrium()
+    assert found.elastic_energy == pytest.approx(0.5 * 0.8 * 9.0**2, rel=1e-9)
+    assert found.data["joint_force"].values[-1, -3:] == pytest.approx([7.2, 0.0, 0.0], abs=1e-8)
+    with pytest.raises(vr.InputError, match="cannot pass half a turn in a motion"):
+        model.simulate(0.1)

@@ -244,7 +244,8 @@ class DiscreteModel:
             motions = motions or free_motions(self.problem)
             found = undetermined(self.problem, self.system.external, stiffness, motions)
         loose = found
-        if searching and self.system.external.any() and not any(motion.translation for motion in loose):
+        acting = self.system.external.any() or self.supports.moving or bool(self.problem.joints.motions)
+        if searching and acting and not any(motion.translation for motion in loose):
             return loose
         if loose:
             raise unheld(loose)

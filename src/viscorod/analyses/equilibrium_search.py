@@ -155,7 +155,7 @@ class Search:
             return f"{count} load step{'s' if count != 1 else ''} from {self.origin}"
         assert self.settling is not None
         if self.loose:
-            why = "loads hold the model in another position only"
+            why = f"supports leave it {named(self.loose)}"
         elif self.steps.outcome is Outcome.COMPLETED:
             why = "load steps ended at an unstable equilibrium"
         else:
@@ -176,7 +176,7 @@ class Search:
                 "sought, because rotations of more than a full turn are prescribed, and rods may pass "
                 "through each other then (search = true seeks one)"
             ]
-        if self.settling is None or self.settling.found:
+        if self.settling is None or self.settling.found or self.stability.unstable == 0:
             return []
         return [
             f"the equilibrium is unstable ({self.stability.unstable} negative eigenvalues), and the search for a "

@@ -8,7 +8,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from viscorod.errors import InputError, writing
+from viscorod.errors import InputError
+from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -84,9 +85,8 @@ def write(picture: Figure, path: str | Path) -> Path:
         raise InputError(
             f"{path}: the suffix {path.suffix!r} is not a picture format; use .{', .'.join(known)}"
         )
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        picture.savefig(path)
+    with replacing(path) as new:
+        picture.savefig(new)
     return path
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -14,6 +15,7 @@ from viscorod.mechanics.elements.internal_force import Elements, ElementWork, Ga
 from viscorod.mechanics.joints.joint_coordinates import ANGLE, DISTANCE, ROTATION, TRANSLATION
 from viscorod.mechanics.joints.joint_forces import joint_forces
 from viscorod.mechanics.joints.joint_tangent import add_joint_tangent
+from viscorod.solve.constraints.ball_motors import LARGEST, BallMotors
 from viscorod.solve.linear.matrix import unit_of
 from viscorod.solve.problem.law_callbacks import NUMBERS, LawCallbacks
 from viscorod.solve.problem.problem import Problem
@@ -23,8 +25,6 @@ if TYPE_CHECKING:
     from viscorod.solve.formulations.system import State
 
 
-LARGEST_TURN = 3.0
-"""Largest rotation vector [rad] of driven ball joints: beyond half a turn the shorter way is the other one."""
 CLOSED = 1e-9
 """Gap of a joint over the length (or in rad) that passes for round-off of the reference shape."""
 
@@ -47,7 +47,8 @@ class Constraints:
         problem: of which they are part; elements: returns all of its elements, called for held strains only.
 
     Attributes:
-        target, target_rate: of held coordinates ``(c,)`` at the time of the last :meth:`update`.
+        driven: where held coordinates are to be ``(c,)`` at the time of the last :meth:`update`.
+        target, target_rate: the same as they are measured, see ``BallMotors``.
         near: values ``(c,)`` that angles are to be near.
         pace: rate [1/s] with the square of which inertia counts in the present matrix.
         reference_gaps: values of held coordinates in the reference shape ``(c,)``.
@@ -57,14 +58,17 @@ class Constraints:
 
     def __init__(self, problem: Problem, elements: Callable[[], Elements]) -> None:
         self.problem = problem
-        self.joints, self.held = problem.joints, problem.held
-        self.arrays = problem.joints.arrays
+        geometry = problem.joints.arrays.geometry.copy()
+        self.joints = replace(problem.joints, arrays=problem.joints.arrays._replace(geometry=geometry))
+        self.held, self.arrays = problem.held, self.joints.arrays
+        self.ball_motors = BallMotors(self.joints, geometry)
         c, places = self.joints.count, 6 * problem.multipliers
         self.pace = 0.0
         self._elements = elements
         self.laws = LawCallbacks(self.joints.laws)
         self.buffer = np.zeros(NUMBERS)
         self.near, self.target, self.target_rate = np.zeros(c), np.zeros(c), np.zeros(c)
+        self.driven = np.zeros(c)
         self.gap, self.scale = np.zeros(places), np.ones(places)
         self.gradients, self.A, self.P = np.zeros((c, 12)), np.zeros((c, 12)), np.zeros((c, 12))
         self.force, self.rate, self.value = np.zeros(c), np.zeros(c), np.zeros(c)
@@ -172,7 +176,7 @@ class Constraints:
     def is_strained(self, reference: State, t: float, *, before: bool = True) -> bool:
         """Return whether open joints, motors away from 0 or springs keep the ``reference`` shape from being at rest."""
         self.update(t, before)
-        if np.abs(self.target).max(initial=0.0) > 0.0 or self.open_joints():
+        if np.abs(self.driven).max(initial=0.0) > 0.0 or self.open_joints():
             return True
         self.add_forces(reference, np.zeros_like(reference.twist))
         return bool(np.any(self.force[~self.is_held] != 0.0))
@@ -190,29 +194,30 @@ class Constraints:
         for c, motion in self.joints.motions:
             self.target[c] += scale * part[c] * motion.value(t, before)
             self.target_rate[c] = scale * motion.rate(t, before)
+        self.driven[:] = self.target
+        self.ball_motors.follow(self.target, self.target_rate)
         self.near[self.is_held] = self.target[self.is_held]
         for joint in self._balls:
             mine = self.joints.joint[self._rotations] == joint
             turn = float(np.linalg.norm(self.target[self._rotations[mine]]))
-            if turn > LARGEST_TURN:
+            if turn > LARGEST:
                 raise InputError(
                     f"joints: the motors of {self.joints.names[joint]} are to turn it by {turn:.3g} rad at "
                     f"t = {t:.6g} s: the rotation vector of a joint that is free to turn all ways cannot pass half a "
-                    "turn; use a joint with one or two axes (revolute, cylindrical, universal), which turn any number "
-                    "of times"
+                    "turn in a motion, nor in statics unless rx, ry and rz are all driven; use a joint with one or two "
+                    "axes (revolute, cylindrical, universal), which turn any number of times"
                 )
 
     @property
     def largest_turn(self) -> float:
-        """Largest rotation [rad] of a motor at the time of the last update, along one coordinate."""
-        return max(
-            (
-                abs(float(self.target[c]))
-                for c, _ in self.joints.motions
-                if self.arrays.kind[c] in (ANGLE, ROTATION)
-            ),
-            default=0.0,
-        )
+        """Largest rotation [rad] of motors at the time of the last update."""
+        turns = [
+            abs(float(self.driven[c]))
+            for c, _ in self.joints.motions
+            if self.arrays.kind[c] in (ANGLE, ROTATION)
+        ]
+        turns += [float(np.linalg.norm(self.driven[mine])) for mine in self.ball_motors.coordinates]
+        return max(turns, default=0.0)
 
     def add_forces(self, state: State, internal: Floats) -> None:
         """Add the forces of joints and springs in a state to ``internal (n, 6)``; measure all coordinates."""
@@ -339,7 +344,9 @@ class Constraints:
 
     def state(self) -> JointState:
         """Return what was measured last."""
-        return JointState(self.value.copy(), self.rate.copy(), -self.force)
+        motors = self.ball_motors
+        values, forces = motors.values(self.value), motors.forces(self.value, self.force)
+        return JointState(values, self.rate.copy(), -forces)
 
     def loss(self, duration: float) -> float:
         """Return the energy [J] lost to dampers since the last call, ``duration`` [s] ago; 0 starts counting anew.

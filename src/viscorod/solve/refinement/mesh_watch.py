@@ -19,6 +19,7 @@ from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
 from viscorod.solve.refinement.mesh_estimate import MeshEstimate, difference
 from viscorod.solve.refinement.phase_drift import PhaseDrift
+from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
@@ -33,7 +34,9 @@ SHARE = 0.5
 ANCHOR = 0.01
 """Part of the squared rate of a motion by which inertia resists errors, which change about as fast as it does."""
 INSTANTS = 6
-"""States of a path or a motion that are looked at, about evenly chosen."""
+"""Points of a path, about evenly chosen, and states of a motion that are looked at."""
+GROWTH, NEAR = 1.5, 0.85
+"""Recorded states from one of these to the next, in parts; nearer than this part to the next the last one is that."""
 
 
 class MeshWatch:
@@ -44,17 +47,18 @@ class MeshWatch:
 
     Attributes:
         estimate: the largest errors of all solutions seen, None before the first.
-        lost: how many solutions had no counterpart on a finer mesh.
+        found, lost: how many solutions had a counterpart on a finer mesh, and how many had none.
         noted: states that a motion passed, with their times [s]; start: the one at t = 0.
     """
 
     def __init__(self, model: ModelDescription, problem: Problem, system: System) -> None:
         self.model, self.problem, self.system = model, problem, system
         self.estimate: MeshEstimate | None = None
-        self.lost = 0
+        self.found = self.lost = 0
         self.noted: list[tuple[float, Snapshot]] = []
         self.start: Snapshot | None = None
-        self._stride, self._count = 1, 0
+        self._count, self._next = 0, 1
+        self._latest: tuple[float, Snapshot] | None = None
 
     @cached_property
     def finer(self) -> FinerMesh:
@@ -80,47 +84,77 @@ class MeshWatch:
     def see_path(self, history: History, unit: float) -> None:
         """Estimate the errors of a path, orthogonally to it; ``unit`` is that of the load factor.
 
-        Looked at are some of its points, the last one and that with the largest load.
+        Looked at are some of its points, the last one and that with the largest load, or one beside them: next to
+        special points the finer mesh is singular elsewhere on the path.
         """
         if not self.feasible or not history.instant:
             return
         last = len(history.instant) - 1
         chosen = {int(k) for k in np.linspace(0, last, INSTANTS).round()} - {0}
         chosen |= {int(np.argmax(np.abs(history.instant)))}
+
+        def estimated(k: int) -> bool:
+            return self._estimate(
+                history.snapshots[k], Balance(self.finer, factor=history.instant[k], unit=unit)
+            )
+
         for k in sorted(chosen):
-            self._compare(history.snapshots[k], Balance(self.finer, factor=history.instant[k], unit=unit))
+            beside = (near for near in (k, k - 1, k + 1) if 0 < near <= last)
+            self._count_in(any(estimated(near) for near in beside))
 
     def note(self, history: History) -> None:
-        """Keep the last recorded state of a motion for :meth:`see_motion`, or some of all evenly, and the first."""
-        if history.instant and history.instant[0] == 0.0:
-            self.start = history.snapshots[0]
+        """Keep some recorded states of a motion for :meth:`see_motion`: the first, the last, early ones more closely.
+
+        Errors of a motion that fades are largest early, those of one that lasts in the end.
+        """
+        if history.start is not None:
+            self.start = history.start
         last = history.instant[-1] if history.instant else 0.0
-        if last == 0.0 or (self.noted and self.noted[-1][0] == last):
+        if last == 0.0 or (self._latest is not None and self._latest[0] == last):
             return
         self._count += 1
-        if self._count % self._stride == 0:
-            self.noted.append((history.instant[-1], history.snapshots[-1]))
-            if len(self.noted) == 2 * INSTANTS:  # half as many, twice as far apart
-                self.noted, self._stride = self.noted[1::2], 2 * self._stride
+        self._latest = history.instant[-1], history.snapshots[-1]
+        if self._count >= self._next:
+            self.noted = [*self.noted[1 - INSTANTS :], self._latest]
+            self._next = int(GROWTH * self._count) + 1
 
-    def phases(self, static: StaticSolver, start: Snapshot, scale: float) -> PhaseDrift:
+    def notes(self) -> dict[str, Any]:
+        """Return what was noted, for another run of the same problem that goes on from there."""
+        if not self.feasible:
+            return {}
+        latest = None if self._latest is None else list(self._latest)
+        return {
+            "noted": self.noted, "start": self.start, "_latest": latest, "_count": self._count, "_next": self._next
+        }  # fmt: skip
+
+    def take_over(self, notes: dict[str, Any]) -> None:
+        """Go on with what another run noted."""
+        vars(self).update(notes)
+
+    def phases(
+        self, static: StaticSolver, start: Snapshot, scale: float, modes: StartModes | None = None
+    ) -> PhaseDrift:
         """Compare the slowest vibrations about a state at rest under a multiple of the loads at t = 0."""
         self.finer.set_prestress(np.zeros_like(start.section_force))
-        return PhaseDrift(self.finer, static, Shape(start.state, start.section_force, _angles(start)), scale)
+        shape = Shape(start.state, start.section_force, _angles(start))
+        return PhaseDrift(self.finer, static, shape, scale, modes)
 
-    def see_motion(self, duration: float, static: StaticSolver, scale: float) -> None:
+    def see_motion(self, duration: float, static: StaticSolver, scale: float, modes: StartModes) -> None:
         """Estimate the errors of the noted states of a motion: of their balance with inertia and viscosity, in time.
 
         Args:
             duration: of the motion [s]; static: solver of its problem.
-            scale: multiple of the loads at t = 0 under which it begins.
+            scale: multiple of the loads at t = 0 under which it begins; modes: small motions about its start.
         """
         if not self.feasible:
             return
-        anchor, times = (np.pi / duration) ** 2, [t for t, _ in self.noted]
-        rates = [self._compare_moving(state, t, before=True, anchor=anchor) for t, state in self.noted]
+        noted = self.noted
+        if self._latest is not None and self._latest[0] > noted[-1][0]:
+            noted = [*noted[: None if self._count > NEAR * self._next else -1], self._latest]
+        anchor, times = (np.pi / duration) ** 2, [t for t, _ in noted]
+        rates = [self._compare_moving(state, t, before=True, anchor=anchor) for t, state in noted]
         if self.estimate is not None and self.start is not None:
-            drift = self.phases(static, self.start, scale)
+            drift = self.phases(static, self.start, scale, modes)
             self.estimate = self.estimate.drifted(drift.gap(times, rates))
 
     def see_steady(self, rotation: Snapshot, spin: float) -> None:
@@ -144,15 +178,28 @@ class MeshWatch:
         return rate
 
     def _compare(self, snapshot: Snapshot, balance: Balance) -> None:
+        self._count_in(self._estimate(snapshot, balance))
+
+    def _count_in(self, found: bool) -> None:
+        """Count a solution that has a counterpart on the finer mesh, or one that has none."""
+        self.found, self.lost = self.found + found, self.lost + (not found)
+
+    def _estimate(self, snapshot: Snapshot, balance: Balance) -> bool:
+        """Take the errors of a state into the estimate; return whether it has a counterpart on the finer mesh."""
         shape = Shape(snapshot.state, snapshot.section_force, _angles(snapshot))
         other = corrected(balance, self.finer.take_over(shape))
         if other is None:
-            self.lost += 1
-            return
+            return False
         found = Shape(other, self.finer.system.gauss_points().section_force, shape.near)
         self.estimate = difference(self.finer, shape, found).joined(self.estimate)
+        return True
 
     # --- what is said
+
+    @property
+    def unknown(self) -> bool:
+        """Whether most of the solutions had no counterpart on a finer mesh."""
+        return self.lost > self.found
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -161,7 +208,7 @@ class MeshWatch:
         if self.estimate is not None:
             found["mesh_errors"] = json.dumps(self.estimate.rods)
             found["mesh_motion_error"], found["mesh_force_error"] = self.estimate.motion, self.estimate.force
-        if self.lost:
+        if self.unknown:
             found["mesh_lost"] = self.lost
         return found
 
@@ -174,8 +221,8 @@ class MeshWatch:
 
     def too_coarse(self, accuracy: float, forces: float | None = None) -> bool:
         """Whether an error is larger than wanted, of ``forces`` by default too, or could not be estimated."""
-        if self.estimate is None or self.lost:
-            return self.lost > 0
+        if self.estimate is None or self.unknown:
+            return self.unknown
         return self.estimate.motion > accuracy or self.estimate.force > (forces or accuracy)
 
     def refined(
@@ -204,7 +251,7 @@ class MeshWatch:
 
     def _marked(self, name: str, division: Division, accuracy: float, forces: float) -> np.ndarray:
         """Return which elements are too large: all, where no solution on a finer mesh was found."""
-        if self.estimate is None or self.lost:
+        if self.estimate is None or self.unknown:
             return np.ones(division.count, dtype=bool)
         errors = self.estimate.of_elements(name)
         too_large = np.zeros(division.count, dtype=bool)

@@ -45,7 +45,7 @@ def begin_stage(static: StaticSolver, stage: Stage, last: Stage | None, t: float
         supports.update(t, before, 1.0)
         constraints.update(t, before, 1.0)
         supports.stage = supports.target.copy(), stage.supports
-        constraints.stage = constraints.target.copy(), stage.motors
+        constraints.stage = constraints.driven.copy(), stage.motors
     else:
         supports.stage = np.zeros_like(stage.supports), stage.supports
         constraints.stage = constraints.stage[0], stage.motors
@@ -59,7 +59,10 @@ def begin_at(static: StaticSolver, stage: Stage, state: State, t: float, before:
     supports.update(t, before, 1.0)
     supports.stage = supports.measured(state), stage.supports
     value, _, _ = constraints.measure(state)
-    constraints.stage = np.where(constraints.is_held, value, 0.0), stage.motors
+    constraints.stage = (
+        np.where(constraints.is_held, constraints.ball_motors.values(value), 0.0),
+        stage.motors,
+    )
     static.loads.stage = stage.loads, stage.loads
 
 

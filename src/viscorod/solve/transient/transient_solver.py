@@ -15,11 +15,15 @@ from viscorod.solve.history import EnergyAccount, History
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.newton import Outcome, interruption
 from viscorod.solve.transient.events import EventWatch
+from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
 from viscorod.solve.transient.saved_state import SavedTree, restore, saved
 from viscorod.solve.transient.step_control import StepControl
 
 MOST_NOTES = 20
+
+AT_ONCE = 32
+"""States within one step that are in memory at once."""
 
 LARGEST_STRAIN = 100.0
 """Shear or stretch beyond which a run is stopped: nothing that means anything comes after it."""
@@ -48,6 +52,7 @@ class TransientResult:
         outcome: COMPLETED or the reason of the last failed step, which happened at ``failed_at`` [s].
         notes: one line per instant at which a step failed.
         reason: why an INTERRUPTED run stopped.
+        between_steps: it stopped after a step, from where it can go on bit for bit; others stop within one.
     """
 
     history: History = field(default_factory=History)
@@ -57,6 +62,7 @@ class TransientResult:
     effort: StepCounts = field(default_factory=StepCounts)
     notes: list[str] = field(default_factory=list)
     reason: str = ""
+    between_steps: bool = False
 
 
 class Transient:
@@ -67,7 +73,7 @@ class Transient:
 
     Args:
         problem: for the corners of its loads; integrator, control: what steps, and how far.
-        place: describes a node in words.
+        place: describes a node in words; halved: tells what steps err by.
     """
 
     def __init__(
@@ -76,8 +82,10 @@ class Transient:
         integrator: Integrator,
         control: StepControl,
         place: Callable[[int], str],
+        halved: HalvedSteps | None = None,
     ) -> None:
         self.problem = problem
+        self.halved = halved
         self.place = place
         self.integrator = integrator
         self.control = control
@@ -157,6 +165,8 @@ class Transient:
     def begin(self, state: State, *, record: bool = True) -> None:
         """Start from ``state`` at t = 0, and record it."""
         integrator, account = self.integrator, self.account
+        if self.halved is not None:
+            self.halved.begin(state, self.duration)
         integrator.start(0.0, state)
         integrator.watch(self.duration)
         account.elastic = integrator.elastic
@@ -173,6 +183,8 @@ class Transient:
         while integrator.t < corner:
             t = integrator.t
             end = control.next_end(t)
+            if self.halved is not None:
+                self.halved.prepare(effort.steps, integrator, end - t)
             report = integrator.attempt(end, before=end == corner)
             effort.iterations += report.iterations
             result.report = report
@@ -186,8 +198,10 @@ class Transient:
                         result.outcome = Outcome.TOO_SMALL
                     return False
                 continue
-            before = self.account.copy()
+            before, began = self.account.copy(), integrator.state
             integrator.accept()
+            if self.halved is not None:
+                self.halved.compare(effort.steps, integrator, began, end - t, left=end == corner)
             if not integrator.strain < LARGEST_STRAIN:
                 result.outcome, result.failed_at = Outcome.BROKEN, end
                 return False
@@ -208,6 +222,7 @@ class Transient:
             reason = self._after_step() if self._after_step is not None else ""
             if reason and end < self.duration:
                 result.outcome, result.reason = Outcome.INTERRUPTED, reason
+                result.between_steps = True
                 return False
         return True
 
@@ -220,18 +235,23 @@ class Transient:
         if stop is not None:
             times = [*(at for at in times if at < stop), stop]
         parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
-        states = integrator.between(np.array(parts)) if parts else []
-        lost = integrator.branch_losses(np.array(parts))
-        for (between, work, loss), at, part, branches in zip(states, times, parts, lost, strict=False):
-            energy = before.between(account, part, between.kinetic, work, loss, branches)
-            history.record(at, between, energy, end - t, iterations)
-        if len(times) > len(states):
+        least = -np.inf
+        for begin in range(0, len(parts), AT_ONCE):
+            some = np.array(parts[begin : begin + AT_ONCE])
+            lost = integrator.branch_losses(some)
+            for number, (between, work, loss) in enumerate(integrator.between(some)):
+                least = max(least, loss)  # interpolation must not give energy back
+                part, at = float(some[number]), times[begin + number]
+                energy = before.between(account, part, between.kinetic, work, least, lost[number])
+                history.record(at, between, energy, end - t, iterations)
+        if len(times) > len(parts):
             history.record(times[-1], integrator.snapshot(), account, end - t, iterations)
 
     def saved(self) -> SavedTree:
         """Return the state from which another run of the same model can go on."""
         parts = (self.integrator, self.control, self.account, self.effort, self.watch)
-        return {"parts": [saved(part) for part in parts], "notes": list(self.notes)}
+        trials = None if self.halved is None else saved(self.halved.trials)
+        return {"parts": [saved(part) for part in parts], "notes": list(self.notes), "trials": trials}
 
     def resume(self, checkpoint: SavedTree) -> None:
         """Put back what :meth:`saved` returned."""
@@ -239,6 +259,8 @@ class Transient:
         for part, tree in zip(parts, checkpoint["parts"], strict=True):
             restore(part, tree)
         self.notes[:] = checkpoint["notes"]
+        if self.halved is not None:
+            restore(self.halved.trials, checkpoint.get("trials"))
         self.integrator.resume()
 
     def _record_times(self, t: float, end: float, output_interval: float | None, final: bool) -> list[float]:

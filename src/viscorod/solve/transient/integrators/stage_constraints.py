@@ -31,6 +31,7 @@ class StageConstraints:
 
     def __init__(self, constraints: Constraints, tableau: Tableau) -> None:
         self.constraints, self.tableau = constraints, tableau
+        constraints.ball_motors.moving = True
         self.arrays = ConstraintArrays.of(constraints, len(tableau.nodes))
         self.drift = 0.0, 0.0
         c = constraints.joints.count
