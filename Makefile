@@ -92,6 +92,7 @@ figures: $(VENV)/.stamp-test
 bench: $(VENV)/.stamp-test
 	$(BIN)/python bench/newton_iteration.py
 	$(BIN)/python bench/model_sizes.py
+	$(BIN)/python bench/large_models.py
 	$(BIN)/python bench/linear_solvers.py
 	$(BIN)/python bench/formulations.py
 	$(BIN)/python bench/assemblies.py

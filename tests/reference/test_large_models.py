@@ -79,11 +79,11 @@ def test_a_cable_of_ten_thousand_elements_is_the_elastic_catenary() -> None:
     assert np.abs(found.reactions.values[0, :3]) == pytest.approx([tension, 0.0, up], rel=1e-6, abs=1e-6 * up)
 
 
-def test_modes_of_ten_thousand_elements_keep_four_digits(caplog) -> None:
+def test_modes_of_ten_thousand_elements_keep_three_digits(caplog) -> None:
     """Euler-Bernoulli cantilever, 200 times longer than thick; Timoshenko's correction there is 1e-4.
 
-    What is compared is the same model with 100 elements: stretch is 2e9 times stiffer than the first bending mode of
-    the whole, so that rounding of 10 000 elements leaves four digits of it.
+    With 100 elements nothing is lost in round-off; with 10 000 it leaves three digits of the first mode and five of the
+    next, as the stiffness of bending grows with the fourth power of its waves.
     """
 
     def frequencies(elements: int) -> np.ndarray:
@@ -99,7 +99,8 @@ def test_modes_of_ten_thousand_elements_keep_four_digits(caplog) -> None:
     assert any("vibrations of 20001 nodes" in message for message in caplog.messages)  # it takes seconds
     assert coarse == pytest.approx(exact, rel=1e-3)
     assert fine == pytest.approx(exact, rel=1e-3)
-    assert fine == pytest.approx(coarse, rel=2e-4)
+    assert fine == pytest.approx(coarse, rel=6e-4)
+    assert fine[2:] == pytest.approx(coarse[2:], rel=1e-5)
 
 
 def test_a_check_says_where_slow_motions_are_lost_in_round_off() -> None:

@@ -9,11 +9,14 @@ import scipy.linalg
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from viscorod.errors import SolveError
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.typing import Floats
 
 __all__ = ["Tangent", "negative_eigenvalues", "null_vector"]
 
+FULL = 10_000
+"""Size up to which all eigenvalues are found where pivots vanish: a full matrix of it takes almost a gigabyte."""
 NEUTRAL = 1e-13
 """Stiffness, as a part of the mean, that a direction without any is given where it would make a pivot vanish."""
 
@@ -42,8 +45,12 @@ def negative_eigenvalues(tangent: Tangent) -> int:
     if tangent.gradients is not None:
         return _beside_conditions(symmetric, tangent.gradients)
     pivots = _pivots(symmetric, "MMD_AT_PLUS_A")
+    if pivots is None and symmetric.shape[0] > FULL:
+        scale = float(np.abs(symmetric.diagonal()).mean())
+        neutral = NEUTRAL * scale * sparse.eye_array(symmetric.shape[0])
+        pivots = _pivots(sparse.csc_array(symmetric + neutral), "MMD_AT_PLUS_A")
     if pivots is None:  # exactly singular: a neutral direction, which is not a negative one
-        return int(np.count_nonzero(scipy.linalg.eigvalsh(symmetric.toarray()) < 0.0))
+        pivots = _all_eigenvalues(symmetric)
     return int(np.count_nonzero(pivots < 0.0))
 
 
@@ -103,15 +110,29 @@ def _beside_conditions(stiffness: sparse.csc_array, gradients: sparse.csr_array)
     place[order] = np.arange(len(order))
     last = np.maximum.reduceat(place[held.indices], held.indptr[:-1])
     rows = np.argsort(np.concatenate([place, last + 0.5]), kind="stable")
-    for neutral in (0.0, NEUTRAL):
+    for neutral in (0.0, NEUTRAL, 1e2 * NEUTRAL):
         stiffness = stiffness + neutral * sparse.eye_array(len(order))
         whole = sparse.csc_array(sparse.block_array([[stiffness, held.T], [held, None]]))
         pivots = _pivots(sparse.csc_array(whole[rows][:, rows]), "NATURAL")
         if pivots is not None:
             break
     else:
-        pivots = scipy.linalg.eigvalsh(whole.toarray())
+        pivots = _all_eigenvalues(whole)
     return int(np.count_nonzero(pivots < 0.0)) - int(held.shape[0])
+
+
+def _all_eigenvalues(matrix: sparse.csc_array) -> np.ndarray:
+    """Return all eigenvalues of a symmetric matrix, by a full one.
+
+    Raises:
+        SolveError: it is too large for that.
+    """
+    if matrix.shape[0] > FULL:
+        raise SolveError(
+            "Stability cannot be told: some motions of this large model have no stiffness at all; hold them, or look "
+            "for parts that nothing holds (viscorod check)"
+        )
+    return np.asarray(scipy.linalg.eigvalsh(matrix.toarray()))
 
 
 def _pivots(matrix: sparse.csc_array, order: str) -> np.ndarray | None:
