@@ -320,7 +320,9 @@ def test_arm_turns_towards_the_pull() -> None:
 @pytest.mark.parametrize("bending", [0.0, 1e-3])
 def test_pins_leave_a_tight_string_to_turn_about_itself(bending: float) -> None:
     """A string between pins that are pulled apart: n/(2 L) sqrt(N L/m), though nothing holds its turn."""
-    section = vr.StiffnessSection([1e4, 1e4, 1e4, bending, bending, bending], [1.0, 1.0, 1.0, 1e-9, 1e-9, 2e-9])
+    section = vr.StiffnessSection(
+        [1e4, 1e4, 1e4, bending, bending, bending], [1.0, 1.0, 1.0, 1e-9, 1e-9, 2e-9]
+    )
     model = vr.Model()
     model.add("string", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section))
     model.pin("string.start")

@@ -7,16 +7,15 @@ import pytest
 from scipy.linalg import expm
 
 from helpers.kernel_parts import from_python
+from viscorod.mechanics.rotations.exponential_map import versine_coefficients, versine_slopes
 from viscorod.mechanics.rotations.nodal_motion import (
     coordinate_rates,
     coordinates,
     extrapolate,
     place,
-    versine_slopes,
 )
 from viscorod.mechanics.rotations.pose_interpolation import hermite, interpolate
 from viscorod.mechanics.rotations.quaternion import matrices
-from viscorod.mechanics.rotations.rotation import versine_coefficients
 
 ANGLES = [0.0, 1e-9, 1e-3, 0.19, 0.21, 1.0, 2.5]
 

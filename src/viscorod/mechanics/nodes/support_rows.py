@@ -19,10 +19,9 @@ import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.nodes.prescribed_motion import step_to_target
+from viscorod.mechanics.rotations.exponential_map import inverse_coefficients
 from viscorod.mechanics.rotations.rotation import (
     add_skew,
-    cross,
-    inverse_coefficients,
     inverse_rotation_tangent,
     relative_rotation,
     rotate,
@@ -30,6 +29,7 @@ from viscorod.mechanics.rotations.rotation import (
     rotation_tangent,
     turned,
 )
+from viscorod.mechanics.rotations.vectors import cross, entries
 from viscorod.typing import Floats, Integers
 
 ROUND_OFF = 1e-9
@@ -131,10 +131,9 @@ def reaction_stiffness(G: Floats, psi: Floats, reaction: Floats, out: Floats) ->
             for j in range(3):
                 m[i] += T[j, i] * G[3 + a, 3 + j] * reaction[3 + a]
     c, slope = inverse_coefficients(psi[0] ** 2 + psi[1] ** 2 + psi[2] ** 2)
-    once = np.empty(3)
-    twice = np.empty(3)
-    cross(psi, m, once)
-    cross(psi, once, twice)
+    turn = entries(psi, 0)
+    once = cross(turn, entries(m, 0))
+    twice = cross(turn, once)
     add_skew(m, 0.5, D)
     add_skew(once, -c, D)
     for i in range(3):

@@ -247,7 +247,7 @@ def try_step(
                     )
                 conserve_energy(elements, strain, strain_rate, strain0, strain1, h, defect, S)
         else:
-            linearised, start, at_points, linear_rate, T_e, F_e, X_e, matrix, side = motion
+            linearised, start, at_points, linear_rate, T_e, F_e, matrix, side = motion
             stage_forces(
                 elements,
                 linearised,
@@ -259,7 +259,6 @@ def try_step(
                 linear_rate,
                 T_e,
                 F_e,
-                X_e,
                 matrix,
                 side,
                 strain,
