@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, lane_kernel, part
-from viscorod.mechanics.elements.internal_force import Elements, scatter
+from viscorod.mechanics.elements.internal_force import Elements, GaussStates, scatter
 from viscorod.mechanics.nodes.attached_poses import attached_twist
 from viscorod.mechanics.rotations.vectors import (
     Vector,
@@ -334,24 +334,21 @@ def forces_at(
 @part
 def stage_forces(
     elements: Elements,
-    linearised: bool,
-    start: Floats,
+    motion: StrainMotion,
     D: Floats,
     h: float,
     twist: Floats,
-    at_points: Floats,
-    linear_rate: Floats,
-    T: Floats,
-    F: Floats,
-    matrix: Floats,
-    right: Floats,
-    strain: Floats,
-    strain_rate: Floats,
-    section_force: Floats,
-    sigma: Floats,
+    points: GaussStates,
     force: Floats,
 ) -> None:
-    """Write strains, the rates of damping, section forces and the forces of ``sigma`` at all stages of a step ``h``."""
+    """Write strains, the rates of damping, section forces and the forces of the stress at all stages of a step.
+
+    Args:
+        D: derivatives from stage values ``(s, s)``; h: step [s]; twist: of all nodes ``(s, n, 6)``.
+        points: outputs ``(s, e, points, 6)``, but for the stress; force: output ``(s, n, 6)``.
+    """
+    linearised, start, at_points, linear_rate, T, F, matrix, right = motion
+    strain, strain_rate, section_force, sigma = points
     interpolate_twists(elements, twist, T, at_points, linear_rate)
     advance_strains(elements, D, h, start, at_points, linear_rate, matrix, right, strain)
     viscous_rates(linearised, strain, at_points, linear_rate, strain_rate)

@@ -15,7 +15,7 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
 from viscorod.solve.transient.integrators.record_kernels import read_between, read_end
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
-from viscorod.solve.transient.integrators.stage_data import Discretisation, StageInputs, Stages
+from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages, SupportMotion
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
@@ -24,7 +24,7 @@ class StepRecorder:
     """Snapshots at the ends of steps and between.
 
     Args:
-        body, given, stages, tableau: of the method; supports: correct what is interpolated where they hold in part.
+        body, motion, stages, tableau: of the method; supports: correct what is interpolated where they hold in part.
         places: where the Gauss points of the results are in the arrays of the stages, flattened.
         stage_constraints: joints, if there are any; solve_real: with the real matrix of the last step.
 
@@ -37,7 +37,7 @@ class StepRecorder:
     def __init__(
         self,
         body: Discretisation,
-        given: StageInputs,
+        motion: SupportMotion,
         stages: Stages,
         tableau: Tableau,
         supports: SupportState,
@@ -45,7 +45,7 @@ class StepRecorder:
         stage_constraints: StageConstraints | None,
         solve_real: Callable[[Floats], Floats],
     ) -> None:
-        self.body, self.given, self.stages, self.tableau = body, given, stages, tableau
+        self.body, self.motion, self.stages, self.tableau = body, motion, stages, tableau
         self.supports = supports
         self._places = places
         self.stage_constraints, self.solve_real = stage_constraints, solve_real
@@ -53,6 +53,7 @@ class StepRecorder:
         self._fields = np.empty((3, len(places), 6))
         self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
         self._reactions = np.zeros(stages.reaction.shape)
+        self._directions = support_kernels.Directions.of(1)
 
     def record_state(
         self, state: State, points: GaussStates, reaction: Floats, kinetic: float, elastic: float
@@ -70,18 +71,15 @@ class StepRecorder:
         """Keep the ``state`` at the start of an accepted step, and reactions at its stages, for states between."""
         self._start = (state, self._fields, self.snapshot.reaction)
         self._joints = self.snapshot.joints
-        b, stages = self.body, self.stages
+        stages = self.stages
         self._reactions = np.empty(stages.reaction.shape)
         support_kernels.reaction_wrenches(
-            b.nodes,
-            b.fixed,
-            b.axes,
-            b.r0,
-            b.q0,
-            self.given.target,
+            self.body.supports,
+            self.motion.target,
             stages.r,
             stages.q,
             stages.reaction,
+            self._directions,
             self._reactions,
         )
 
