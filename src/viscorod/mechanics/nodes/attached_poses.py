@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, lane_kernel, part
@@ -15,7 +17,28 @@ from viscorod.mechanics.rotations.vectors import (
     rotated,
     rotated_back,
 )
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
+
+
+class ElementNodes(NamedTuple):
+    """Nodes of one element: shared node and attachment (or -1) of each, and the poses of all attachments."""
+
+    nodes: Integers
+    links: Integers
+    link_positions: Floats
+    link_quaternions: Floats
+
+
+class PointWrench(NamedTuple):
+    """A wrench inside an element, where the basis has the values ``shape (m,)``.
+
+    Attributes:
+        dead: in global axes ``(6,)`` [N, N m]; following: in the section's axes.
+    """
+
+    shape: Floats
+    dead: Floats
+    following: Floats
 
 
 @kernel

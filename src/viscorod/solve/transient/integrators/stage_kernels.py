@@ -23,6 +23,7 @@ from viscorod.mechanics.compilation.compiled import part
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.nodes import support_rows
 from viscorod.mechanics.nodes.applied_loads import add_nodal_loads, add_station_load
+from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.mechanics.nodes.support_rows import Directions, SupportedNodes
 from viscorod.solve.transient.integrators.stage_data import StageLoads, SupportMotion
 from viscorod.typing import Floats, Integers
@@ -159,13 +160,8 @@ def evaluate_loads(
                 links[k] = element_links[e, k]
                 shape[k] = given_shape[i, load, k]
             add_station_load(
-                nodes,
-                links,
-                link_positions,
-                link_quaternions,
-                shape,
-                point_dead[i, load],
-                point_following[i, load],
+                ElementNodes(nodes, links, link_positions, link_quaternions),
+                PointWrench(shape, point_dead[i, load], point_following[i, load]),
                 r[i],
                 q[i],
                 tangent,

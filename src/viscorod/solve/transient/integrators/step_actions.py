@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from viscorod.mechanics.nodes import applied_loads as loading
+from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
@@ -126,13 +127,13 @@ class StepActions:
             elements, e = body.elements, self.system.element_number(load.part, load.element)
             m = int(elements.order[e]) + 1
             loading.add_station_load(
-                elements.nodes[e, :m],
-                elements.links[e, :m],
-                elements.link_positions,
-                elements.link_quaternions,
-                load.shape,
-                load.dead,
-                load.following,
+                ElementNodes(
+                    elements.nodes[e, :m],
+                    elements.links[e, :m],
+                    elements.link_positions,
+                    elements.link_quaternions,
+                ),
+                PointWrench(load.shape, load.dead, load.following),
                 state.r,
                 state.q,
                 tangent,

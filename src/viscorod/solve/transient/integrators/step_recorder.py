@@ -8,12 +8,17 @@ import numpy as np
 
 from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.nodes import support_rows as support_kernels
-from viscorod.mechanics.rotations.pose_interpolation import interpolate
+from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
-from viscorod.solve.transient.integrators.record_kernels import read_between, read_end
+from viscorod.solve.transient.integrators.record_kernels import (
+    ResultFields,
+    StageFields,
+    read_between,
+    read_end,
+)
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages, SupportMotion
 from viscorod.solve.transient.integrators.tableau import Tableau
@@ -138,21 +143,14 @@ class StepRecorder:
         read_between(
             parts,
             h,
-            tableau.values,
-            tableau.integrals,
-            start,
-            stages.strain,
-            stages.strain_rate,
-            stages.stress,
+            tableau,
+            ResultFields(start, start_reaction),
+            StageFields(stages.strain, stages.strain_rate, stages.stress, self._reactions, powers),
             self._places,
-            start_reaction,
-            self._reactions,
-            powers,
             whole_loss,
             self.body.mass,
             twist,
-            points,
-            reaction,
+            ResultFields(points, reaction),
             energies,
         )
         kinetic, work, loss = energies.tolist()
@@ -185,14 +183,8 @@ def interpolate_states(
     interpolate(
         parts,
         h,
-        old.r,
-        old.q,
-        old.twist,
-        old_rate,
-        new.r,
-        new.q,
-        new.twist,
-        new_rate,
+        MovingPoses(old.r, old.q, old.twist, old_rate),
+        MovingPoses(new.r, new.q, new.twist, new_rate),
         split,
         with_rates,
         r,
