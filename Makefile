@@ -22,7 +22,7 @@ help:
 	@echo "make test   all checks and all tests"
 	@echo "make coverage  tests of kernels in pure Python: how many lines of the mechanics they reach"
 	@echo "make search property tests with new random examples"
-	@echo "make fuzz   10 000 damaged versions of every shipped case, checked and computed for some steps (hours)"
+	@echo "make fuzz   10 000 damaged versions of every shipped case, 1000 of every kind of result, damaged journals, interrupts (hours)"
 	@echo "make check  ruff, mypy, import contracts, documentation with warnings as errors"
 	@echo "make honest 1000 random models by default against refined solutions: how many are wrong without a word (an hour)"
 	@echo "make docs   documentation in docs/_build/html"
@@ -77,7 +77,7 @@ search: $(VENV)/.stamp-test
 	$(PYTEST) tests/property --hypothesis-profile=search
 
 fuzz: $(VENV)/.stamp-test
-	$(PYTEST) tests/property/test_fuzz_runs.py --hypothesis-profile=fuzz
+	$(PYTEST) tests/property/test_fuzz_runs.py tests/property/test_fuzz_journals.py tests/property/test_damaged_results.py --hypothesis-profile=fuzz
 
 honest: $(VENV)/.stamp-test
 	PYTHONPATH=tests $(BIN)/python -m honesty --workers $(WORKERS)

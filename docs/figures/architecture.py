@@ -5,6 +5,7 @@ python docs/figures/architecture.py
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections import Counter
 from pathlib import Path
@@ -26,6 +27,8 @@ WORDS = {
     "solve": "mesh, formulations, statics, motion, modes, steady rotations",
     "mechanics": "kernels: arrays in, arrays out",
     "model": "what the user says, validated",
+    "checks": "what a value may be",
+    "whole_files": "write, then replace",
     "errors": "faults in words",
     "limits": "largest sizes",
     "typing": "array types",
@@ -38,7 +41,7 @@ def contract() -> list[list[str]]:
     """The rungs of the import contract, from above."""
     with (ROOT / "pyproject.toml").open("rb") as file:
         layers = tomllib.load(file)["tool"]["importlinter"]["contracts"][0]["layers"]
-    return [[wing.strip().removeprefix("viscorod.") for wing in rung.split("|")] for rung in layers]
+    return [[wing.strip().removeprefix("viscorod.") for wing in re.split("[|:]", rung)] for rung in layers]
 
 
 def imports() -> tuple[Counter[tuple[str, str]], Counter[tuple[str, str]], set[str]]:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["AccuracyWarning", "Fault", "InputError", "SolveError", "users_level", "warn", "writing"]
+__all__ = ["AccuracyWarning", "Fault", "InputError", "SolveError", "reading", "users_level", "warn"]
 
 
 @dataclass(frozen=True)
@@ -92,17 +92,25 @@ def users_level() -> int:
 
 
 @contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Turn what the system says of a place that cannot be written into one message.
+def reading(path: Path, what: str = "") -> Iterator[None]:
+    """Turn whatever HDF5 and the libraries above it say of a damaged result into one message.
+
+    Args:
+        path: of the file; what: the part of it that is read.
 
     Raises:
-        InputError: the place cannot be written.
+        InputError: the file cannot be read.
     """
     try:
         yield
-    except OSError as error:
+    except InputError:
+        raise
+    except Exception as error:  # a damaged file brings out errors of every kind
+        part = f"; {what}" if what else ""
+        text = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
-            f"{path} cannot be written ({error.strerror or error}); name another place"
+            f"{path} cannot be read as netCDF4{part}: it is damaged, or another kind of file ({text[:200]}); "
+            "name a run.nc that viscorod wrote, or take another copy of it"
         ) from None
 
 
@@ -115,6 +123,9 @@ def join_path(prefix: str, path: str) -> str:
 
 def _text(problems: tuple[Fault, ...], heading: str) -> str:
     if len(problems) == 1:
-        return f"{heading}: {problems[0]}" if heading else str(problems[0])
-    lines = "".join(f"\n  - {problem}" for problem in problems)
-    return f"{heading + ': ' if heading else ''}{len(problems)} problems{lines}"
+        text = f"{heading}: {problems[0]}" if heading else str(problems[0])
+    else:
+        lines = "".join(f"\n  - {problem}" for problem in problems)
+        text = f"{heading + ': ' if heading else ''}{len(problems)} problems{lines}"
+    # what a user gave may be no text that can be printed: lone surrogates
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")

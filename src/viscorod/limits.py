@@ -1,7 +1,8 @@
 """Largest sizes: a file that needs more is refused before anything is allocated.
 
 Case files and results may come from elsewhere. Nothing in them is executed; these limits keep them from filling memory
-or disk, or running for years. They concern files only, what is built in Python has no limits but those of the machine.
+or disk, or running for years. They concern files only, what is built in Python has no limits but those of the machine
+and of numbers in double precision.
 """
 
 from __future__ import annotations
@@ -21,9 +22,15 @@ MOST_RECORDED = 100e9
 LONGEST = 30 * 86_400.0
 """Seconds of computing, by the lowest estimate."""
 LARGEST_RESULT = 200e9
-"""Bytes of one variable of a result file as its dimensions declare it."""
+"""Bytes of all arrays of a result file as their shapes declare them."""
 MOST_DECLARED = 1000
-"""Bytes declared per byte of a result file; stored states compress to a tenth at most."""
+"""The same per byte of the file; stored states compress to a tenth at most."""
+MOST_PARTS = 500_000
+"""Arrays and groups of a result file: a sweep of 10 000 members that are kept apart has 300 000."""
+LARGEST_NUMBER = 1e60
+"""Size of a quantity in SI units: products of several leave double precision beyond it."""
+SMALLEST_NUMBER = 1e-60
+"""The same of one that is not 0: its inverse, or a quotient, leaves double precision below it."""
 
 NODE_BYTES = 22e3
 """Memory for a node in statics: measured with 100 000 nodes in elements of order 5."""

@@ -259,24 +259,26 @@ def test_modes_of_a_given_mesh_tell_their_errors():
     assert np.all((ratio > 1 / 3) & (ratio < 3))
 
 
-def test_a_path_tells_the_error_of_its_mesh():
+@pytest.mark.parametrize("part", [0.45, 0.5])
+def test_a_path_tells_the_error_of_its_mesh(part):
     """Refinement: the same loads, far past a limit point, on an arch; the estimate is orthogonal to the path.
 
-    The load is beside the middle: a symmetric arch has branches, on which two meshes may end differently."""
+    With the load in the middle the arch is symmetric, and passes bifurcations."""
 
     def arch(**mesh):
         section = vr.StiffnessSection([1e6, 1e6, 1e6, 1.0, 1.0, 1.0], [1.0] * 6)
         model = vr.Model()
         model.add(
-            "arch", vr.Rod.arc((0, 0, 0), (0.8, 0, 0.6), (0.6, 0, -0.8), 1.0, 1.287, section=section, **mesh)
+            "arch", vr.Rod.arc((0, 0, 0), (0.8, 0, 0.6), (0.6, 0, -0.8), 1.0, length, section=section, **mesh)
         )
         model.clamp("arch.start")
         model.clamp("arch.end")
-        place = f"arch@{0.45 * model.rods['arch'].length!r}"
+        place = f"arch@{part * model.rods['arch'].length!r}"
         model.force(place, (0, 0, -40.0))
         return model.path(place=place, axis="z", displacement=-0.2)
 
-    fine, length = arch(elements=12, order=6), 1.287
+    length = 2.0 * np.arctan(0.75)
+    fine = arch(elements=12, order=6)
     last = along(fine, "arch", length)[-1:]
     assert len(fine.limit_points)
     for elements, order in ((4, 3), (6, 3), (2, 5)):

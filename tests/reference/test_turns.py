@@ -100,3 +100,34 @@ def test_twist_is_judged_like_bending():
         text.startswith("twist times the half width of the section reaches 0.31") for text in found.warnings
     )
     assert not any("twist" in text for text in rubber_rod("clamp", {"rx": 3.0}).equilibrium().warnings)
+
+
+def half_ring(**motion):
+    """Half a ring in the plane x-z between clamps, of which one turns."""
+    section = vr.StiffnessSection([1e6, 1e6, 1e6, 1.0, 1.0, 1.0], [1.0] * 6)
+    model = vr.Model()
+    model.add("ring", vr.Rod.arc((0, 0, 0), (0, 0, 1), (1, 0, 0), 1.0, np.pi, section=section))
+    model.clamp("ring.start")
+    model.clamp("ring.end", motion=motion)
+    return model
+
+
+def test_two_turns_of_a_half_ring_come_undone():
+    """Topology (Dirac's belt): two whole turns about any axis can be undone while the ends stay where they are."""
+    found = half_ring(ry=4.0 * np.pi).equilibrium()
+    assert found.stable
+    assert "settling" in found.found_by
+    assert found.elastic_energy < 1e-12
+    assert np.abs(found.displacement("ring@1.5")).max() < 1e-6
+
+
+def test_turns_of_a_half_ring_less_two_are_the_same():
+    """Independent way: two turns each about y and z, and the same turn of the end less two whole ones by load steps."""
+    turn = 4.0 * np.pi
+    found = half_ring(ry=turn, rz=turn).equilibrium()
+    less = turn - 4.0 * np.pi / np.sqrt(2.0)
+    other = half_ring(ry=less, rz=less).equilibrium(search=False)
+    assert found.stable
+    assert other.stable
+    assert found.elastic_energy == pytest.approx(other.elastic_energy, rel=1e-8)
+    assert found.position("ring@1.5") == pytest.approx(other.position("ring@1.5"), abs=1e-6)

@@ -77,3 +77,56 @@ def test_iteration_ends_where_stiffnesses_differ_by_many_digits():
         rod.pop("elements")
     report = check(DiscreteModel.of(case_from_dict(content).description))
     assert np.isfinite(report.frequencies).all()
+
+
+@pytest.mark.parametrize("elements", [None, 3, 9, 15])
+def test_relaxation_does_not_pass_for_modes(elements: int | None) -> None:
+    """s^2 + w^2 (1 + g s tau/(1 + s tau)) = 0 for every undamped w: the third root of each crowds at -1/tau.
+
+    The rod is stiff beside 1/tau, and a following moment makes its stiffness unsymmetric: round-off gives the crowd
+    imaginary parts.
+    """
+    g, tau = 0.15, 0.35
+
+    def modes(damping: vr.Prony | None) -> np.ndarray:
+        steel = vr.Material(2e11, 0.3, 7850.0, damping=damping)
+        model = vr.Model()
+        start, end = (8.0, 0, 0), (0, 8.0, 0)
+        arc = {"section": vr.Circle(0.05), "material": steel, "elements": elements}
+        arc |= {} if elements is None else {"order": 6}
+        model.add("arc", vr.Rod.arc(start, end, (-8.0, 0, 0), 8.0, np.pi / 3, **arc))
+        model.clamp("arc.start")
+        model.moment("arc.end", (0, 0, 5.0), following=True)
+        return model.modes(8).eigenvalues
+
+    undamped = np.abs(modes(None))
+    found = modes(vr.Prony(shear_ratios=(g,), shear_times=(tau,), constant="poissons_ratio"))
+    for s, w in zip(found, undamped, strict=True):
+        roots = np.roots([tau, 1.0, w**2 * tau * (1.0 + g), w**2])
+        exact = roots[np.argmax(roots.imag)]
+        assert s == pytest.approx(exact, rel=2e-4 if elements == 3 else 2e-5)
+
+
+@pytest.mark.parametrize("elements", [4, 12])
+def test_overdamped_crowd_does_not_pass_for_slow_modes(elements: int) -> None:
+    """s^2 + tau w^2 s + w^2 = 0: of the crowd at -1/tau each root belongs to a fast mode and is listed as one."""
+    tau = 1e-3
+
+    def modes(damping: vr.KelvinVoigt | None) -> np.ndarray:
+        steel = vr.Material(2e11, 0.3, 7850.0, damping=damping)
+        model = vr.Model()
+        section = vr.Annulus(0.012, 0.01)
+        helix = {"section": section, "material": steel, "elements": elements, "order": 5}
+        model.add("tube", vr.Rod.helix(0.03, 0.04, 1.2, **helix))
+        model.clamp("tube.start")
+        model.moment("tube.end", (0, 0, 0.5), following=True)
+        return model.modes(9).eigenvalues
+
+    exact: list[complex] = []
+    for w in np.abs(modes(None)):
+        half = 0.5 * tau * w**2
+        fast = -half - np.sqrt(complex(half**2 - w**2))
+        exact += [w**2 / fast, fast] if half > w else [fast.conjugate()]
+    for s in modes(vr.KelvinVoigt(tau, tau)):
+        nearest = exact.pop(int(np.argmin(np.abs(np.array(exact) - s))))
+        assert abs(s - nearest) < 1e-4 * abs(nearest)  # the small load's own stiffness is not damped

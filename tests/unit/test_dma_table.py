@@ -143,7 +143,7 @@ def test_files_that_are_none(tmp_path, monkeypatch):
         read_dma_table(tmp_path / "absent.csv")
     with pytest.raises(InputError, match="no such file"):
         read_dma_table(tmp_path)
-    with pytest.raises(InputError, match=r"no such file|cannot be read"):
+    with pytest.raises(InputError, match="no file can have this name"):
         read_dma_table("\0")
     with pytest.raises(InputError, match=r"no such file|cannot be read"):
         read_dma_table("y" * 5000)

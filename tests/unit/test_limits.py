@@ -1,6 +1,7 @@
 """Files from elsewhere: nothing in them is executed, and what asks for too much is refused before it is allocated."""
 
 import copy
+import io
 import json
 import pickle
 import tracemalloc
@@ -17,7 +18,8 @@ from viscorod.casefile.case import case_from_dict, load_case
 from viscorod.errors import InputError, SolveError
 from viscorod.limits import DEEPEST_NESTING
 from viscorod.model.materials.dma_table import read_dma_table
-from viscorod.results.files.journal import checkpoint, fields_of
+from viscorod.results.files.journal import checkpoint, contents
+from viscorod.results.files.sealed_file import IDENTITY, write_sealed
 from viscorod.results.files.storage import load
 
 
@@ -130,17 +132,19 @@ def test_pickles_are_not_read(read, tmp_path):
 
 
 def test_checkpoints_hold_no_objects(tmp_path):
-    np.savez(tmp_path / "checkpoint.npz", text=np.array([Bomb()], dtype=object))
+    file = io.BytesIO()
+    np.savez(file, text=np.array([Bomb()], dtype=object))
+    write_sealed(tmp_path / "checkpoint.npz", file.getvalue(), bytes(IDENTITY))
     with pytest.raises(InputError):
         checkpoint(tmp_path)
 
 
 @pytest.mark.parametrize("fields", [[["a", "O", []]], [], [["a", "not a type", []]], 3])
-def test_journals_hold_no_objects(fields, tmp_path, monkeypatch):
-    monkeypatch.setattr("viscorod.results.files.journal._FIELDS", "fields.json")
-    (tmp_path / "fields.json").write_text(json.dumps({"fields": fields}), encoding="utf-8")
+def test_journals_hold_no_objects(fields, tmp_path):
+    told = {"fields": fields, "variables": {"a": {}} if fields else {}}
+    write_sealed(tmp_path / "states.json", json.dumps(told).encode(), bytes(IDENTITY))
     with pytest.raises(InputError, match="plain numbers"):
-        fields_of(tmp_path)
+        contents(tmp_path)
 
 
 def test_absurd_dimensions_are_refused_before_they_are_allocated(tmp_path):

@@ -141,8 +141,8 @@ def test_as_a_table():
         (lambda: straight("square"), "Rod.section", "a section is needed"),
         (
             lambda: Rod.straight((0, 0, 0), (1e-300, 0, 0), section=SQUARE, material=STEEL),
-            "Rod",
-            "no usable shape",
+            "Straight.end[0]",
+            "smaller than any quantity",
         ),
         (lambda: straight(SQUARE, elements=0), "Rod.elements", "from 1"),
         (lambda: straight(SQUARE, elements=2.0), "Rod.elements", "whole number"),

@@ -275,7 +275,7 @@ def test_bodies_have_motion_only():
     ("ask", "message"),
     [
         (lambda run: run.probe("rod.end", 2.5), r"time = 2\.5 s lies outside the run, which covers 0 to 2 s"),
-        (lambda run: run.probe("rod.end", np.nan), "lies outside the run"),
+        (lambda run: run.probe("rod.end", np.nan), "a finite number is needed"),
         (lambda run: run.probe("rod.end", []), "give one time"),
         (lambda run: run.probe([]), "at least one place"),
         (lambda run: run.probe("rod"), "not a place on it"),

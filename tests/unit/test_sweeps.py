@@ -1,6 +1,7 @@
 """Sweeps: values land where they should, members are the single runs, failures stay where they are."""
 
 import copy
+import multiprocessing
 import os
 import signal
 import tomllib
@@ -250,6 +251,21 @@ def test_interruption_keeps_what_there_is(case, workers):
     assert sweep.members[0].result.time.size >= 1
     assert sweep.members[-1].outcome == "not run"
     assert signal.getsignal(signal.SIGINT) is handler
+
+
+@pytest.mark.slow
+def test_a_process_that_is_killed_costs_nothing(case):
+    """As where memory runs out: the system kills one process of a sweep that runs."""
+    killed = []
+
+    def kill_once(done):
+        if done > 0.0 and not killed:
+            killed.append(multiprocessing.active_children()[0].pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    sweep = vr.sweep(case, {SHEAR: [0.01, 0.02, 0.03]}, workers=2, progress=kill_once)
+    assert killed
+    assert [member.outcome for member in sweep.members] == ["completed"] * 3
 
 
 def test_command_line(case, tmp_path, monkeypatch):

@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import Annotated, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
 from viscorod.analyses.one_thread import one_blas_thread
+from viscorod.checks import file_path, flag, require_callback, text
 from viscorod.errors import InputError
 from viscorod.model.fields.arguments import given
-from viscorod.model.fields.definition import Definition
-from viscorod.model.fields.metadata import Accepts, Key
+from viscorod.model.fields.definition import Definition, RefusedError
+from viscorod.model.fields.metadata import Check, Key
 from viscorod.solve.settings import (
     CoSimulationSettings,
     EquilibriumSettings,
@@ -52,6 +53,7 @@ class CallOptions:
         stop: asked regularly; a reason that it returns ends the computation.
         folder: where the states of a motion go as they come; None keeps them in memory.
         resume: go on with the motion that was stopped in that folder.
+        anew: begin anew where a motion was stopped in that folder.
         attributes: of the result, beside those that all have, such as the text of its case file.
     """
 
@@ -60,6 +62,7 @@ class CallOptions:
     stop: Callable[[], str] | None = None
     folder: Path | None = None
     resume: bool = False
+    anew: bool = False
     attributes: dict[str, str] = field(default_factory=dict)
 
 
@@ -69,10 +72,41 @@ M = TypeVar("M")
 R = TypeVar("R")
 
 
+def _kept(name: str, words: str, kind: Callable[[str, Any], Any]) -> Check[Any]:
+    """Return the check of an argument that accompanies a call; it stands in no case file."""
+
+    def read(value: Any) -> Any:
+        try:
+            return kind(name, value)
+        except InputError as error:
+            fault = error.problems[0]
+            raise RefusedError(fault.why, fault.instead, found=fault.found) from None
+
+    return Check(None, words, read=read)
+
+
+def _stop(name: str, value: Any) -> Any:
+    if value is not None:
+        require_callback(name, value)
+    return value
+
+
+def _progress(name: str, value: Any) -> Any:
+    if value is not None:
+        require_callback(name, value, 0.0, 0.0)
+    return value
+
+
+def _folder(name: str, value: Any) -> Path | None:
+    return None if value is None else file_path(name, value)
+
+
 class Titled(Definition):
     """Arguments of every analysis."""
 
-    title: Annotated[str, Accepts(None, "text")] = Key("kept with the result", default="", kw_only=True)
+    title: Annotated[str, _kept("title", "text", text)] = Key(
+        "kept with the result", default="", kw_only=True
+    )
 
     @property
     def options(self) -> CallOptions:
@@ -91,7 +125,7 @@ _ACCOMPANYING = frozenset(CallOptions.__dataclass_fields__)
 class Watched(Titled):
     """Arguments of analyses that can be stopped between steps or iterations."""
 
-    stop: Annotated[Callable[[], str] | None, Accepts(None, "a function")] = Key(
+    stop: Annotated[Callable[[], str] | None, _kept("stop", "a function", _stop)] = Key(
         "called in every step or iteration; a reason that it returns ends the computation, which keeps what it has",
         default=None,
         kw_only=True,
@@ -101,7 +135,7 @@ class Watched(Titled):
 class Progressing(Watched):
     """Arguments of analyses that report their progress."""
 
-    progress: Annotated[Progress | None, Accepts(None, "a function")] = Key(
+    progress: Annotated[Progress | None, _kept("progress", "a function", _progress)] = Key(
         "called after every step with the time [s] or load factor that was reached, and the size of the step",
         default=None,
         kw_only=True,
@@ -119,14 +153,19 @@ class PathArguments(PathSettings, Progressing):
 class SimulateArguments(SimulateSettings, Progressing):
     """Arguments of ``Model.simulate``."""
 
-    folder: Annotated[Path | None, Accepts(None, "a path")] = Key(
+    folder: Annotated[Path | None, _kept("folder", "a path", _folder)] = Key(
         "where the states go as they come, so that memory stays bounded and a run that is stopped can go on; "
         "``run.nc`` is there in the end. Without it everything stays in memory",
         default=None,
         kw_only=True,
     )
-    resume: Annotated[bool, Accepts(None, "True or False")] = Key(
+    resume: Annotated[bool, _kept("resume", "True or False", flag)] = Key(
         "go on with the run that was stopped in that folder; model and settings have to be the same",
+        default=False,
+        kw_only=True,
+    )
+    anew: Annotated[bool, _kept("anew", "True or False", flag)] = Key(
+        "remove a run that was stopped in that folder, and begin anew; without this word it is not lost",
         default=False,
         kw_only=True,
     )

@@ -56,6 +56,7 @@ def run_case(
     folder: str | Path | None = None,
     doubts: Sequence[str] = (),
     resume: bool = False,
+    anew: bool = False,
     stop: Callable[[], str] | None = None,
 ) -> Run | Equilibrium | Steady:
     """Run the analysis of a case file.
@@ -64,7 +65,7 @@ def run_case(
         case: the content of the file.
         discrete: its discretised model, if it is there already.
         progress: see ``Model.simulate``.
-        folder, resume: of a motion, see there.
+        folder, resume, anew: of a motion, see there.
         doubts: warnings that the result is to keep.
         stop: called after every step of a motion, in every iteration of other analyses; a reason that it returns ends
             it.
@@ -75,6 +76,7 @@ def run_case(
         progress=progress,
         folder=None if folder is None else Path(folder),
         resume=resume,
+        anew=anew,
         stop=stop,
     )
     discrete = discrete.renewed(options, {"doubts": json.dumps(list(doubts))})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -13,7 +12,9 @@ from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.motion import described, initial_state, stepping
 from viscorod.analyses.provenance import provenance
+from viscorod.checks import checked
 from viscorod.errors import InputError, SolveError
+from viscorod.limits import SMALLEST_NUMBER
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.model.actions.time_table import FunctionOfTime
 from viscorod.model.description.model_description import ModelDescription
@@ -93,6 +94,7 @@ class CoSimulation:
 
     # --- in
 
+    @checked
     def apply(
         self,
         port: str,
@@ -109,7 +111,7 @@ class CoSimulation:
             raise InputError(f"{port!r} is not a port of this co-simulation; the ports are: {known}")
         try:
             wrench = np.concatenate([np.asarray(force, dtype=float), np.asarray(moment, dtype=float)])
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             wrench = np.zeros(0)
         if wrench.shape != (6,) or not np.isfinite(wrench).all():
             raise InputError(
@@ -120,14 +122,15 @@ class CoSimulation:
 
     # --- on
 
+    @checked
     def step(self, duration: float) -> None:
         """Go on by ``duration`` [s] > 0.
 
         Raises:
             InputError: no such duration. SolveError: the motion could not be followed; ``run`` holds it up to there.
         """
-        if not (isinstance(duration, int | float | np.number) and 0.0 < duration < math.inf):
-            raise InputError(f"duration = {duration!r}: give a time > 0, s")
+        if duration < SMALLEST_NUMBER or self.time + duration == self.time:
+            raise InputError(f"duration = {duration!r}: give a time > 0, s, that changes t = {self.time:g} s")
         transient, control = self._transient, self._transient.control
         if isinstance(control, ErrorControl):
             control.duration = float(duration)  # of which the smallest step is a part
@@ -155,19 +158,23 @@ class CoSimulation:
 
     # --- out
 
+    @checked
     def position(self, place: str) -> Floats:
         """Return the position of a place (3,) [m], global axes."""
         return self._at(place, 0)
 
+    @checked
     def velocity(self, place: str) -> Floats:
         """Return the velocity of a place (3,) [m/s], global axes."""
         return self._at(place, 2)
 
+    @checked
     def frame(self, place: str) -> Floats:
         """Return the directions d1, d2, d3 of a place (columns) in global axes (3, 3)."""
         quaternions = self._fields()[1]
         return np.asarray(matrices(self._place_at(place).rotation(quaternions)[None])[0])
 
+    @checked
     def angular_velocity(self, place: str) -> Floats:
         """Return the angular velocity of a place (3,) [rad/s], global axes."""
         return np.asarray(self.frame(place) @ self._at(place, 3))
@@ -195,7 +202,13 @@ class CoSimulation:
         return self._transient.saved(), values, self._changed, history.count
 
     def restore(self, state: SavedTree) -> None:
-        """Come back to a state that :meth:`saved` returned; what was recorded since then is forgotten."""
+        """Come back to a state that :meth:`saved` returned; what was recorded since then is forgotten.
+
+        Raises:
+            InputError: it is none of this co-simulation.
+        """
+        if not (isinstance(state, tuple) and len(state) == 4 and isinstance(state[1], dict)):
+            raise InputError(f"state: {type(state).__name__}: give back what saved() returned")
         tree, values, self._changed, count = state
         self._transient.resume(tree)
         for port, wrench in values.items():

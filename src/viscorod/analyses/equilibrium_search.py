@@ -176,7 +176,7 @@ class Search:
                 "sought, because rotations of more than a full turn are prescribed, and rods may pass "
                 "through each other then (search = true seeks one)"
             ]
-        if self.settling is None or self.settling.found:
+        if self.settling is None or self.settling.found or self.stability.unstable == 0:
             return []
         return [
             f"the equilibrium is unstable ({self.stability.unstable} negative eigenvalues), and the search for a "

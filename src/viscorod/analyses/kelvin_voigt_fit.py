@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.values import numbers
@@ -105,6 +106,7 @@ class KelvinVoigtFit:
         return write(draw_fit(self), path)
 
 
+@checked
 def kelvin_voigt_fit(
     material: Material | RelaxationModulus,
     band: Sequence[float] | None = None,

@@ -17,6 +17,7 @@ from viscorod.analyses.call_arguments import (
     SteadyArguments,
     takes,
 )
+from viscorod.checks import checked
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings import ModesSettings
 
@@ -130,6 +131,7 @@ class Model(ModelDescription):
 
         return refined_modes(modes, DiscreteModel.of(self), settings)
 
+    @checked
     def draw(self, path: str | Path, title: str = "") -> Path:
         """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.
 

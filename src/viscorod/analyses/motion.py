@@ -19,9 +19,9 @@ from viscorod.model.actions.event import Crossing, Decayed
 from viscorod.model.actions.time_table import TimeTable
 from viscorod.results.data_schema import AXES, annotated
 from viscorod.results.dataset import dataset
-from viscorod.results.files.journal import contents
+from viscorod.results.files.gathered import Gathered
 from viscorod.results.files.storage import read
-from viscorod.results.files.stream import Stream
+from viscorod.results.files.stream import JournalStream, Stream
 from viscorod.results.result_warnings import energy_doubt
 from viscorod.results.run import Run
 from viscorod.solve.formulations.system import State
@@ -44,6 +44,7 @@ from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.solve.transient.motion_scale import PART_OF_MOTION, PartOfMotion, Tolerance
 from viscorod.solve.transient.pose_check import pose_gap
+from viscorod.solve.transient.saved_state import restore, saved
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
 from viscorod.solve.transient.time_step import choose_time_step
 from viscorod.solve.transient.transient_solver import Transient
@@ -65,22 +66,27 @@ STEPS_PER_PERIOD = 6
 def motion(discrete: DiscreteModel, settings: SimulateSettings) -> Run:
     """Compute a motion from t = 0 on; see ``Model.simulate``."""
     options = discrete.options
-    if options.resume and options.folder is None:
-        raise InputError("resume: give the folder of the run that is to go on")
     labels = discrete.attributes | {"settings": json.dumps(settings.to_dict())}
+
+    def build(history: History) -> xr.Dataset:
+        data = dataset("simulate", discrete.problem, discrete.system.gauss_positions(), history, labels)
+        return annotated(data, "simulate")
+
     if options.folder is None:
-        return _motion(discrete, settings, labels, None)
-    stream = Stream(folder=options.folder, about=labels, resuming=options.resume)
+        return _motion(discrete, settings, labels, Stream(Gathered(), build))
+    stream = JournalStream(options.folder, build, labels, resume=options.resume)
     try:
+        if stream.doubt:
+            warn(stream.doubt)
         return _motion(discrete, settings, labels, stream)
     finally:
         stream.journal.close()
 
 
 def _motion(
-    discrete: DiscreteModel, settings: SimulateSettings, labels: dict[str, str], stream: Stream | None
+    discrete: DiscreteModel, settings: SimulateSettings, labels: dict[str, str], stream: Stream
 ) -> Run:
-    """Compute a motion, whose states go to a stream as they come; without one they stay in memory.
+    """Compute a motion, whose states go to a stream as they come.
 
     Args:
         labels: attributes that are known before it begins.
@@ -92,31 +98,35 @@ def _motion(
     transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)
     began = time.perf_counter()
 
-    def build(history: History) -> xr.Dataset:
-        data = dataset("simulate", discrete.problem, discrete.system.gauss_positions(), history, labels)
-        return annotated(data, "simulate")
+    written = stream if isinstance(stream, JournalStream) else None
+    begun = None if written is None else written.checkpoint
+
+    def resumable() -> dict[str, Any]:
+        return {"motion": transient.saved(), "watch": saved(discrete.watch.notes())}
 
     def after_step() -> str:
-        discrete.watch.note(transient.result.history)
-        if stream is not None:
-            stream.after_step(build, transient.saved)
+        discrete.watch.note(stream)
+        if written is not None:
+            written.after_step(resumable)
         return "" if options.stop is None else options.stop()
 
+    if begun is not None:
+        discrete.watch.take_over(restore({}, begun["watch"]))
     result = transient.run(
         state,
         settings.duration,
         output_interval=settings.output_interval,
         progress=options.progress,
         history=stream,
-        checkpoint=None if stream is None else stream.checkpoint,
+        checkpoint=None if begun is None else begun["motion"],
         after_step=after_step,
         watch=EventWatch(monitors(discrete, settings, state)),
     )
     interrupted = result.outcome is Outcome.INTERRUPTED
-    if stream is not None and interrupted:
-        if stream.broken:
-            raise InputError(result.reason)
-        stream.save(build, transient.saved)
+    if written is not None and written.broken:
+        raise InputError(result.reason)
+    if written is not None and result.between_steps:
+        written.save(resumable)
     attrs = (
         labels
         | chosen
@@ -131,16 +141,17 @@ def _motion(
         attrs |= discrete.watch.attributes
     attrs["message"] = message = failure(discrete, transient)
     _tell(attrs, _blows(discrete.problem))
-    if stream is None:
-        run = Run(discrete.data_set("simulate", result.history, attrs)())
+    stream.flush()
+    if written is None:
+        run = Run(stream.contents().assign_attrs(discrete.complete(attrs)))
         if not interrupted:
             _tell(run.data.attrs, energy_doubt(run.data))
     else:
         # a motion that was streamed is a file then, with a journal beside it where it can still go on
-        stream.flush(build)
+        _keep(attrs, written.doubt)
         if not interrupted:
-            _tell(attrs, energy_doubt(contents(stream.journal.folder).assign_attrs(attrs)))
-        run = Run(read(stream.finish(discrete.complete(attrs), keep=interrupted)))
+            _tell(attrs, energy_doubt(written.contents().assign_attrs(attrs)))
+        run = Run(read(written.finish(discrete.complete(attrs), keep=interrupted)))
     if message:
         raise SolveError(message, run)
     return run
@@ -149,8 +160,14 @@ def _motion(
 def _tell(attrs: dict[str, Any], doubt: str) -> None:
     """Keep a doubt among the warnings of a result, and show it."""
     if doubt:
-        attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), doubt])
+        _keep(attrs, doubt)
         warn(doubt)
+
+
+def _keep(attrs: dict[str, Any], doubt: str) -> None:
+    """Keep a doubt, which has been shown, among the warnings of a result."""
+    if doubt:
+        attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), doubt])
 
 
 def _blows(problem: Problem) -> str:

@@ -76,6 +76,7 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         "bifurcations": json.dumps(path.bifurcations),
         "multiplicity": json.dumps(path.multiplicity),
         "flutter_points": json.dumps(path.flutter),
+        "parting": json.dumps(path.parting),
     }
     discrete.watch.see_path(history, abs(settings.target or 1.0))
     attrs |= discrete.watch.attributes

@@ -14,6 +14,8 @@ import numpy as np
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
 from viscorod.errors import InputError, SolveError
+from viscorod.results.files.folder_lock import claimed
+from viscorod.results.files.journal import FOLDER, about
 from viscorod.results.run import Run
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
@@ -68,29 +70,43 @@ def refined_motion(
     If its estimated error is still more than ``REPEATED`` times what is wanted, it is computed again on a finer mesh.
     """
     options = discrete.options
-    if options.resume and options.folder is not None:
-        discrete = _resumed(discrete, options.folder)
-    else:
-        discrete = _prepared(discrete, settings)
+    if options.folder is None:
+        if options.resume or options.anew:
+            raise InputError(
+                f"{'resume' if options.resume else 'anew'}: give the folder of the run that was stopped"
+            )
+        return _refined_motion(analysis, _prepared(discrete, settings), settings)
+    if options.resume and options.anew:
+        raise InputError("resume and anew: a run goes on or begins anew; give one of them")
+    with claimed(options.folder, resume=options.resume, anew=options.anew):
+        discrete = _resumed(discrete, options.folder) if options.resume else _prepared(discrete, settings)
+        return _refined_motion(analysis, discrete, settings)
+
+
+def _refined_motion(
+    analysis: Callable[[DiscreteModel, SimulateSettings], Run],
+    discrete: DiscreteModel,
+    settings: SimulateSettings,
+) -> Run:
     run = analysis(discrete, settings)
     for _ in range(MOST_REPEATS):
         motion, forces = REPEATED * settings.accuracy, np.inf
-        divisions = None if discrete.watch.lost else discrete.watch.refined(motion, forces)
+        divisions = None if discrete.watch.unknown else discrete.watch.refined(motion, forces)
         if divisions is None:
             break
         logging.getLogger("viscorod").info(
             "viscorod: the mesh is too coarse for this motion; again on a finer one"
         )
         discrete = discrete.on_mesh(divisions)
+        if discrete.options.resume:  # what was stopped is complete
+            discrete = discrete.renewed(replace(discrete.options, resume=False), {})
         run = analysis(discrete, settings)
     return run
 
 
 def _resumed(discrete: DiscreteModel, folder: Path) -> DiscreteModel:
     """Return the model on the mesh with which the motion in a folder began."""
-    from viscorod.results.files.journal import FOLDER, contents
-
-    stored = json.loads(str(contents(folder / FOLDER).attrs.get("divisions", "{}")))
+    stored = json.loads(str(about(folder / FOLDER).get("divisions", "{}")))
     if not stored:
         return discrete
     return discrete.on_mesh({name: Division(order, np.array(ends)) for name, (order, ends) in stored.items()})

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import copy
-import multiprocessing
 import os
 import re
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeAlias
 
 from viscorod.analyses.case_run import run_case
+from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, Found, in_parallel
 from viscorod.casefile.case import Case, case_from_dict, load_case
 from viscorod.casefile.case_reader import TABLES
+from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.fields.definition import did_you_mean, show, some_of
 from viscorod.results.sweep_result import Sweep, SweepRun
@@ -30,8 +29,6 @@ Progress: TypeAlias = Callable[[float], None]
 
 OUTPUTS = 200
 """Stored states of a run whose case gives no output_interval."""
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-_POLL = 0.1  # seconds between two looks at the workers
 _KEY = re.compile(r"(?:^|\.)(?P<word>[\w-]+)|\[(?P<index>\d+)\]")
 
 
@@ -65,6 +62,8 @@ def sweep(
     """
     if not isinstance(case, Case):
         case = load_case(case)
+    if progress is not None:
+        require_callback("progress", progress, 0.0)
     rows = _rows(values)
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
         raise InputError(Fault("workers", show(workers), "a whole number of at least 1 is needed", "give 2"))
@@ -72,7 +71,9 @@ def sweep(
     jobs = [(content, case.title, case.source) for content in contents]
     count = min(workers or os.cpu_count() or 1, len(jobs))
     with _stopping() as stop:
-        found = _alone(jobs, stop, progress) if count == 1 else _parallel(jobs, count, stop, progress)
+        found = (
+            _alone(jobs, stop, progress) if count == 1 else in_parallel(_compute, jobs, count, stop, progress)
+        )
         stopped = stop.is_set()
     members = [SweepRun(k, row, *parts) for k, (row, parts) in enumerate(zip(rows, found, strict=True))]
     result = Sweep(members, case.title, notes)
@@ -99,6 +100,8 @@ def _rows(values: Values) -> list[dict[str, Any]]:
                 raise InputError(Fault(key, found, why, "give every key one value per member"))
         rows = [{key: column[k] for key, column in columns.items()} for k in range(count)]
     else:
+        if not isinstance(values, Sequence) or not all(isinstance(row, Mapping) for row in values):
+            raise InputError(Fault("values", show(values), "keys with their values are needed here", advice))
         rows = [{str(key): _plain(value) for key, value in row.items()} for row in values]
         for k, row in enumerate(rows):
             if list(row) != list(rows[0]):
@@ -175,16 +178,17 @@ def _put(content: dict[str, Any], key: str, value: Any) -> None:
 
 
 Job: TypeAlias = tuple[Mapping[str, Any], str, Path | None]
-Found: TypeAlias = tuple[Any, str, str]
-"""Result (or None), message and outcome of a member."""
-UNTOUCHED: Found = (None, "the sweep was stopped before it", "not run")
-
 
 STOPPED = "the sweep was stopped"
 
 
-def _compute(job: Job, progress: Callable[[float, float], None], stopped: Callable[[], bool]) -> Found:
+def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool]) -> Found:
     """Do one member; whatever goes wrong is recorded, not raised."""
+    total = _total(job)
+
+    def progress(reached: float, _step: float) -> None:
+        tell(min(reached / total, 1.0))
+
     content, title, source = job
     try:
         case = case_from_dict({"title": title, **content}, source)
@@ -201,7 +205,7 @@ def _compute(job: Job, progress: Callable[[float, float], None], stopped: Callab
     except KeyboardInterrupt:
         return None, "interrupted from the keyboard", "interrupted"
     except Exception as error:  # one member's defect must not cost the others their results
-        return None, f"{type(error).__name__}: {error}", "failed"
+        return None, f"{type(error).__name__}: {error}", FAILED
 
 
 def _total(job: Job) -> float:
@@ -212,88 +216,13 @@ def _alone(jobs: Sequence[Job], stop: threading.Event, progress: Progress | None
     """Compute one member after the other, in this process."""
     found: list[Found] = []
     for k, job in enumerate(jobs):
-        total = _total(job)
 
-        def on_step(reached: float, _step: float, *, k: int = k, total: float = total) -> None:
+        def tell(part: float, *, k: int = k) -> None:
             if progress is not None:
-                progress(k + min(reached / total, 1.0))
+                progress(k + part)
 
-        found.append(UNTOUCHED if stop.is_set() else _compute(job, on_step, stop.is_set))
+        found.append(UNTOUCHED if stop.is_set() else _compute(job, tell, stop.is_set))
     return found
-
-
-def _parallel(
-    jobs: Sequence[Job], workers: int, stop: threading.Event, progress: Progress | None
-) -> list[Found]:
-    """Return all members on several processes, each with one thread."""
-    context = multiprocessing.get_context("spawn")
-    cells = context.Array("d", len(jobs) + 1, lock=False)  # how far each member is; the last one stops all
-    with ProcessPoolExecutor(workers, context, _prepare, (cells,)) as pool:
-        with _one_thread_each():
-            futures = [pool.submit(_work, k, job) for k, job in enumerate(jobs)]
-        pending = set(futures)
-        while pending:
-            _, pending = wait(pending, timeout=_POLL)
-            if stop.is_set():
-                cells[len(jobs)] = 1.0
-                for future in pending:
-                    future.cancel()
-            elif progress is not None:
-                done = (1.0 if future.done() else cells[k] for k, future in enumerate(futures))
-                progress(sum(done))
-    found = [_outcome(future) for future in futures]
-    if all(not f.cancelled() and isinstance(f.exception(), BrokenProcessPool) for f in futures):
-        raise InputError(
-            "sweep: no worker process could be started; in a script, call it under "
-            'if __name__ == "__main__":, or compute in one process with workers = 1'
-        )
-    return found
-
-
-_shared: list[Any] = []  # in a worker: the array of how far the members are
-
-
-def _prepare(cells: Any) -> None:
-    """Set up a worker: the parent alone answers the keyboard."""
-    _shared[:] = [cells]
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _work(k: int, job: Job) -> Found:
-    total = _total(job)
-    cells = _shared[0]
-
-    def stopped() -> bool:
-        return bool(cells[len(cells) - 1])
-
-    def on_step(reached: float, _step: float) -> None:
-        cells[k] = min(reached / total, 1.0)
-
-    return UNTOUCHED if stopped() else _compute(job, on_step, stopped)
-
-
-def _outcome(future: Future[Found]) -> Found:
-    if future.cancelled():
-        return UNTOUCHED
-    error = future.exception()
-    if error is not None:
-        return None, f"its process ended without a result ({error})", "failed"
-    return future.result()
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Let processes that start here use one thread each: there are as many of them as processors."""
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
 
 
 @contextmanager

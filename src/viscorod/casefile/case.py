@@ -13,6 +13,7 @@ from viscorod.casefile.case_reader import ANALYSES, CaseReader
 from viscorod.casefile.sizes import size_problems, too_deep
 from viscorod.casefile.unit_conversion import converted
 from viscorod.casefile.units import Conversion
+from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
 from viscorod.limits import DEEPEST_NESTING, LARGEST_CASE
 from viscorod.model.description.model_description import ModelDescription
@@ -60,6 +61,7 @@ class Case:
         return {"title": self.title, **self.description.to_dict(), self.kind: self.settings.to_dict()}
 
 
+@checked
 def load_case(path: str | Path) -> Case:
     """Read a case file.
 

@@ -9,7 +9,8 @@ from typing import Annotated
 import typer
 
 from viscorod.cli.terminal import readable_errors
-from viscorod.errors import InputError, writing
+from viscorod.errors import InputError
+from viscorod.whole_files import replacing
 
 __all__ = ["example"]
 
@@ -41,7 +42,6 @@ def _copied(case: Path, folder: Path) -> Path:
     target = folder / case.name
     if target.exists():
         raise InputError(f"{target} exists already; move it, or name another folder with -o")
-    with writing(target):
-        folder.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(case.read_bytes())
+    with replacing(target) as new:
+        new.write_bytes(case.read_bytes())
     return target

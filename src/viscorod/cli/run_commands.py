@@ -6,7 +6,7 @@ import difflib
 import json
 import signal
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Any
@@ -30,20 +30,25 @@ __all__ = ["resume", "run"]
 def run(
     case: CaseFile,
     output: ResultFolder = None,
+    anew: Annotated[
+        bool, typer.Option("--anew", help="Remove a run that was stopped in the folder, and begin anew.")
+    ] = False,
 ) -> None:
     """Compute a case: print a report, write data and pictures."""
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case
         from viscorod.analyses.check import doubts
         from viscorod.casefile.case import load_case
+        from viscorod.results.files.folder_lock import require_free
 
         loaded = load_case(existing(case))
         folder = writable(output or Path("out") / case.stem)
+        require_free(folder, stopped=anew)
         discrete = discretised_case(loaded)
         warnings = doubts(discrete, loaded.settings)
         for warning in warnings:
             typer.echo(f"warning: {warning}", err=True)
-        _compute(loaded, folder, warnings, discrete)
+        _compute(loaded, folder, warnings, discrete, anew=anew)
 
 
 def resume(
@@ -61,17 +66,13 @@ def resume(
     """Continue a stopped run from its last checkpoint; the result is that of an uninterrupted run."""
     with readable_errors():
         from viscorod.casefile.case import parse_case
-        from viscorod.results.files.journal import FOLDER, contents
+        from viscorod.results.files.folder_lock import require_free, require_stopped
+        from viscorod.results.files.journal import FOLDER, about
 
-        journal = folder / FOLDER
-        if not journal.is_dir():
-            found = (folder / "run.nc").is_file()
-            raise InputError(
-                f"{folder} does not hold a stopped run"
-                + (": the run in it is complete" if found else "; name the folder that viscorod run wrote to")
-            )
-        about = contents(journal).attrs
-        text, source = str(about.get("case_text", "")), Path(str(about.get("case_file", "")))
+        require_free(folder, stopped=True)
+        require_stopped(folder)
+        known = about(folder / FOLDER)
+        text, source = str(known.get("case_text", "")), Path(str(known.get("case_file", "")))
         if not text:
             raise InputError(
                 f"{folder}: the run did not come from a case file; go on with Model.simulate(..., resume=True)"
@@ -79,7 +80,7 @@ def resume(
         now = existing(case) if case is not None else source if source.is_file() else None
         if now is not None:
             _require_same(text, now)
-        doubts = json.loads(str(about.get("doubts", "[]")))
+        doubts = json.loads(str(known.get("doubts", "[]")))
         _compute(parse_case(text, source), folder, doubts)
 
 
@@ -98,10 +99,20 @@ def _require_same(text: str, path: Path) -> None:
     )
 
 
-def _compute(case: Case, folder: Path, doubts: Sequence[str], discrete: DiscreteModel | None = None) -> None:
+def _compute(
+    case: Case,
+    folder: Path,
+    doubts: Sequence[str],
+    discrete: DiscreteModel | None = None,
+    *,
+    anew: bool = False,
+) -> None:
     """Run a case whose model has been discretised; without that, go on with the run that was stopped in the folder."""
     from viscorod.analyses.case_run import run_case
     from viscorod.cli.progress import reporting
+    from viscorod.results.files.folder_lock import claimed
+    from viscorod.results.files.journal import FOLDER
+    from viscorod.results.files.journal import empty as remove
     from viscorod.results.run import Run
     from viscorod.solve.settings import SimulateSettings
 
@@ -109,26 +120,30 @@ def _compute(case: Case, folder: Path, doubts: Sequence[str], discrete: Discrete
     static = not isinstance(settings, SimulateSettings)
     total = settings.duration if isinstance(settings, SimulateSettings) else 1.0
     result: Run | Equilibrium | Steady
-    try:
-        with _polite_stop() as stop, reporting(total, static=static) as progress:
-            result = run_case(
-                case,
-                discrete,
-                progress=progress,
-                folder=folder,
-                doubts=doubts,
-                resume=discrete is None,
-                stop=stop,
-            )
-    except SolveError as error:
-        typer.echo(f"error: {error}", err=True)
-        if error.run is not None:
-            written = _write(error.run, folder, doubts)
-            typer.echo(f"written up to there: {', '.join(map(str, written))}", err=True)
-            if isinstance(error.run, Run) and error.run.outcome == "interrupted":
-                typer.echo(f"go on with: viscorod resume {folder}", err=True)
-        raise typer.Exit(1) from None
-    written = _write(result, folder, doubts)
+    with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
+        try:
+            with _polite_stop() as stop, reporting(total, static=static) as progress:
+                result = run_case(
+                    case,
+                    discrete,
+                    progress=progress,
+                    folder=folder,
+                    doubts=doubts,
+                    resume=discrete is None,
+                    anew=anew and not static,
+                    stop=stop,
+                )
+        except SolveError as error:
+            typer.echo(f"error: {error}", err=True)
+            if error.run is not None:
+                if isinstance(error.run, Run) and error.run.outcome == "interrupted":
+                    typer.echo(f"go on with: viscorod resume {folder}", err=True)
+                written = _write(error.run, folder, doubts)
+                typer.echo(f"written up to there: {', '.join(map(str, written))}", err=True)
+            raise typer.Exit(1) from None
+        if static and anew:
+            remove(folder / FOLDER)
+        written = _write(result, folder, doubts)
     typer.echo(result.report())
     typer.echo(f"\nWritten: {', '.join(map(str, written))}")
 

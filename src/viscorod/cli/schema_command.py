@@ -9,7 +9,7 @@ import typer
 
 from viscorod.cli.options import output_option
 from viscorod.cli.terminal import readable_errors
-from viscorod.errors import writing
+from viscorod.whole_files import replacing
 
 __all__ = ["schema"]
 
@@ -27,7 +27,6 @@ def schema(
         if output is None:
             typer.echo(text, nl=False)
             return
-        with writing(output):
-            output.parent.mkdir(parents=True, exist_ok=True)
-            output.write_text(text, encoding="utf-8")
+        with replacing(output) as new:
+            new.write_text(text, encoding="utf-8")
         typer.echo(f"{output}: name it in a case file: #:schema {output}")

@@ -40,19 +40,21 @@ def sweep(
         from viscorod.analyses.sweep import sweep as compute
         from viscorod.casefile.case import load_case
         from viscorod.cli.progress import counting
+        from viscorod.results.files.folder_lock import locked
 
         loaded = load_case(existing(case))
         table = dict(map(_column, values))
         folder = writable(output or Path("out") / case.stem)
         count = max(map(len, table.values()), default=0)
-        try:
-            with counting(count, "members") as progress:
-                result = compute(loaded, table, workers=workers, progress=progress)
-        except SolveError as error:
-            typer.echo(f"error: {error}", err=True)
-            result = error.run
-        typer.echo(result.report())
-        typer.echo(f"\nWritten: {result.save(folder / 'sweep.nc')}")
+        with locked(folder):
+            try:
+                with counting(count, "members") as progress:
+                    result = compute(loaded, table, workers=workers, progress=progress)
+            except SolveError as error:
+                typer.echo(f"error: {error}", err=True)
+                result = error.run
+            typer.echo(result.report())
+            typer.echo(f"\nWritten: {result.save(folder / 'sweep.nc')}")
         if result.failed:
             raise typer.Exit(1)
 

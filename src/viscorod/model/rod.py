@@ -11,13 +11,14 @@ import numpy as np
 from pydantic import model_validator
 
 from viscorod.errors import InputError
+from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.centrelines.centreline import Centreline, Twist
 from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
 from viscorod.model.centrelines.parametric_lines import ParametricCurve, ThroughPoints
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import named_or, quantity
 from viscorod.model.fields.metadata import Check, Key, accepts
-from viscorod.model.fields.values import LARGEST, OptionalDirection, choose, number, whole_number
+from viscorod.model.fields.values import OptionalDirection, choose, number, whole_number
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.model.sections.section_kinks import SAMPLES as MANY_SAMPLES
@@ -420,7 +421,7 @@ class Rod(Definition):
     def _finite(self) -> None:
         with np.errstate(all="ignore"):
             shape = np.concatenate([array.ravel() for array in self.frames([0.0, self.length])])
-        if not (1.0 / LARGEST <= self.length <= LARGEST and np.isfinite(shape).all()):
+        if not (SMALLEST_NUMBER <= self.length <= LARGEST_NUMBER and np.isfinite(shape).all()):
             raise RefusedError(
                 f"the rod has the length {self.length:g} m and no usable shape in double precision",
                 "give lengths of a usual size in m",
@@ -451,10 +452,12 @@ class Rod(Definition):
             raise RefusedError(str(error)) from None
         stiffness, inertia = _with_direction(stiffness, inertia, self.length)
         diagonal = np.concatenate([np.diag(stiffness), np.diag(inertia)])
-        if not np.isfinite(damping).all() or not (np.isfinite(diagonal) & (diagonal > 0.0)).all():
+        usual = (diagonal >= SMALLEST_NUMBER) & (diagonal <= LARGEST_NUMBER)
+        if not np.isfinite(damping).all() or not usual.all():
             entry = int(np.argmin(np.where(np.isfinite(diagonal), diagonal, -math.inf)))
             raise RefusedError(
-                f"its stiffness or mass per length is not a positive number at s = {s:.6g} m",
+                f"its stiffness or mass per length is not a positive number at s = {s:.6g} m, "
+                f"or beyond any quantity in SI units",
                 "give dimensions and moduli in SI units; for a very flat ellipse also shear_factor_1 and _2",
                 found=f"{diagonal[entry]:.6g} for {type(section).__name__}",
                 at=("section",),

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import math
 import shutil
+import subprocess
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.errors import InputError, writing
+from viscorod.errors import InputError
 from viscorod.pictures.plots.assemblies import Assembly
 from viscorod.pictures.plots.projection_view import Curves, View, draw_reference, mark_supports
 from viscorod.pictures.style import BLUE, DPI, GREY, INK, ORANGE, SMALL, TEXT, titled
 from viscorod.results.probe import instants_of, poses_at
 from viscorod.typing import Floats
+from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
 FORMATS = (".mp4", ".gif")
 MOST_FRAMES = 20_000
 
+_SLOWEST = 1.6e-3  # frames per second: a GIF counts hundredths of a second in two bytes
 _SHORT, _LONG = 2.0, 60.0  # film [s] at true speed
 _USUAL = 10.0  # of one that would be shorter or longer
 _WIDTH, _HEIGHT = 8.0, 6.0
@@ -67,13 +71,19 @@ class Pace:
         if run.time.size < 2:
             raise InputError("this run holds one state only; a film needs two or more")
         if hundredths:
+            if fps < _SLOWEST:
+                raise InputError(
+                    f"fps = {fps!r}: a frame of a .gif lasts 655 s at most; give {_SLOWEST:g} or more"
+                )
             fps = 100.0 / max(2, round(100.0 / fps))
         if speed is None:
             speed = 1.0 if _SHORT <= end - start <= _LONG else _round_number((end - start) / _USUAL)
-        count = math.floor((end - start) * fps / speed * (1.0 + 1e-12) + 1e-9) + 1
+        frames = (end - start) * fps / speed * (1.0 + 1e-12)
+        count = math.floor(frames + 1e-9) + 1 if frames < 1e9 else MOST_FRAMES + 1
         if count > MOST_FRAMES:
             raise InputError(
-                f"{count} frames are too many (at most {MOST_FRAMES}); give a larger speed or fewer frames per second"
+                f"{max(frames, count):.6g} frames are too many (at most {MOST_FRAMES}); "
+                "give a larger speed or fewer frames per second"
             )
         times = np.asarray(start + np.arange(count) * speed / fps, dtype=np.float64)
         return cls(times, fps, speed)
@@ -193,12 +203,11 @@ def write_film(
         )
     program = _ffmpeg() if suffix == ".mp4" else ""
     film = Film(run, Pace.of(run, fps, speed, hundredths=suffix == ".gif"))
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as new:
         if suffix == ".gif":
-            _write_gif(film, path, progress)
+            _write_gif(film, new, progress)
         else:
-            _write_mp4(film, path, program, progress)
+            _write_mp4(film, new, program, progress)
     return path
 
 
@@ -221,7 +230,7 @@ def _write_mp4(film: Film, path: Path, program: str, progress: Callable[[int], N
 
     # frames per second may be a fraction, whatever the hints of matplotlib say
     options: dict[str, Any] = {"fps": film.pace.fps, "codec": "libx264"}
-    with rc_context({"animation.ffmpeg_path": program}):
+    with rc_context({"animation.ffmpeg_path": program}), _told_by_ffmpeg(path):
         writer = FFMpegWriter(extra_args=["-pix_fmt", "yuv420p", "-crf", "20"], **options)
         with writer.saving(film.figure, str(path), DPI):
             for number in range(len(film)):
@@ -229,6 +238,16 @@ def _write_mp4(film: Film, path: Path, program: str, progress: Callable[[int], N
                 writer.grab_frame()
                 if progress is not None:
                     progress(number + 1)
+
+
+@contextmanager
+def _told_by_ffmpeg(path: Path) -> Iterator[None]:
+    """Turn the end of the program, which has no room to write for example, into an error of the system."""
+    try:
+        yield
+    except (subprocess.CalledProcessError, BrokenPipeError):
+        free = shutil.disk_usage(path.parent).free
+        raise OSError(f"ffmpeg could not write it; {free / 1e6:.3g} MB are free on the disk") from None
 
 
 def _ffmpeg() -> str:

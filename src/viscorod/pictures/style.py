@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from viscorod.errors import InputError, writing
+from viscorod.errors import InputError
+from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,9 +85,8 @@ def write(picture: Figure, path: str | Path) -> Path:
         raise InputError(
             f"{path}: the suffix {path.suffix!r} is not a picture format; use .{', .'.join(known)}"
         )
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        picture.savefig(path)
+    with replacing(path) as new:
+        picture.savefig(new)
     return path
 
 
@@ -129,7 +130,14 @@ def legend_inside(axes: Axes) -> None:
 
 def label_once(axes: Axes, name: str) -> str:
     """Return a name for the legend of an axes, or what hides it where it is there already."""
-    return "_" if name in axes.get_legend_handles_labels()[1] else name
+    seen = _NAMED.setdefault(axes, set())
+    if name not in seen and name in axes.get_legend_handles_labels()[1]:  # which looks at all that is drawn
+        seen.add(name)
+    return "_" if name in seen else name
+
+
+_NAMED: WeakKeyDictionary[Axes, set[str]] = WeakKeyDictionary()
+"""Names that are in the legends of axes."""
 
 
 def heading(axes: Axes, text: str) -> None:

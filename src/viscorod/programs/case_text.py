@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from viscorod.checks import checked_with, number_of_parts, of_class
 from viscorod.errors import Fault, InputError
 from viscorod.model.centrelines.line_shapes import Straight
 from viscorod.model.centrelines.parametric_lines import ThroughPoints
@@ -15,6 +16,7 @@ from viscorod.typing import Floats
 __all__ = ["case_text"]
 
 
+@checked_with(rod=of_class(Rod), pieces=number_of_parts)
 def case_text(rod: Rod, pieces: int = 40, *, title: str = "Blade") -> str:
     """Return a case file with the rod clamped at its start, under gravity, in equilibrium.
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 
+from viscorod.checks import number
 from viscorod.errors import Fault, InputError
 
 __all__ = [
@@ -34,6 +35,7 @@ __all__ = [
 
 def _checked(name: str, value: float, *, positive: bool = False, below: float = math.inf) -> float:
     """Return `value` if it is finite, non-negative (or positive) and below the bound."""
+    value = number(name, value)
     low = value > 0.0 if positive else value >= 0.0
     if not (math.isfinite(value) and low and value < below):
         bound = f" and < {below:g}" if math.isfinite(below) else ""
@@ -141,7 +143,7 @@ def bulk_time(extensional_time: float, shear_time: float, poissons_ratio: float)
     """
     _checked("extensional_time", extensional_time)
     _checked("shear_time", shear_time)
-    if not -1.0 < poissons_ratio < 0.5:
+    if not -1.0 < number("poissons_ratio", poissons_ratio) < 0.5:
         raise InputError(
             Fault(
                 "poissons_ratio",

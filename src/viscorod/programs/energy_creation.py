@@ -14,6 +14,7 @@ from itertools import combinations
 
 import numpy as np
 
+from viscorod.checks import checked_with, matrix
 from viscorod.model.sections.stiffness_section import STRAINS
 from viscorod.programs.matrices import by_sizes, symmetric_part
 from viscorod.programs.times import six_times
@@ -78,6 +79,7 @@ class EnergyCheck:
         )
 
 
+@checked_with(stiffness=matrix)
 def check_product(stiffness: Floats, times: Sequence[float] | Floats) -> EnergyCheck:
     """Check the law mu S (or S mu) of a positive definite stiffness (6, 6) and six times (6,), s.
 
@@ -124,6 +126,7 @@ def _smallest_factor(correlation: Floats, mu: Floats) -> tuple[float, Floats]:
     return float(-1.0 / values[0]), direction / np.abs(direction).max()
 
 
+@checked_with(law=matrix, stiffness=matrix)
 def least_power(law: Floats, stiffness: Floats) -> float:
     """Return the least power that a damping law (6, 6) takes, per unit of the scaled strain rate and of its largest.
 

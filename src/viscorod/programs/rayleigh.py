@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from viscorod.checks import number
 from viscorod.errors import Fault, InputError
 from viscorod.typing import Floats
 
@@ -42,7 +43,7 @@ class Rayleigh:
 
 
 def _band(low: float, high: float) -> tuple[float, float]:
-    if not (0.0 < low < high < math.inf):
+    if not 0.0 < number("low", low) < number("high", high):
         raise InputError(
             Fault(
                 "band",

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
+from viscorod.checks import checked_with, matrix, number, numbers
 from viscorod.errors import Fault, InputError
 from viscorod.model.sections.stiffness_section import STRAINS
 from viscorod.typing import Floats
@@ -27,7 +28,7 @@ def six_times(values: Sequence[float] | Floats, name: str = "times") -> Floats:
     Raises:
         InputError: there are not six, or one is negative or not finite; the message names its strain.
     """
-    array = np.asarray(values, dtype=np.float64)
+    array = np.asarray(numbers(name, values), dtype=np.float64)
     if array.shape != (6,):
         raise InputError(
             Fault(name, f"{array.size} numbers", "six are needed", f"give one each for {', '.join(STRAINS)}")
@@ -45,11 +46,24 @@ def six_times(values: Sequence[float] | Floats, name: str = "times") -> Floats:
     return array
 
 
+def _places(left_out: Sequence[int]) -> list[int]:
+    """Return numbers of strains, each from 0 to 5."""
+    found = np.atleast_1d(np.asarray(numbers("left_out", left_out), dtype=np.float64))
+    for place in found.tolist():
+        if place not in range(6):
+            raise InputError(
+                Fault("left_out", f"{place:g}", "no strain has this number", "give whole numbers from 0 to 5")
+            )
+    return [int(place) for place in found]
+
+
+@checked_with(stiffness=matrix, damping=matrix)
 def component_times(stiffness: Floats, damping: Floats) -> Floats:
     """Return six times tau_i = D_ii/C_ii (6,), s, of two section matrices (6, 6)."""
     return np.asarray(np.diag(damping) / np.diag(stiffness))
 
 
+@checked_with(stiffness=matrix)
 def symmetric_damping(stiffness: Floats, times: Sequence[float] | Floats) -> Floats:
     """Return D = T C T with T = diag(sqrt(tau_i)), (6, 6), which is symmetric and never creates energy.
 
@@ -97,7 +111,8 @@ def fit_material(
         InputError: Poisson's ratio is outside (-1, 0.5], or the times are not six numbers >= 0.
     """
     given = six_times(times)
-    nu = poissons_ratio
+    nu = number("poissons_ratio", poissons_ratio)
+    apart = _places(left_out)
     if not -1.0 < nu <= 0.5:
         raise InputError(
             Fault("poissons_ratio", f"{nu:g}", "outside what is allowed", "give a number > -1 and <= 0.5")
@@ -108,7 +123,7 @@ def fit_material(
     extension = np.array([2.0 * (1.0 + nu) / 3.0, (1.0 - 2.0 * nu) / 3.0])
     model = np.where(IN_SHEAR[:, None], np.array([1.0, 0.0]), extension)
     weight = 1.0 / np.where(given > 0.0, given, largest)
-    weight[list(left_out)] = 0.0
+    weight[apart] = 0.0
     # the times in parts of the largest, so that the solver sees numbers of size one
     found, _ = nnls(model * weight[:, None] * largest, given * weight)
     shear, bulk = (largest * found).tolist()
@@ -117,5 +132,5 @@ def fit_material(
     fitted = model @ np.array([shear, bulk])
     with np.errstate(divide="ignore", invalid="ignore"):
         deviations = np.where(given > 0.0, fitted / given - 1.0, np.where(fitted > 0.0, np.inf, 0.0))
-    deviations[list(left_out)] = 0.0
+    deviations[apart] = 0.0
     return MaterialFit(shear, bulk, float(extension @ [shear, bulk]), given, deviations)

@@ -136,6 +136,31 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
 }
 """Name -> dimensions of every variable."""
 
+TEXTS = {
+    "station_rod",
+    "station_body",
+    "point_rod",
+    "joint",
+    "joint_motion",
+    "connection",
+    "connection_kind",
+    "mode_name",
+}
+"""Variables whose values are texts."""
+INTEGERS = {"station_order", "connection_station", "negative_eigenvalues", "iterations"}
+"""Variables whose values are whole numbers."""
+FLAGS = {"joint_held"}
+"""Variables whose values are true or false; all others are real numbers."""
+
+LABELS = {
+    "axis": AXES,
+    "quaternion": tuple("wxyz"),
+    "component": ("shear_1", "shear_2", "stretch", "bend_1", "bend_2", "twist"),
+    "motion": ("fx", "fy", "fz", "mx", "my", "mz"),
+    "part": ("real", "imaginary"),
+}
+"""Dimension -> the words for its places."""
+
 FRAMES = {
     **dict.fromkeys(
         (
@@ -199,11 +224,15 @@ _ALWAYS = (
     "rotation",
     "elastic",
 )
-_REQUIRED = {
+REQUIRED = {
     "simulate": (*_ALWAYS, "velocity", "kinetic", "viscous", "external", "numerical"),
     "equilibrium": _ALWAYS,
-    "steady": (*_ALWAYS, "velocity", "kinetic", "spin_vector", "eigenvalue"),
+    "steady": (
+        *_ALWAYS,
+        *("velocity", "kinetic", "spin_vector", "joint_spin", "centre", "momentum", "eigenvalue"),
+    ),
 }
+"""Kind of result -> variables that it has in any case, beside the levels of its states."""
 
 
 def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
@@ -217,11 +246,11 @@ def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
         InputError: the data set is of another kind, or variables are missing.
     """
     found = data.attrs.get("kind")
-    if found != kind:
+    if not isinstance(found, str) or found != kind:
         raise InputError(
             f"this data set has kind = {found!r} where {kind!r} is needed; viscorod.load opens any kind"
         )
-    missing = [name for name in (DIMENSION[kind], *_REQUIRED[kind]) if name not in data.variables]
+    missing = [name for name in (DIMENSION[kind], *REQUIRED[kind]) if name not in data.variables]
     if missing:
         raise InputError(
             f"this data set is not a complete viscorod result: {', '.join(missing)} missing; "

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.mechanics.nodes import inertia
-from viscorod.results.data_schema import AXES, DIMENSION
+from viscorod.results.data_schema import DIMENSION, LABELS
 from viscorod.results.joint_histories import bodies_of_stations, connections, unique
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.formulations.system import GaussPositions
@@ -18,9 +18,6 @@ from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     import xarray as xr
-
-COMPONENTS = ("shear_1", "shear_2", "stretch", "bend_1", "bend_2", "twist")
-REACTIONS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 
 def dataset(
@@ -88,9 +85,9 @@ def dataset(
             "angular_momentum": ((along, "axis"), momentum[:, 3:]),
         }
     coordinates: dict[str, Any] = {
-        "axis": _labels("axis", AXES),
-        "quaternion": _labels("quaternion", tuple("wxyz")),
-        "component": _labels("component", COMPONENTS),
+        "axis": _labels("axis"),
+        "quaternion": _labels("quaternion"),
+        "component": _labels("component"),
         along: np.array(history.instant),
         "station_rod": ("station", np.array([*names[problem.stations.rod], *bodies])),
         "station_s": ("station", np.append(problem.stations.s, still)),
@@ -109,7 +106,7 @@ def dataset(
             (along, "support", "motion"),
             np.array([snapshot.reaction for snapshot in snapshots]),
         )
-        coordinates |= {"support": list(problem.supports.names), "motion": _labels("motion", REACTIONS)}
+        coordinates |= {"support": list(problem.supports.names), "motion": _labels("motion")}
     if bodies:
         coordinates["station_body"] = ("station", bodies_of_stations(problem, reader))
     if problem.joints.count:
@@ -139,11 +136,11 @@ def _joints(along: str, problem: Problem, history: History) -> tuple[dict[str, A
 
 
 @lru_cache
-def _labels(dimension: str, words: tuple[str, ...]) -> xr.Variable:
+def _labels(dimension: str) -> xr.Variable:
     """Return the coordinate of a dimension whose places have names; its index is made once for all results."""
     import xarray as xr
 
-    return xr.Dataset(coords={dimension: list(words)}).variables[dimension]
+    return xr.Dataset(coords={dimension: list(LABELS[dimension])}).variables[dimension]
 
 
 def _momenta(problem: Problem, r: Floats, q: Floats, twist: Floats) -> Floats:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from viscorod.checks import checked_with, numbers
 from viscorod.errors import InputError
 from viscorod.results.extremes import creeping_rest, maxima, resting_value
 from viscorod.typing import Floats
@@ -44,6 +45,7 @@ class Decrement:
         """Distance of each maximum from rest [m], shape (n,); cycle k starts with maximum k."""
         return np.abs(self.value - self.rest)
 
+    @checked_with(time=numbers)
     def rest_at(self, time: Floats) -> Floats:
         """Return the displacement about which it swings [m] at any times [s]; beyond the maxima that of the nearest."""
         return np.asarray(np.interp(time, self.time, np.broadcast_to(self.rest, self.time.shape)))

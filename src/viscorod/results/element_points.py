@@ -12,14 +12,14 @@ the shear itself.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from viscorod.mechanics.rotations.quaternion import conjugate, product
-from viscorod.results.result_places import lagrange_weights
+from viscorod.results.result_places import by_name, lagrange_weights
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -106,7 +106,13 @@ class Stencil:
     @classmethod
     def of(cls, data: xr.Dataset, sites: ResultPlaces, chosen: Sequence[ResultPlace]) -> Stencil:
         """Find the elements of places on rods; where two elements meet it is the one that begins there."""
-        rods = {rod: _Elements.of(data, sites, rod) for rod in dict.fromkeys(site.rod for site in chosen)}
+        points_of = (
+            by_name(np.asarray(data["point_rod"].values, dtype=str)) if "point_rod" in data.coords else {}
+        )
+        rods = {
+            rod: _Elements.of(data, sites, rod, points_of)
+            for rod in dict.fromkeys(site.rod for site in chosen)
+        }
         placed = [rods[site.rod].at(site.s) for site in chosen]
         stations = np.unique(np.concatenate([one.nodes for one in placed]))
         points = np.unique(np.concatenate([one.gauss for one in placed]))
@@ -150,13 +156,15 @@ class _Elements:
     point_s: Floats
 
     @classmethod
-    def of(cls, data: xr.Dataset, sites: ResultPlaces, rod: str) -> _Elements:
+    def of(
+        cls, data: xr.Dataset, sites: ResultPlaces, rod: str, points_of: Mapping[str, Integers]
+    ) -> _Elements:
         stations = sites.stations(rod)
         order = int(data["station_order"].values[stations[0]])
         s = np.asarray(data["station_s"].values, dtype=float)[stations]
         if "point_rod" not in data.coords:
             return cls(order, stations, np.zeros(0, dtype=np.int64), s, np.zeros(0))
-        points = np.flatnonzero(np.asarray(data["point_rod"].values, dtype=str) == rod)
+        points = points_of[rod]
         point_s = np.asarray(data["point_s"].values, dtype=float)[points]
         ascending = np.argsort(point_s, kind="stable")
         return cls(order, stations, points[ascending], s, point_s[ascending])

@@ -316,6 +316,11 @@ def _path(equilibrium: Equilibrium) -> str:
         for number, word in zip(equilibrium.special_points(kind), names, strict=False):
             after = unstable[min(number + 1, unstable.size - 1)]
             lines.append(f"  {word} at {factors[number]:.7g} of the loads ({counted} beyond it: {after})")
+    lines += [
+        f"  near {factor:.4g} of the loads it turns off beside another path, which it does not meet: an imperfection, "
+        "such as a small load or a shape that is not quite symmetric, decides which way"
+        for factor in json.loads(equilibrium.data.attrs.get("parting", "[]"))
+    ]
     return "\n".join(lines)
 
 

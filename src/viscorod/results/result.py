@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
 
+from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.array_pieces import extremes
 from viscorod.results.data_schema import AXES, DIMENSION, annotated
@@ -33,6 +34,11 @@ class Result(ABC):
     _build: Callable[[], xr.Dataset]
 
     def __init__(self, data: xr.Dataset) -> None:
+        if not hasattr(data, "data_vars"):
+            raise InputError(
+                f"data: {type(data).__name__}: a result is made of an xarray.Dataset; "
+                "viscorod.load reads one from a file"
+            )
         self.data = annotated(data, self.kind)
 
     @classmethod
@@ -72,6 +78,7 @@ class Result(ABC):
         """The word "completed", or what stopped the solution."""
         return str(self.data.attrs.get("outcome", "completed"))
 
+    @checked
     def at(self, level: float) -> tuple[Self, float]:
         """Return the state at a time [s] of a motion, or at a load factor, for the ``start`` of another analysis."""
         return self, float(level)
@@ -83,6 +90,7 @@ class Result(ABC):
 
         return warnings_of(self)
 
+    @checked
     def history(self, place: str | int, quantity: Quantity = "position") -> xr.DataArray:
         """Return how a vector at a place changes, in global axes.
 
@@ -110,6 +118,7 @@ class Result(ABC):
             attrs={"units": self.data[name].attrs["units"], "long_name": f"{quantity} of {site.label}"},
         )
 
+    @checked
     def joint(self, name: str) -> xr.Dataset:
         """Return the coordinates of a joint or spring: what each is, how fast it changes, what acts along it.
 
@@ -162,6 +171,7 @@ class Result(ABC):
         """Return a vector at a site, ``(time or load_factor, axis)``, global axes, SI; other stations are not read."""
         return site.mixed(self.field(quantity, stations=site.stations))
 
+    @checked
     def field(
         self, quantity: Quantity, *, states: int | slice = slice(None), stations: Integers | None = None
     ) -> Floats:
@@ -182,12 +192,21 @@ class Result(ABC):
         if quantity not in known:
             raise InputError(f"quantity = {quantity!r} is not stored; it can be {', '.join(known)}")
         name = "velocity" if quantity == "velocity" else "position"
-        data = self.data[[name, "reference_position"]].isel({self.dimension: states})
-        if stations is not None:
-            data = data.isel(station=stations)
+        data = self.data[[name, "reference_position"]]
+        try:
+            data = data.isel({self.dimension: states})
+            if stations is not None:
+                data = data.isel(station=stations)
+        except (IndexError, KeyError, TypeError, ValueError) as error:
+            sizes = f"{self.data.sizes[self.dimension]} states and {self.data.sizes['station']} stations"
+            raise InputError(
+                f"states, stations: {states!r}, {stations!r}: these are no numbers of states or stations ({error}); "
+                f"there are {sizes}, numbered from 0"
+            ) from None
         values = np.asarray(data[name].values, dtype=float)
         return values - data["reference_position"].values if quantity == "displacement" else values
 
+    @checked
     def probe(self, places: Places, *, s: Sequence[float] | Floats | None = None) -> xr.Dataset:
         """Return everything at any places, by the element's own interpolation, in all stored states.
 
@@ -240,12 +259,14 @@ class Result(ABC):
         station, axis = np.unravel_index(int(np.argmax(spread)), spread.shape)
         return self.sites.at(int(station)), AXES[int(axis)]
 
+    @checked
     def save(self, path: str | Path) -> Path:
         """Write everything to a netCDF4 file, for ``viscorod.load`` and any HDF5 tool; returns the path."""
         from viscorod.results.files.storage import write
 
         return write(self.data, path)
 
+    @checked
     def save_paraview(self, folder: str | Path) -> Path:
         """Write polylines of all stored states for ParaView (pip install 'viscorod[vtk]').
 

@@ -70,10 +70,11 @@ class ResultPlaces:
         self._order = np.asarray(order, dtype=int)
         self._rod_of_station = rods
         self._bodies = {str(rods[k]): int(k) for k in np.flatnonzero(self._order == 0)}
+        mine = self._order > 0
         self._stations = {
-            str(rod): np.flatnonzero(rods == rod)[np.argsort(self._s[rods == rod], kind="stable")]
-            for rod in dict.fromkeys(rods[self._order > 0].tolist())
+            rod: k[np.argsort(self._s[k], kind="stable")] for rod, k in by_name(rods, mine).items()
         }
+        self._arc = {rod: self._s[stations] for rod, stations in self._stations.items()}
 
     @property
     def rods(self) -> tuple[str, ...]:
@@ -141,24 +142,27 @@ class ResultPlaces:
         Raises:
             InputError: ``s`` lies outside the rod.
         """
-        stations = self._stations[rod]
-        known = self._s[stations]
+        stations, known = self._stations[rod], self._arc[rod]
         slack = 1e-9 * max(known[-1] - known[0], np.finfo(float).tiny)
         if not known[0] - slack <= s <= known[-1] + slack:
             raise InputError(
                 f"{rod}@{s:g} lies outside the rod; its arc length runs from {known[0]:g} to {known[-1]:g} m"
             )
-        distance = np.abs(known - s)
-        nearest = int(np.argmin(distance))
-        if distance[nearest] <= slack:
+        after = int(np.searchsorted(known, s))
+        nearest = min((k for k in (after - 1, after) if 0 <= k < known.size), key=lambda k: abs(known[k] - s))
+        if abs(known[nearest] - s) <= slack:
             return self._numbered(int(stations[nearest]))
+        chosen, weights = self.weights(rod, np.array([s]))
+        return ResultPlace(f"{rod}@{s:g}", rod, float(s), chosen[0], weights[0])
+
+    def weights(self, rod: str, s: Floats) -> tuple[Integers, Floats]:
+        """Return stations ``(k, order + 1)`` and their weights at arc lengths ``s (k,)`` [m], all within the rod."""
+        stations, known = self._stations[rod], self._arc[rod]
         order = int(self._order[stations[0]])
         ends = known[::order]
-        element = int(np.clip(np.searchsorted(ends, s, side="right") - 1, 0, ends.size - 2))
-        chosen = slice(order * element, order * (element + 1) + 1)
-        return ResultPlace(
-            f"{rod}@{s:g}", rod, float(s), stations[chosen], lagrange_weights(known[chosen], s)
-        )
+        element = np.clip(np.searchsorted(ends, s, side="right") - 1, 0, ends.size - 2)
+        chosen = order * element[:, None] + np.arange(order + 1)
+        return stations[chosen], lagrange_weights(known[chosen], s)
 
     def _known(self) -> list[str]:
         """Return all places that have names."""
@@ -183,11 +187,27 @@ class ResultPlaces:
         return ResultPlace(label, rod, float(self._s[station]), at, one)
 
 
-def lagrange_weights(nodes: Floats, s: float) -> Floats:
-    """Return the values at ``s`` of the Lagrange polynomials of ``nodes``."""
-    difference = nodes[:, None] - nodes[None, :]
-    np.fill_diagonal(difference, 1.0)
-    numerator = np.broadcast_to(s - nodes, difference.shape).copy()
-    np.fill_diagonal(numerator, 1.0)
-    weights: Floats = np.prod(numerator / difference, axis=1)
+def by_name(names: np.ndarray, chosen: np.ndarray | None = None) -> dict[str, Integers]:
+    """Return the places in ``names`` at which each of them stands, increasing, in the order in which they come.
+
+    Args:
+        names: texts ``(k,)``; chosen: which of them count ``(k,)``, by default all.
+    """
+    at = np.arange(len(names)) if chosen is None else np.flatnonzero(chosen)
+    if not len(at):
+        return {}
+    unique, first, number = np.unique(names[at], return_index=True, return_inverse=True)
+    order = np.argsort(number, kind="stable")
+    groups = np.split(at[order], np.cumsum(np.bincount(number))[:-1])
+    return {str(unique[k]): groups[k] for k in np.argsort(first)}
+
+
+def lagrange_weights(nodes: Floats, s: Floats | float) -> Floats:
+    """Return the values at ``s (...)`` of the Lagrange polynomials of ``nodes (..., n)``."""
+    count = nodes.shape[-1]
+    difference = nodes[..., :, None] - nodes[..., None, :]
+    numerator = np.broadcast_to((np.asarray(s)[..., None] - nodes)[..., None, :], difference.shape).copy()
+    own = np.arange(count)
+    difference[..., own, own] = numerator[..., own, own] = 1.0
+    weights: Floats = np.prod(numerator / difference, axis=-1)
     return weights

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.mechanics.rotations.quaternion import conjugate, product, rotation_vector
 from viscorod.results.between_records import step_ends
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from viscorod.results.element_points import Poses
     from viscorod.results.probe import Places
 
+_SPECIAL = ("limit_points", "bifurcations", "flutter_points")
 _STARTS_BELOW = 0.5  # a start this far below rest, as a part of the largest departure, makes minima count
 
 
@@ -53,6 +55,7 @@ class Run(Result):
         """The energy account."""
         return Energy.of(self.data)
 
+    @checked
     def decrement(
         self, place: str | int, axis: str, rest: float | None = 0.0, *, below: bool = False
     ) -> Decrement:
@@ -72,6 +75,7 @@ class Run(Result):
         value, rate = self._component(site, axis)
         return decrement(self.time, value, rate, rest=rest, below=below, place=site.label, axis=axis)
 
+    @checked
     def free_decay(self, place: str | int, axis: str) -> Decrement | None:
         """Return the decrement about the position of rest, or None where the motion is not a regular decay.
 
@@ -95,6 +99,7 @@ class Run(Result):
         column = AXES.index(axis)
         return self.vector(site, "displacement")[:, column], self.vector(site, "velocity")[:, column]
 
+    @checked
     def snapshot(self, time: float) -> dict[str, Floats]:
         """Return where every rod and body is at a time.
 
@@ -112,11 +117,13 @@ class Run(Result):
         positions = self.positions_at(time)
         return {part: positions[self.sites.stations(part)] for part in (*self.sites.rods, *self.sites.bodies)}
 
+    @checked
     def positions_at(self, time: float) -> Floats:
         """Return the positions of all stations at a time [m], shape (stations, 3); see ``snapshot``."""
         position: Floats = self._poses_at(time).position[0]
         return position
 
+    @checked
     def rotations_at(self, time: float) -> Floats:
         """Return the orientations of all stations at a time, unit quaternions (stations, 4); see ``probe``."""
         rotation: Floats = self._poses_at(time).rotation[0]
@@ -127,6 +134,7 @@ class Run(Result):
 
         return poses_at(self, np.arange(self.data.sizes["station"]), instants_of(self, time))
 
+    @checked
     def probe(
         self,
         places: Places,
@@ -159,6 +167,7 @@ class Run(Result):
 
         return probed(self, places, s, None if times is None else instants_of(self, times))
 
+    @checked
     def damping_validity(self, tolerance: float = 0.1) -> DampingValidity:
         """Tell whether Kelvin-Voigt damping was right for this motion, from the spectrum of its strains.
 
@@ -185,6 +194,7 @@ class Run(Result):
 
         return run_report(self)
 
+    @checked
     def plot(self, path: str | Path, place: str | int | None = None, axis: str | None = None) -> Path:
         """Draw the motion: history with envelope, snapshots of the rods, damping ratio of every cycle.
 
@@ -201,6 +211,7 @@ class Run(Result):
 
         return write(draw_motion(self, place, axis), path)
 
+    @checked
     def plot_energy(self, path: str | Path) -> Path:
         """Draw the energy account over time; returns the path."""
         from viscorod.pictures.plots.plot_energy import draw_energy
@@ -208,6 +219,7 @@ class Run(Result):
 
         return write(draw_energy(self), path)
 
+    @checked
     def animate(self, path: str | Path, *, fps: float = 25.0, speed: float | None = None) -> Path:
         """Write a film of the motion, uniform in time, in fixed limits.
 
@@ -241,14 +253,17 @@ class Equilibrium(Result):
         """Parts of the loads at which states are stored: increasing to 1, or in the order of a path."""
         return np.asarray(self.data["load_factor"].values, dtype=float)
 
+    @checked
     def position(self, place: str | int) -> Floats:
         """Return the position of a place [m], shape (3,), global axes."""
         return self.sites.at(place).of(self.field("position", states=-1))
 
+    @checked
     def displacement(self, place: str | int) -> Floats:
         """Return the displacement of a place from the reference shape [m], shape (3,), global axes."""
         return self.sites.at(place).of(self.field("displacement", states=-1))
 
+    @checked
     def rotation(self, place: str | int) -> Floats:
         """Return the rotation of a place from its reference orientation.
 
@@ -330,12 +345,20 @@ class Equilibrium(Result):
         """Load factors at which growing oscillations begin or end, in the order of the path."""
         return self._special("flutter_points")
 
+    @checked
     def special_points(self, kind: str) -> Integers:
-        """Return the numbers of the states that are "limit_points", "bifurcations" or "flutter_points"."""
+        """Return the numbers of the states that are "limit_points", "bifurcations" or "flutter_points".
+
+        Raises:
+            InputError: another word.
+        """
+        if kind not in _SPECIAL:
+            raise InputError(f"kind = {kind!r} is no kind of point; it can be {', '.join(_SPECIAL)}")
         return np.array(json.loads(self.data.attrs.get(kind, "[]")), dtype=np.int64)
 
     def _special(self, kind: str) -> Floats:
-        return self.load_factor[self.special_points(kind)]
+        factors: Floats = self.load_factor[self.special_points(kind)]
+        return factors
 
     def report(self) -> str:
         """Return a report: ends of the rods, reactions, energy, stability, the effort, warnings."""
@@ -343,6 +366,7 @@ class Equilibrium(Result):
 
         return equilibrium_report(self)
 
+    @checked
     def plot(self, path: str | Path) -> Path:
         """Draw the reference shape and the way to the equilibrium, for a path also loads over displacement.
 

@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.result import Result
 from viscorod.solve.modes.vibrations import Modes
@@ -141,6 +142,7 @@ class Steady(Result):
         """Number of small motions, both of a conjugate pair, that neither grow nor fade beyond round-off."""
         return int(self.data.attrs["neutral"])
 
+    @checked
     def position(self, place: str | int) -> Floats:
         """Return the position of a place [m], shape (3,), global axes, at the instant that is stored."""
         return self.sites.at(place).of(self.field("position", states=-1))
@@ -151,6 +153,7 @@ class Steady(Result):
 
         return steady_report(self)
 
+    @checked
     def plot(self, path: str | Path) -> Path:
         """Draw the reference shape and the one that turns; returns the path."""
         from viscorod.pictures.plots.plot_shape import draw_shape

@@ -7,13 +7,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
+from viscorod.checks import checked
+from viscorod.errors import InputError
 from viscorod.results.data_schema import DIMENSION
 from viscorod.results.energy import Energy
-from viscorod.results.files.storage import read, write
+from viscorod.results.files.storage import read, result_of, write
 from viscorod.results.run import Equilibrium, Run
 from viscorod.results.steady_result import Steady
 from viscorod.results.text_table import table
@@ -32,9 +35,6 @@ TABLE = {
     ),
 }
 """Variables of every member that are not fields -> (unit, long name)."""
-
-KINDS: dict[str, type[Run | Equilibrium | Steady]] = {kind.kind: kind for kind in (Run, Equilibrium, Steady)}
-"""The results that members may have, by their word."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +80,10 @@ class Sweep:
     """
 
     def __init__(self, members: Sequence[SweepRun], title: str = "", notes: Sequence[str] = ()) -> None:
+        if not isinstance(members, Sequence) or not all(isinstance(member, SweepRun) for member in members):
+            raise InputError("members: a list of SweepRun is needed here; viscorod.sweep computes one")
+        if not isinstance(notes, Sequence):
+            raise InputError(f"notes: {notes!r}: a list of texts is needed here")
         self.members = tuple(members)
         self.title = title
         self.notes = tuple(notes)
@@ -160,6 +164,7 @@ class Sweep:
     def __str__(self) -> str:
         return self.report()
 
+    @checked
     def save(self, path: str | Path) -> Path:
         """Write one netCDF4 file, for ``viscorod.load`` and any HDF5 tool; returns the path.
 
@@ -179,27 +184,66 @@ class Sweep:
                 for member in self.members
             ],
         }
-        path = write(self.data.assign_attrs(sweep=json.dumps(record, default=_plain)), path)
-        for member in self.members:
-            if member.result is not None and (self.separate or not member.completed):
-                write(member.result.data, path, group=f"member_{member.number}")
-        return path
+        groups = {
+            f"member_{member.number}": member.result.data
+            for member in self.members
+            if member.result is not None and (self.separate or not member.completed)
+        }
+        return write(self.data.assign_attrs(sweep=json.dumps(record, default=_plain)), path, groups)
 
     @classmethod
     def of(cls, data: xr.Dataset, path: Path) -> Sweep:
         """Return the sweep whose file is ``path`` and whose root is ``data``."""
-        record = json.loads(data.attrs["sweep"])
-        members = []
-        for row in record["members"]:
-            result = None
-            if row["attrs"] is not None:
-                number = row["number"]
-                stacked = number in data["member"].values and DIMENSION[row["attrs"]["kind"]] in data
-                whole = _unstacked(data, number) if stacked else read(path, group=f"member_{number}")
-                whole.attrs = row["attrs"]
-                result = KINDS[row["attrs"]["kind"]](whole)
-            members.append(SweepRun(row["number"], row["values"], result, row["message"], row["outcome"]))
-        return cls(members, str(data.attrs["title"]), record["notes"])
+        try:
+            record = _Record.model_validate_json(data.attrs["sweep"])
+        except (KeyError, ValidationError) as error:
+            why = " ".join(str(error).split())[:200]
+            raise InputError(
+                f"{path} is damaged: the attribute sweep is no record of a sweep ({why}); "
+                "take another copy of the file, or compute it again"
+            ) from None
+        return cls(
+            [_member(row, data, path) for row in record.members],
+            str(data.attrs.get("title", "")),
+            record.notes,
+        )
+
+
+class _Row(BaseModel):
+    """A member in the record of a file."""
+
+    number: Annotated[int, Field(ge=0)]
+    values: dict[str, Any]
+    message: str
+    outcome: str
+    attrs: dict[str, Any] | None
+
+
+class _Record(BaseModel):
+    """What a file says of all members."""
+
+    notes: list[str]
+    members: list[_Row]
+
+    @model_validator(mode="after")
+    def _of_one_table(self) -> Self:
+        if [row.number for row in self.members] != list(range(len(self.members))):
+            raise ValueError("members are not numbered from 0")
+        if any(list(row.values) != list(self.members[0].values) for row in self.members):
+            raise ValueError("members have different parameters")
+        return self
+
+
+def _member(row: _Row, data: xr.Dataset, path: Path) -> SweepRun:
+    """Return a member of a file, whose fields are stacked with those of others or in a group of its own."""
+    result = None
+    if row.attrs is not None:
+        along = DIMENSION.get(str(row.attrs.get("kind")), "")
+        stacked = "member" in data.coords and along in data and row.number in data["member"].values
+        whole = _unstacked(data, row.number) if stacked else read(path, group=f"member_{row.number}")
+        whole.attrs = row.attrs
+        result = result_of(whole, path)
+    return SweepRun(row.number, row.values, result, row.message, row.outcome)
 
 
 def _difference(one: xr.Dataset, other: xr.Dataset) -> str:

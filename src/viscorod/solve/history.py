@@ -209,15 +209,20 @@ class History:
     iterations: list[int] = field(default_factory=list)
     branches: list[Floats] = field(default_factory=list)  # energy lost by each Maxwell branch so far
     unstable: list[int] = field(default_factory=list)  # negative eigenvalues of the points of a path
-    count: int = 0
-    """States recorded so far."""
+    start: Snapshot | None = None
+    """The state at 0, if it was recorded here."""
+
+    @property
+    def count(self) -> int:
+        """States recorded so far."""
+        return len(self.instant)
 
     def record(
         self, instant: float, snapshot: Snapshot, account: EnergyAccount, step_size: float, iterations: int
     ) -> None:
         """Append a snapshot and the energy account at an instant."""
-        self.count += 1
-        self.instant.append(instant)
+        if instant == 0.0:
+            self.start = snapshot
         self.snapshots.append(snapshot)
         self.energy.append(
             (account.kinetic, account.elastic, account.viscous, account.external, account.numerical)
@@ -225,6 +230,7 @@ class History:
         self.branches.append(account.branches)
         self.step_size.append(step_size)
         self.iterations.append(iterations)
+        self.instant.append(instant)  # the last, which makes it count
 
     def truncate(self, count: int) -> None:
         """Keep the first ``count`` records only."""
@@ -237,7 +243,6 @@ class History:
             self.iterations,
         ):
             del values[count:]
-        self.count = count
 
     def sample(self, most: int) -> list[Snapshot]:
         """Return at most about so many of the recorded states, evenly."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from os import PathLike, fspath
+from os import PathLike
 from typing import Annotated, Any, Self
 
 from pydantic import model_validator
 
+from viscorod.checks import file_path
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import of_kind
 from viscorod.model.fields.metadata import Accepts, Check, Key
@@ -78,7 +79,7 @@ def as_start(value: Any) -> Start | None:
 
 def _source(value: Any) -> dict[str, Any]:
     if isinstance(value, str | PathLike):
-        return {"file": fspath(value)}
+        return {"file": str(file_path("file", value))}
     if not (hasattr(value, "sites") and hasattr(value, "dimension")):
         raise RefusedError(
             "this is no result",

@@ -10,7 +10,8 @@ import typer
 from viscorod.cli.files import rod_of
 from viscorod.cli.options import OptionalNumber, RodName, output_option
 from viscorod.cli.terminal import notes, readable_errors, rows_text
-from viscorod.errors import Fault, InputError, writing
+from viscorod.errors import Fault, InputError
+from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from viscorod.model.rod import Rod
@@ -94,8 +95,8 @@ def blade(
                 if output.suffix == ".toml"
                 else json.dumps(gxbeam_from_rod(chosen, elements), indent=1) + "\n"
             )
-            with writing(output):
-                output.write_text(text, encoding="utf-8")
+            with replacing(output) as new:
+                new.write_text(text, encoding="utf-8")
             typer.echo(f"\nWritten: {output}, with {elements} sections")
             return
         points = key_points(chosen, found.stations)

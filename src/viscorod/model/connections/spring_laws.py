@@ -9,7 +9,7 @@ from viscorod.model.connections.motion_words import MOTIONS, motion_word
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, Form, quantity, word_table
 from viscorod.model.fields.metadata import Check, accepts
-from viscorod.model.fields.values import entries, number
+from viscorod.model.fields.values import amount, entries, number
 
 __all__ = [
     "Damping",
@@ -33,7 +33,7 @@ Rest: TypeAlias = Mapping[str, float]
 @accepts(quantity(), "number", "or the force as a function of the elongation")
 def stiffness(value: Any) -> Law:
     """Return `value` as a finite number (a negative one is bistable), or as a function of the coordinate."""
-    return _checked(value) if callable(value) else number(value)
+    return _checked(value) if callable(value) else amount(value)
 
 
 @accepts(quantity(bounds=NOT_NEGATIVE), "number >= 0", "or the force as a function of the rate of the length")
@@ -41,7 +41,7 @@ def damping(value: Any) -> Law:
     """Return `value` as a number >= 0, or as a function of the rate."""
     if callable(value):
         return _checked(value)
-    converted = number(value)
+    converted = amount(value)
     if converted < 0.0:
         raise RefusedError("negative damping would feed energy in", "give a number >= 0")
     return converted

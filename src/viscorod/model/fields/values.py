@@ -13,6 +13,7 @@ from typing import Annotated, Any, TypeAlias, TypeVar
 import numpy as np
 
 from viscorod.errors import Fault, InputError
+from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.fields.definition import Definition, RefusedError, at_key, did_you_mean, show
 from viscorod.model.fields.forms import NAME, POSITIVE, TEXT, Form, listed, quantity
 from viscorod.model.fields.metadata import Check, accepts, optional
@@ -22,9 +23,6 @@ NOT_GIVEN = math.nan
 
 REQUIRED = float("nan")
 """Default of a number that must be given, behind others that need not."""
-
-LARGEST = 1e60
-"""Numbers beyond it, or positive ones below 1/LARGEST, are refused: their products leave double precision."""
 
 T = TypeVar("T")
 
@@ -46,8 +44,19 @@ def number(value: Any) -> float:
         converted = math.inf
     if not math.isfinite(converted):
         raise RefusedError("the number must be finite", "give a plain number such as 0.25")
-    if abs(converted) > LARGEST:
-        raise RefusedError("larger than any quantity in SI units", f"give a number below {LARGEST:g}")
+    if abs(converted) > LARGEST_NUMBER:
+        raise RefusedError("larger than any quantity in SI units", f"give a number below {LARGEST_NUMBER:g}")
+    return converted
+
+
+@accepts(quantity(), "number")
+def amount(value: Any) -> float:
+    """Return `value` as a finite float that is 0 or not absurdly small."""
+    converted = number(value)
+    if 0.0 < abs(converted) < SMALLEST_NUMBER:
+        raise RefusedError(
+            "smaller than any quantity in SI units", f"give 0, or a number above {SMALLEST_NUMBER:g}"
+        )
     return converted
 
 
@@ -60,10 +69,11 @@ def bounded(allowed: str, **bounds: float) -> Check[float]:
     """
     least, most = bounds.get("minimum", -math.inf), bounds.get("maximum", math.inf)
     above, below = bounds.get("exclusiveMinimum", -math.inf), bounds.get("exclusiveMaximum", math.inf)
+    check_size = amount if max(least, above) >= 0.0 else number
 
     @accepts(quantity(bounds=bounds), f"number {allowed}")
     def check(value: Any) -> float:
-        converted = number(value)
+        converted = check_size(value)
         if not (least <= converted <= most and above < converted < below):
             raise RefusedError("outside what is allowed", f"give a number {allowed}")
         return converted
@@ -77,8 +87,10 @@ def positive(value: Any) -> float:
     converted = number(value)
     if converted <= 0.0:
         raise RefusedError("outside what is allowed", "give a number > 0")
-    if converted < 1.0 / LARGEST:
-        raise RefusedError("smaller than any quantity in SI units", f"give a number above {1.0 / LARGEST:g}")
+    if converted < SMALLEST_NUMBER:
+        raise RefusedError(
+            "smaller than any quantity in SI units", f"give a number above {SMALLEST_NUMBER:g}"
+        )
     return converted
 
 
@@ -110,7 +122,7 @@ def numbers(value: Any, *, count: int | None = None, at_least: int = 1) -> tuple
 def frequency_band(value: Any) -> tuple[float, float]:
     """Return `value` as a lower and a higher frequency > 0."""
     low, high = pair(value)
-    if not 1.0 / LARGEST <= low < high:
+    if not SMALLEST_NUMBER <= low < high:
         raise RefusedError(
             "a band goes from a lower to a higher frequency", "give [low, high] in Hz, both > 0"
         )
@@ -185,7 +197,7 @@ def pair(value: Any) -> tuple[float, float]:
 @accepts(TRIPLE, "3 numbers")
 def vector(value: Any) -> Triple:
     """Return `value` as three finite floats."""
-    x, y, z = numbers(value, count=3)
+    x, y, z = each(numbers(value, count=3), amount)
     return x, y, z
 
 
@@ -313,7 +325,7 @@ def choose(
 
 non_negative = bounded(">= 0", minimum=0)
 
-Number = Annotated[float, number]
+Number = Annotated[float, amount]
 Positive = Annotated[float, positive]
 NonNegative = Annotated[float, non_negative]
 Proportion = Annotated[float, bounded("above 0 and below 1", exclusiveMinimum=0, exclusiveMaximum=1)]
@@ -323,7 +335,7 @@ PoissonsRatio = Annotated[
 ]
 OptionalPositive = Annotated[float | None, optional(positive)]
 OptionalNonNegative = Annotated[float | None, optional(non_negative)]
-OptionalNumber = Annotated[float | None, optional(number)]
+OptionalNumber = Annotated[float | None, optional(amount)]
 Vector = Annotated[Triple, vector]
 Direction = Annotated[Triple, direction]
 OptionalDirection = Annotated[Triple | None, optional(direction)]

@@ -10,11 +10,11 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from viscorod.limits import SMALLEST_NUMBER
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import listed, of_kind, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
 from viscorod.model.fields.values import (
-    LARGEST,
     OptionalText,
     frequency_band,
     number,
@@ -120,7 +120,7 @@ class ModulusTable(Definition):
                     at=(name,),
                 )
             for index, value in enumerate(column):
-                if value < 1.0 / LARGEST and (value != 0.0 or name in ("frequency", "storage")):
+                if value < SMALLEST_NUMBER and (value != 0.0 or name in ("frequency", "storage")):
                     allowed = "> 0" if name in ("frequency", "storage") else ">= 0"
                     raise RefusedError(
                         "outside what is allowed",

@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from viscorod.checks import checked
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.column_names import unit_of
 from viscorod.model.materials.column_units import NOUNS, factor
@@ -33,6 +34,7 @@ _ROUNDED = 0.0051
 """Difference of tan delta that its printed digits explain."""
 
 
+@checked
 def read_dma_table(
     path: str | Path,
     *,

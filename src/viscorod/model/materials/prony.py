@@ -10,10 +10,11 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from viscorod.limits import SMALLEST_NUMBER
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, POSITIVE, Form, listed, quantity
 from viscorod.model.fields.metadata import Check, Key, accepts, optional
-from viscorod.model.fields.values import LARGEST, frequency_band, numbers, one_of
+from viscorod.model.fields.values import frequency_band, numbers, one_of
 from viscorod.model.materials.damping_model import Behaviour, Branch, Damping, Elastic
 from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, errors, nearest_kelvin_voigt
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus, extension_of
@@ -37,7 +38,7 @@ def _numbers(allowed: str, low: float, bounds: Form) -> Check[tuple[float, ...]]
                 found=f"{len(items)} numbers",
             )
         for index, item in enumerate(items):
-            if not (item >= 1.0 / LARGEST or item == low):
+            if not (item >= SMALLEST_NUMBER or item == low):
                 raise RefusedError(
                     "outside what is allowed", f"give numbers {allowed}", found=show(item), at=(index,)
                 )
@@ -47,7 +48,7 @@ def _numbers(allowed: str, low: float, bounds: Form) -> Check[tuple[float, ...]]
 
 
 _moduli = _numbers(">= 0", 0.0, NOT_NEGATIVE)
-_times = _numbers("> 0", 1.0 / LARGEST, POSITIVE)
+_times = _numbers("> 0", SMALLEST_NUMBER, POSITIVE)
 
 Moduli = Annotated[Series | None, optional(_moduli)]
 Times = Annotated[Series | None, optional(_times)]

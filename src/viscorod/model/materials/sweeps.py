@@ -9,8 +9,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.fields.definition import RefusedError
-from viscorod.model.fields.values import LARGEST
 from viscorod.typing import Floats
 
 __all__ = ["DmaTable", "Points", "one_sweep", "perhaps_percent", "tidied"]
@@ -95,11 +95,13 @@ def one_sweep(parts: list[Points], temperature: float | None = None) -> DmaTable
     """
     points = _joined(parts)
     notes = list(points.notes)
-    usable = (points.omega > 1.0 / LARGEST) & (points.storage > 1.0 / LARGEST) & (points.loss >= 0.0)
+    usable = (points.omega > SMALLEST_NUMBER) & (points.storage > SMALLEST_NUMBER) & (points.loss >= 0.0)
     known = np.isfinite(points.degrees)
     if known.sum() > 0.5 * len(known):
         usable &= known
-    usable &= (points.omega < LARGEST) & (points.storage < LARGEST) & (points.loss < LARGEST)
+    usable &= (
+        (points.omega < LARGEST_NUMBER) & (points.storage < LARGEST_NUMBER) & (points.loss < LARGEST_NUMBER)
+    )
     if not usable.any():
         raise RefusedError(
             "no row has a frequency > 0, a storage modulus > 0 and a loss modulus >= 0",

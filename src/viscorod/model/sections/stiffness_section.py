@@ -12,7 +12,7 @@ from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, blocks, listed, of_kind, quantity
 from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts
 from viscorod.model.fields.symmetry import skew_entry
-from viscorod.model.fields.values import Positive, each, items, numbers, sequence
+from viscorod.model.fields.values import Positive, amount, each, items, numbers, sequence
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.typing import Floats
@@ -52,8 +52,8 @@ def symmetric(value: Any, words: tuple[str, ...]) -> Matrix:
             f"give six numbers or six rows of six, in the order {', '.join(words)}",
         )
     if not any(isinstance(row, list | tuple | np.ndarray) for row in rows):
-        return tuple(map(tuple, np.diag(numbers(rows, count=6)).tolist()))
-    full = each(rows, lambda row: numbers(row, count=6))
+        return tuple(map(tuple, np.diag(each(numbers(rows, count=6), amount)).tolist()))
+    full = each(rows, lambda row: each(numbers(row, count=6), amount))
     matrix = np.array(full)
     if (skew := skew_entry(matrix)) is not None:
         i, j = skew
@@ -184,7 +184,7 @@ def _times(value: Any) -> tuple[float, ...] | None:
     """Check six numbers >= 0."""
     if value is None:
         return None
-    times = numbers(value, count=6)
+    times = each(numbers(value, count=6), amount)
     for index, time in enumerate(times):
         if time < 0.0:
             raise RefusedError(

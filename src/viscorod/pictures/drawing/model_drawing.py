@@ -218,28 +218,29 @@ class _Picture:
                 self.labels.add(ends.mean(axis=1), given.name, PURPLE)
 
     def _attachments(self) -> None:
-        for group in self.model.nodes():
-            rods = [place for place in group if not isinstance(place, BodyPlace)]
-            points = np.array([position_of(self.model, place)[0] for place in rods])
-            if len(points):
-                self._symbols(points, "o", 4.5, "rigidly attached", color=INK, zorder=4)
+        places = (place for group in self.model.nodes() for place in group)
+        points = [position_of(self.model, at)[0] for at in places if not isinstance(at, BodyPlace)]
+        if points:
+            self._symbols(np.array(points), "o", 4.5, "rigidly attached", color=INK, zorder=4)
 
     def _supports(self) -> None:
         supports = self.model.resolved_supports()
+        kinds: dict[tuple[str, float, str], list[Floats]] = {}
         for support in supports:
             point = position_of(self.model, support.place)[0]
             all_held, pinned = len(support.held) == len(MOTIONS), support.held == MOTIONS[:3]
-            style: dict[str, Any] = {"color": INK, "zorder": 5}
-            if all_held and support.frame != "body":
-                self._symbols(point[None], "s", 9.0, "clamp", **style)
-            elif pinned and support.frame != "body":
-                self._symbols(point[None], "^", 10.0, "pin", **style)
-            else:
-                style |= {"fillstyle": "bottom", "markerfacecoloralt": "white"}
-                self._symbols(point[None], "s", 9.0, "held in part", **style)
+            kind = ("s", 9.0, "held in part")
+            if support.frame != "body" and (all_held or pinned):
+                kind = ("s", 9.0, "clamp") if all_held else ("^", 10.0, "pin")
+            kinds.setdefault(kind, []).append(point)
             text = _held_text(support)
             if text and len(supports) <= MOST_NAMES:
                 self.labels.add(self.view.on_paper(point[None])[:, 0], text)
+        for kind, points in kinds.items():
+            style: dict[str, Any] = {"color": INK, "zorder": 5}
+            if kind[2] == "held in part":
+                style |= {"fillstyle": "bottom", "markerfacecoloralt": "white"}
+            self._symbols(np.array(points), *kind, **style)
 
     def _joints(self) -> None:
         centres = [body.position() for body in self.model.bodies.values()]  # not to be covered

@@ -57,7 +57,7 @@ def chosen_motion(run: Run, place: str | int | None, axis: str | None) -> tuple[
         site = run.sites.at(place)
         spread = np.ptp(run.history(place, "displacement").values, axis=0)
         main_axis = AXES[int(np.argmax(spread))]
-    return site.label, axis or main_axis
+    return site.label, main_axis if axis is None else axis
 
 
 def draw_motion(run: Run, place: str | int | None = None, axis: str | None = None) -> Figure:

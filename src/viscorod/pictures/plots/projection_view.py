@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,10 @@ if TYPE_CHECKING:
     from viscorod.results.result import Result
 
 _FLAT = 1e-3  # a motion whose extent across a plane is below this part of the largest is drawn in that plane
-_FINE = 12  # drawn points between neighbouring stations
+_FINE, _MOST = (
+    12,
+    50_000,
+)  # drawn points between neighbouring stations, and of all rods unless they have more stations
 _AZIMUTH, _ELEVATION = math.radians(-60.0), math.radians(25.0)  # of the eye, z upwards
 _COILED = 2.5  # a rod longer than this multiple of its extent hides what is drawn over it
 _GAP = 1.25  # from picture to picture in a strip, as a multiple of their width
@@ -133,41 +137,45 @@ class View:
 
 
 class Curves:
-    """Smooth centre lines through the stations of every rod."""
+    """Smooth centre lines through the stations of every rod, all of them one line with gaps."""
 
     def __init__(self, result: Result) -> None:
-        self._matrices = []
         self._shadow = "shadow on the floor"
         sites = result.sites
-        count = int(result.data.sizes["station"])
         arc = np.asarray(result.data["station_s"].values, dtype=float)
-        for rod in sites.rods:
-            known = arc[sites.stations(rod)]
-            u = np.linspace(0.0, known.size - 1.0, _FINE * (known.size - 1) + 1)
-            matrix = np.zeros((u.size, count))
-            for row, s in enumerate(np.interp(u, np.arange(known.size), known)):
-                site = sites.along(rod, float(s))
-                matrix[row, site.stations] = site.weights
-            self._matrices.append(matrix)
+        known = {rod: arc[sites.stations(rod)] for rod in sites.rods}
+        pieces = int(np.clip(_MOST // max(sum(s.size for s in known.values()), 1), 1, _FINE))
+        self._taken, self._ends, first = [], [], 0
+        for rod, s in known.items():
+            u = np.linspace(0.0, s.size - 1.0, pieces * (s.size - 1) + 1)
+            self._taken.append(sites.weights(rod, np.interp(u, np.arange(s.size), s)))
+            first += u.size
+            self._ends.append(first)
+
+    def _rods(self, positions: Floats) -> Iterator[Floats]:
+        """Yield the drawn points of every rod ``(k, 3)`` [m]."""
+        for stations, weights in self._taken:
+            yield np.einsum("kw,kwc->kc", weights, positions[stations])
 
     def draw(self, axes: Axes, view: View, positions: Floats, **line: Any) -> None:
         """Draw all rods at station positions ``(station, 3)`` [m], with matplotlib's line properties."""
-        for matrix in self._matrices:
-            points = matrix @ positions
-            if view.plane is None:
-                shadow = points.copy()
-                shadow[:, 2] = view.floor
-                axes.plot(*view.on_paper(shadow), color=LIGHT, linewidth=1.0, zorder=1, label=self._shadow)
-                self._shadow = "_"
-            axes.plot(*view.on_paper(points), **line)
-            line.pop("label", None)
+        if not self._taken:
+            return
+        points = np.insert(np.concatenate(list(self._rods(positions))), self._ends[:-1], np.nan, axis=0)
+        if view.plane is None:
+            shadow = points.copy()
+            shadow[:, 2] = view.floor
+            axes.plot(*view.on_paper(shadow), color=LIGHT, linewidth=1.0, zorder=1, label=self._shadow)
+            self._shadow = "_"
+        axes.plot(*view.on_paper(points), **line)
 
     def coiled(self, positions: Floats) -> bool:
         """Return whether some rod is so coiled at station positions ``(station, 3)`` that states hide each other."""
-        curves = [matrix @ positions for matrix in self._matrices]
-        lengths = (float(np.sum(np.linalg.norm(np.diff(curve, axis=0), axis=1))) for curve in curves)
-        extents = (float(np.linalg.norm(np.ptp(curve, axis=0))) for curve in curves)
-        return any(length > _COILED * extent for length, extent in zip(lengths, extents, strict=True))
+        for curve in self._rods(positions):
+            length = float(np.sum(np.linalg.norm(np.diff(curve, axis=0), axis=1)))
+            if length > _COILED * float(np.linalg.norm(np.ptp(curve, axis=0))):
+                return True
+        return False
 
 
 def mark_supports(axes: Axes, view: View, result: Result, positions: Floats) -> None:

@@ -35,7 +35,8 @@ class Line:
 
     Attributes:
         rod: its name.
-        weights: of the result's stations in each node of the page ``(nodes, k)``; stations: which they are.
+        weights: of the result's stations in each node of the page ``(nodes, k)``; stations: which they are; None: the
+            nodes are these stations.
         s: arc lengths of the nodes [m].
         ring_s: arc lengths of the rings ``(rings,)`` [m].
         ring_first: first of the neighbouring nodes that make a ring ``(rings,)``; ring_weights: theirs ``(rings, w)``.
@@ -48,7 +49,7 @@ class Line:
 
     rod: str
     stations: Integers
-    weights: Floats
+    weights: Floats | None
     s: Floats
     ring_s: Floats
     ring_first: Integers
@@ -61,7 +62,7 @@ class Line:
     def nodes(self, values: Floats) -> Floats:
         """Return a field of the result's stations ``(n, stations, c)`` at the nodes ``(n, nodes, c)``."""
         mine = values[:, self.stations]
-        if self.weights.shape[0] == self.weights.shape[1]:  # the stations themselves
+        if self.weights is None:
             return mine
         taken: Floats = np.einsum("ns,tsc->tnc", self.weights, mine)
         return taken
@@ -84,10 +85,11 @@ def lines_of(result: Result, model: ModelDescription | None) -> list[Line]:
             mine = min(mine, max(_FEWEST, MOST_NODES * mine // total))
         if mine < stations.size:
             s = np.linspace(known[0], known[-1], mine)
+            stations = np.unique(sites.weights(rod, s)[0])
             weights = _weights(result, rod, s, stations)
             ring_s, first, ring_weights = s, np.arange(mine), np.ones((mine, 1))
         else:
-            s, weights = known, np.eye(mine)
+            s, weights = known, None
             parts = int(np.clip(rings // max(mine - 1, 1), 1, _FINE))
             u = np.linspace(0.0, mine - 1.0, parts * (mine - 1) + 1)
             ring_s = np.interp(u, np.arange(mine), known)
@@ -110,12 +112,12 @@ def lines_of(result: Result, model: ModelDescription | None) -> list[Line]:
 
 
 def _weights(result: Result, rod: str, s: Floats, stations: Integers) -> Floats:
-    """Return weights of a rod's stations at arc lengths, by the elements' own polynomials ``(s, stations)``."""
-    place = {int(station): k for k, station in enumerate(stations)}
+    """Return weights of a rod's ``stations`` at arc lengths, by the elements' own polynomials ``(s, stations)``."""
+    chosen, values = result.sites.weights(rod, s)
+    by_number = np.argsort(stations)
     weights = np.zeros((s.size, stations.size))
-    for row, x in enumerate(s):
-        site = result.sites.along(rod, float(x))
-        weights[row, [place[int(k)] for k in site.stations]] = site.weights
+    columns = by_number[np.searchsorted(stations, chosen, sorter=by_number)]
+    weights[np.arange(s.size)[:, None], columns] = values
     return weights
 
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.errors import InputError, writing
+from viscorod.checks import checked
+from viscorod.errors import InputError
 from viscorod.pictures.drawing.load_arrows import gravity
 from viscorod.pictures.style import scaled
 from viscorod.pictures.viewer.camera import first_look
@@ -28,6 +29,7 @@ from viscorod.results.result import Result
 from viscorod.results.result_warnings import warnings_of
 from viscorod.results.run import Equilibrium, Run
 from viscorod.typing import Floats
+from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
@@ -43,6 +45,7 @@ _FEWEST = 2
 _TRIES = 6
 
 
+@checked
 def view(
     result: Result | Sweep, path: str | Path, *, frames: int = FRAMES, megabytes: float = MEGABYTES
 ) -> Path:
@@ -83,9 +86,8 @@ def view(
         # what does not depend on the frames is a megabyte or less
         limit = max(_FEWEST, int(0.95 * limit * max(megabytes - 1.0, 0.1) / max(size - 1.0, 0.1)))
     path = Path(path)
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text, encoding="utf-8")
+    with replacing(path) as new:
+        new.write_text(text, encoding="utf-8")
     return path
 
 

@@ -13,13 +13,15 @@ from pathlib import Path
 
 import numpy as np
 
-from viscorod.errors import Fault, InputError, writing
+from viscorod.checks import checked, checked_with, of_class
+from viscorod.errors import Fault, InputError
 from viscorod.model.fields.symmetry import skew_entry
 from viscorod.programs.blades.blade_text import Lines
 from viscorod.programs.energy_creation import EnergyCheck, check_product
 from viscorod.programs.matrices import symmetric_part
 from viscorod.programs.times import six_times
 from viscorod.typing import Floats
+from viscorod.whole_files import replacing
 
 __all__ = ["BeamDynBlade", "read_beamdyn_blade", "station_name", "write_beamdyn_blade_file"]
 
@@ -64,6 +66,7 @@ class BeamDynBlade:
         return tuple(check_product(stiffness, self.mu) for stiffness in self.stiffness)
 
 
+@checked
 def read_beamdyn_blade(path: str | Path) -> BeamDynBlade:
     """Read a blade file, of the format with or without the section on modal damping.
 
@@ -124,6 +127,7 @@ def _matrix(lines: Lines, what: str) -> Floats:
     return symmetric_part(matrix)
 
 
+@checked_with(blade=of_class(BeamDynBlade))
 def write_beamdyn_blade_file(blade: BeamDynBlade, path: str | Path, *, modal_section: bool = False) -> Path:
     """Write a blade file with 17 digits, so that reading it gives the same numbers.
 
@@ -156,8 +160,8 @@ def write_beamdyn_blade_file(blade: BeamDynBlade, path: str | Path, *, modal_sec
     for station, stiffness, inertia in zip(blade.stations, blade.stiffness, blade.inertia, strict=True):
         text += [f"  {station:.17g}", *map(_row, stiffness), "", *map(_row, inertia), ""]
     target = Path(path)
-    with writing(target):
-        target.write_text("\n".join(text) + "\n", encoding="utf-8")
+    with replacing(target) as new:
+        new.write_text("\n".join(text) + "\n", encoding="utf-8")
     return target
 
 

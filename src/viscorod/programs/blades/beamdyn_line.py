@@ -14,6 +14,7 @@ from typing import Self, TypeAlias
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from viscorod.checks import checked, checked_with, numbers, of_class
 from viscorod.errors import Fault, InputError
 from viscorod.model.centrelines.centreline import Centreline
 from viscorod.model.centrelines.line_shapes import Straight
@@ -40,6 +41,7 @@ class ReferenceLine:
     initial_twist: Floats
 
     @classmethod
+    @checked
     def read(cls, path: str | Path) -> Self:
         """Read a BeamDyn primary input file with one member.
 
@@ -158,6 +160,7 @@ class BladeTwist:
         return float(np.arctan2(axis @ natural[:, 1], axis @ natural[:, 0]))
 
 
+@checked_with(rod=of_class(Rod), stations=numbers)
 def key_points(rod: Rod, stations: Sequence[float] | Floats) -> Floats:
     """Return key points and initial twist (n, 4), m and degrees, of a rod at fractions of its length.
 
@@ -166,7 +169,12 @@ def key_points(rod: Rod, stations: Sequence[float] | Floats) -> Floats:
     Raises:
         InputError: the rod does not run along +Z, as BeamDyn's blades do.
     """
-    positions, frames = rod.frames(np.asarray(stations, dtype=np.float64) * rod.length)
+    fractions = np.atleast_1d(np.asarray(stations, dtype=np.float64))
+    if not fractions.size:
+        raise InputError(
+            Fault("stations", "none", "there has to be one at least", "give fractions of the length")
+        )
+    positions, frames = rod.frames(fractions * rod.length)
     rows = []
     for position, frame in zip(positions, frames, strict=True):
         first = beamdyn_axis(frame[:, 2], 0.0)

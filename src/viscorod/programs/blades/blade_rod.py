@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from viscorod.checks import checked_with, numbers, of_class
 from viscorod.errors import Fault, InputError
 from viscorod.model.rod import Rod
 from viscorod.model.sections.stiffness_section import StiffnessSection
@@ -147,6 +148,7 @@ def rod_from_blade(
     return Rod(curve, sections, elements=elements, order=order, d1=tuple(d1.tolist()), twist=twist)
 
 
+@checked_with(rod=of_class(Rod), stations=numbers)
 def blade_from_rod(
     rod: Rod, stations: Sequence[float] | Floats | None = None
 ) -> tuple[BeamDynBlade, tuple[str, ...]]:
@@ -199,6 +201,7 @@ def blade_from_rod(
     return BeamDynBlade(fractions, stiffness, inertia, mu, int(bool(mu.any()))), tuple(losses)
 
 
+@checked_with(rod=of_class(Rod), stations=numbers)
 def write_beamdyn_blade(
     rod: Rod, path: str | Path, stations: Sequence[float] | Floats | None = None
 ) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from viscorod.checks import checked_with, file_path, number_of_parts, of_class
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.symmetry import skew_entry
 from viscorod.model.rod import Rod
@@ -51,7 +52,7 @@ def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "sym
         InputError: a key is missing, unknown or of the wrong shape, a frame does not follow the beam, or a section
             cannot be used.
     """
-    data = _content(assembly)
+    data = _content(assembly if isinstance(assembly, Mapping) else file_path("assembly", assembly))
     unknown = sorted(set(data) - set(KEYS))
     if unknown:
         raise InputError(Fault(unknown[0], "", "no such key", f"the keys are {', '.join(KEYS)}"))
@@ -107,6 +108,7 @@ def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "sym
     return Rod(curve, profile, d1=d1)
 
 
+@checked_with(rod=of_class(Rod), elements=number_of_parts)
 def gxbeam_from_rod(rod: Rod, elements: int) -> dict[str, Any]:
     """Return a rod as a GXBeam-style beam of straight elements of equal length, as plain lists.
 

@@ -58,9 +58,9 @@ def program(word: str) -> type[ProgramInputs]:
     Raises:
         InputError: there is no such program; the message names the nearest and all of them.
     """
-    if word in PROGRAMS:
+    if isinstance(word, str) and word in PROGRAMS:
         return PROGRAMS[word]
     advice = did_you_mean(word, PROGRAMS, str)
     raise InputError(
-        Fault("program", word, "no such program", f"{advice}The programs are {', '.join(PROGRAMS)}")
+        Fault("program", str(word), "no such program", f"{advice}The programs are {', '.join(PROGRAMS)}")
     )

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.errors import InputError, writing
+from viscorod.errors import InputError
 from viscorod.results.run import Run
+from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -129,9 +130,8 @@ def write(columns: Columns, path: str | Path) -> Path:
         InputError: the place cannot be written.
     """
     path = Path(path)
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text(columns), encoding="utf-8")
+    with replacing(path) as new:
+        new.write_text(text(columns), encoding="utf-8")
     return path
 
 

@@ -5,38 +5,70 @@ A journal is a folder with
 * ``layout.nc``: the data set without its states: coordinates, constants, attributes;
 * ``states.bin``: one record of fixed size for every state, in the order of ``states.json``;
 * ``checkpoint.npz``: from what the run can go on (see ``solve.transient.saved_state``), with the number of
-  states at that time.
+  states at that time, and ``before.npz``, the checkpoint before it;
+* ``lock``: locked while a run writes here (see ``folder_lock``).
 
-A record is complete once it is written: what a killed process or a full disk leaves is a whole number of records
-and perhaps a part of one, which is not read. ``layout.nc`` and ``checkpoint.npz`` replace their predecessors at once.
-When the run ends, everything becomes one netCDF4 file and the journal is removed.
+Everything carries checksums and the identity of the journal: what is not as it was written is not read. A record is
+written at its place in one go; what a killed process or a full disk leaves behind the last whole one is written again.
+The other files replace their predecessors at once. When the run ends, everything becomes one netCDF4 file and the
+journal is removed.
 """
 
 from __future__ import annotations
 
+import io
 import json
 import os
-import shutil
+import secrets
 from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from io import FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from zipfile import BadZipFile
 
 import numpy as np
 
-from viscorod.errors import InputError, writing
-from viscorod.results.files.storage import read, write
+from viscorod.errors import InputError
+from viscorod.results.files.records import Layout, RecordFile, octets
+from viscorod.results.files.sealed_file import IDENTITY, read_sealed, write_sealed
+from viscorod.results.files.storage import packed, write
+from viscorod.whole_files import make_durable, system_errors
 
 if TYPE_CHECKING:
     import xarray as xr
 
 FOLDER = "run.partial"
 """Name of a journal beside the file ``run.nc`` that it becomes."""
+LOCK = "lock"
+"""Name of the file in it that is locked."""
 
-_LAYOUT, _RECORDS, _FIELDS, _CHECKPOINT = "layout.nc", "states.bin", "states.json", "checkpoint.npz"
+_LAYOUT, _RECORDS, _FIELDS = "layout.nc", "states.bin", "states.json"
+_CHECKPOINT, _BEFORE = "checkpoint.npz", "before.npz"
+_OVER = "over.json"  # what states.json becomes before a journal is removed
 CHUNK = 16e6
-"""Bytes that are copied at once."""
-EDITION = 3
+"""Bytes of states that are in memory at once."""
+EDITION = 4
 """Edition of saved states, whose parts go by the names of attributes: it grows when one of them changes."""
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """From what a run goes on.
+
+    Attributes:
+        state: as ``solve.transient.saved_state`` returned it; None at the beginning.
+        count: states of the journal at that time.
+        about: what was said about it.
+        doubt: what is damaged, so that this is not the last one; empty usually.
+    """
+
+    state: Any
+    count: int
+    about: Mapping[str, Any]
+    doubt: str = ""
 
 
 class Journal:
@@ -45,7 +77,11 @@ class Journal:
     Args:
         folder: of the journal; it is made.
         along: the dimension of the states, "time".
-        keep: go on after so many states of the journal that is there; None begins a new one.
+        keep: go on after so many states of the journal that is there; None begins a new one, which takes the place of
+            another that was stopped there with its first state.
+
+    Attributes:
+        count: states so far; the next ones get the numbers from there on.
 
     Raises:
         InputError: the place cannot be written.
@@ -53,17 +89,18 @@ class Journal:
 
     def __init__(self, folder: Path, along: str = "time", keep: int | None = None) -> None:
         self.folder, self.along = folder, along
-        self._fields: np.dtype[Any] | None = None
-        with writing(folder):
+        self._layout: Layout | None = None
+        self._file: FileIO | None = None
+        with system_errors(folder):
             if keep is None:
-                shutil.rmtree(folder, ignore_errors=True)
-                folder.mkdir(parents=True)
-                self._file = (folder / _RECORDS).open("wb", buffering=0)
+                folder.mkdir(parents=True, exist_ok=True)
+                self._identity = secrets.token_bytes(IDENTITY)
+                if not holds_run(folder):
+                    self._open()
             else:
-                self._fields = fields_of(folder)
-                os.truncate(folder / _RECORDS, keep * self._fields.itemsize)
-                self._file = (folder / _RECORDS).open("ab", buffering=0)
-        self.count = keep or 0
+                self._layout, self._identity, _ = _described(folder)
+                self._file = (folder / _RECORDS).open("r+b", buffering=0)
+        self.count = self._checked = keep or 0
 
     def append(self, data: xr.Dataset) -> None:
         """Append the states of a data set, all of which have the same variables.
@@ -71,35 +108,38 @@ class Journal:
         Raises:
             OSError: the disk is full, or gone.
         """
-        names = [str(name) for name, variable in data.variables.items() if self.along in variable.dims]
-        if self._fields is None:
-            self._begin(data, names)
-        assert self._fields is not None
-        rows = np.empty(data.sizes[self.along], dtype=self._fields)
-        for name in names:
-            rows[name] = data.variables[name].values
-        content = memoryview(rows.tobytes())
+        if self._layout is None:
+            self._begin(data)
+        assert self._layout is not None
+        rows = self._layout.records(data, self.count)
+        content = octets(rows)
+        file = self._open()
+        file.seek(self.count * self._layout.dtype.itemsize)
         while content:
-            content = content[self._file.write(content) :]
+            content = content[file.write(content) :]
         self.count += len(rows)
 
-    def _begin(self, data: xr.Dataset, names: list[str]) -> None:
-        first = {name: data.variables[name] for name in names}
+    def _open(self) -> FileIO:
+        """Return the file of states; a run that was stopped here is removed when that of another one is made."""
+        if self._file is None:
+            empty(self.folder)
+            self._file = (self.folder / _RECORDS).open("xb", buffering=0)
+        return self._file
+
+    def _begin(self, data: xr.Dataset) -> None:
+        self._open()
+        first = {str(n): v for n, v in data.variables.items() if self.along in v.dims}
         fields = [(name, v.dtype.str, v.shape[1:]) for name, v in first.items()]
         described = {
             name: {"dims": v.dims, "attrs": v.attrs, "coordinate": name in data.coords}
             for name, v in first.items()
         }
         text = json.dumps({"fields": fields, "variables": described}, default=_plain)
-        _replace(self.folder / _FIELDS, text.encode())
-        self.describe(data)
-        self._fields = fields_of(self.folder)
-
-    def describe(self, data: xr.Dataset) -> None:
-        """Write the constants and attributes of a data set, its states apart."""
-        static = data.drop_vars([str(n) for n, v in data.variables.items() if self.along in v.dims])
-        write(static, self.folder / f"new-{_LAYOUT}")
-        (self.folder / f"new-{_LAYOUT}").replace(self.folder / _LAYOUT)
+        static = data.drop_vars(list(first))
+        write_sealed(self.folder / _LAYOUT, packed(static), self._identity)
+        write_sealed(self.folder / _FIELDS, text.encode(), self._identity)
+        make_durable(self.folder)
+        self._layout = Layout(fields, self._identity)
 
     def checkpoint(self, state: Any, about: Mapping[str, Any]) -> None:
         """Write from what the run can go on, after the present number of states; ``about`` goes with it.
@@ -111,36 +151,102 @@ class Journal:
         tree = _flattened(state, arrays)
         content = {"edition": EDITION, "tree": tree, "count": self.count, "about": dict(about)}
         text = json.dumps(content, default=_plain)
-        os.fsync(self._file.fileno())
-        new = self.folder / f"new-{_CHECKPOINT}"
-        with new.open("wb") as file:
-            np.savez(file, text=np.frombuffer(text.encode(), dtype=np.uint8), **arrays)
-        new.replace(self.folder / _CHECKPOINT)
+        os.fsync(self._open().fileno())
+        packed = io.BytesIO()
+        np.savez(packed, text=np.frombuffer(text.encode(), dtype=np.uint8), **arrays)
+        before = self.folder / _BEFORE if self.count > self._checked else None
+        write_sealed(self.folder / _CHECKPOINT, packed.getbuffer(), self._identity, before)
+        self._checked = self.count
+        make_durable(self.folder)
+
+    def contents(self) -> xr.Dataset:
+        """Return the data set of all states so far."""
+        return contents(self.folder, self.count)
+
+    def forget_last_checkpoint(self) -> None:
+        """Remove the last checkpoint, which is damaged, so that it does not take the place of the one before."""
+        (self.folder / _CHECKPOINT).unlink(missing_ok=True)
 
     def close(self) -> None:
         """Write no more; a journal in which no state was written is removed."""
-        self._file.close()
-        if self._fields is None:
-            shutil.rmtree(self.folder, ignore_errors=True)
+        if self._file is not None:
+            self._file.close()
+            if self._layout is None:
+                empty(self.folder)
 
 
-def fields_of(folder: Path) -> np.dtype[Any]:
-    """Return what a record of a journal holds."""
-    try:
-        fields = np.dtype([(n, t, tuple(shape)) for n, t, shape in _description(folder)["fields"]])
-    except (KeyError, TypeError, ValueError):
-        fields = np.dtype([])
-    if fields.hasobject or not fields.itemsize:  # no pointers are read from a file
-        raise InputError(f"{folder / _FIELDS} does not describe plain numbers; run the case again")
-    return fields
+def empty(folder: Path) -> None:
+    """Remove what is in the folder of a journal, but its lock; from the first moment on it holds no run.
+
+    Raises:
+        OSError: something cannot be removed.
+    """
+    over = folder / _OVER
+    with suppress(FileNotFoundError):
+        (folder / _FIELDS).replace(over)
+    for path in folder.iterdir():
+        if path.name not in (LOCK, _OVER):
+            path.unlink()
+    over.unlink(missing_ok=True)
 
 
-def _description(folder: Path) -> dict[str, Any]:
-    try:
-        found: dict[str, Any] = json.loads((folder / _FIELDS).read_text())
-    except (OSError, ValueError):
-        raise InputError(f"{folder} holds no state of a run yet: nothing to read or to go on from") from None
-    return found
+def holds_run(folder: Path) -> bool:
+    """Return whether the folder of a journal holds states, or what is left of them."""
+    if not folder.is_dir():
+        return False
+    there = {path.name for path in folder.iterdir()}
+    begun = there & {_LAYOUT, _FIELDS, _CHECKPOINT, _BEFORE}
+    states = folder / _RECORDS
+    return _OVER not in there and bool(begun or (_RECORDS in there and states.stat().st_size))
+
+
+# --- reading
+
+
+def about(folder: Path) -> dict[str, Any]:
+    """Return the attributes of the run in a journal, as they were when it began.
+
+    Raises:
+        InputError: there is none, or it is damaged.
+    """
+    return dict(_static(folder, _described(folder)[1]).attrs)
+
+
+def last_checkpoint(folder: Path) -> Checkpoint:
+    """Return the last checkpoint of a journal whose states are whole, the one before where it has to be.
+
+    A run that was stopped before its first checkpoint goes on from its beginning.
+
+    Raises:
+        InputError: there are checkpoints, but from none of them the run can go on.
+    """
+    layout, identity, _ = _described(folder)
+    records = RecordFile(folder / _RECORDS, layout)
+    wrong: list[str] = []
+    for name in (_CHECKPOINT, _BEFORE):
+        try:
+            found = _checkpoint(folder / name, identity)
+        except FileNotFoundError:
+            continue
+        except InputError as error:
+            wrong.append(str(error))
+            continue
+        whole = records.whole(found.count)
+        if whole < found.count:
+            wrong.append(
+                f"{records.path} is damaged: of the {found.count} states before {name} {whole} are whole"
+            )
+            continue
+        if wrong:
+            doubt = f"{'; '.join(wrong)}: the run went on from the state before, number {found.count}"
+            return replace(found, doubt=doubt)
+        return found
+    if not wrong:
+        return Checkpoint(None, 0, {})
+    raise InputError(
+        f"{'; '.join(wrong)}. There is no other checkpoint from which the run could go on. What is whole of it can be "
+        f"read with viscorod.load({str(folder)!r}); begin anew with --anew (anew=True in Python)"
+    )
 
 
 def checkpoint(folder: Path) -> tuple[Any, int, dict[str, Any]]:
@@ -149,83 +255,131 @@ def checkpoint(folder: Path) -> tuple[Any, int, dict[str, Any]]:
     Raises:
         InputError: it does not exist, or cannot be read.
     """
-    path = folder / _CHECKPOINT
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        content = json.loads(arrays.pop("text").tobytes())
-        if content.get("edition") != EDITION:
-            raise InputError(
-                f"{folder}: the run was stopped by another version of viscorod, whose state this one would misread; "
-                "go on with that version, or run the case again"
-            )
-        return _rebuilt(content["tree"], arrays), int(content["count"]), content["about"]
+        found = _checkpoint(folder / _CHECKPOINT, None)
     except FileNotFoundError:
-        raise InputError(
-            f"{folder} holds no checkpoint: the run stopped before the first one; run it again"
-        ) from None
-    except (OSError, ValueError, KeyError) as error:
-        raise InputError(f"{path} cannot be read ({error}); run the case again") from None
+        raise InputError(f"{folder} holds no checkpoint: the run stopped before the first one") from None
+    return found.state, found.count, dict(found.about)
 
 
-def contents(folder: Path) -> xr.Dataset:
-    """Return the data set of a journal as far as it goes; states stay on disk until they are read.
+def _checkpoint(path: Path, identity: bytes | None) -> Checkpoint:
+    content, _ = read_sealed(path, identity)
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        text = json.loads(arrays.pop("text").tobytes())
+        if text.get("edition") == EDITION:
+            return Checkpoint(_rebuilt(text["tree"], arrays), int(text["count"]), text["about"])
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, BadZipFile) as error:
+        raise InputError(f"{path} cannot be read ({error})") from None
+    raise InputError(
+        f"{path.parent}: the run was stopped by another version of viscorod, whose state this one would misread; "
+        "go on with that version, or run the case again"
+    )
+
+
+def contents(folder: Path, count: int | None = None) -> xr.Dataset:
+    """Return the data set of a journal as far as its states are whole; of many states, they stay on disk until read.
+
+    Args:
+        folder: of the journal.
+        count: how many states; None looks how many are whole.
 
     Raises:
-        InputError: nothing was written yet.
+        InputError: nothing was written yet, or something is damaged.
     """
+    layout, identity, _ = _described(folder)
+    records = RecordFile(folder / _RECORDS, layout)
+    return _of_records(folder, identity, records, records.whole() if count is None else count)[0]
+
+
+def _of_records(
+    folder: Path, identity: bytes, records: RecordFile, count: int
+) -> tuple[xr.Dataset, np.ndarray]:
+    """Return the data set of so many states, and their records, of which its variables are parts."""
     import xarray as xr
 
-    description, fields = _description(folder), fields_of(folder)
-    count = (folder / _RECORDS).stat().st_size // fields.itemsize
-    data = read(folder / _LAYOUT)
-    rows = (
-        np.memmap(folder / _RECORDS, dtype=fields, mode="r", shape=(count,)) if count else np.empty(0, fields)
-    )
+    rows = records.rows(count, in_memory=count * records.layout.dtype.itemsize <= CHUNK)
     variables: dict[str, xr.Variable] = {}
     coordinates: dict[str, xr.Variable] = {}
-    for name, about in description["variables"].items():
-        target = coordinates if about["coordinate"] else variables
-        target[name] = xr.Variable(about["dims"], rows[name], about["attrs"])
-    return data.assign(variables).assign_coords(coordinates)
+    for name, told in _described(folder)[2].items():
+        target = coordinates if told["coordinate"] else variables
+        target[name] = xr.Variable(told["dims"], rows[name], told["attrs"])
+    return _static(folder, identity).assign(variables).assign_coords(coordinates), rows
 
 
-def complete(folder: Path, path: Path, attrs: Mapping[str, Any] | None = None, *, keep: bool = False) -> Path:
+def _described(folder: Path) -> tuple[Layout, bytes, dict[str, Any]]:
+    """Return what a record of a journal holds, its identity, and dimensions and attributes of the variables."""
+    path = folder / _FIELDS
+    try:
+        content, identity = read_sealed(path)
+    except FileNotFoundError:
+        told = "is incomplete: states.json is missing" if holds_run(folder) else "holds no state of a run yet"
+        raise InputError(f"{folder} {told}; nothing to read or to go on from") from None
+    try:
+        told = json.loads(content)
+        layout = Layout([(n, t, tuple(shape)) for n, t, shape in told["fields"]], identity)
+        variables: dict[str, Any] = told["variables"]
+    except (KeyError, TypeError, ValueError):
+        layout, variables = Layout([], identity), {}
+    if layout.dtype.hasobject or not variables:  # no pointers are read from a file
+        raise InputError(f"{path} does not describe plain numbers; run the case again")
+    return layout, identity, variables
+
+
+def _static(folder: Path, identity: bytes) -> xr.Dataset:
+    import xarray as xr
+
+    path = folder / _LAYOUT
+    try:
+        content, _ = read_sealed(path, identity)
+    except FileNotFoundError:
+        raise InputError(f"{folder} is incomplete: {_LAYOUT} is missing") from None
+    try:
+        return xr.load_dataset(io.BytesIO(content), engine="h5netcdf")
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(f"{path} cannot be read ({error})") from None
+
+
+# --- the end
+
+
+def complete(
+    folder: Path,
+    path: Path,
+    attrs: Mapping[str, Any] | None = None,
+    *,
+    keep: bool = False,
+    count: int | None = None,
+) -> Path:
     """Make the file ``path`` of a journal, with more attributes; memory does not depend on its length.
 
     The journal is removed unless it is to be kept.
 
+    Args:
+        folder: of the journal; path: of the file.
+        attrs: attributes beside those that are there.
+        keep: leave the journal.
+        count: how many states; None takes all.
+
     Raises:
-        InputError: the file cannot be written; the journal stays.
+        InputError: the file cannot be written, or a state is not the one that was written; the journal stays.
     """
-    import h5netcdf
-
-    data = contents(folder).assign_attrs(attrs or {})
-    along = next(iter(_description(folder)["variables"].values()))["dims"][0]
-    row = fields_of(folder).itemsize
-    count, step = data.sizes[along], max(1, int(CHUNK // row))
-    new = path.with_name(f"new-{path.name}")
-    if count <= step:
-        write(data.load(), new)
-    else:
-        first = data.isel({along: slice(0, step)}).load()
-        write(first, new, unlimited=along, chunk=step)
-        with writing(path), h5netcdf.File(new, "a") as file:
-            file.resize_dimension(along, count)
-            for begin in range(step, count, step):
-                part = slice(begin, min(begin + step, count))
-                for name in _description(folder)["variables"]:
-                    file.variables[name][part] = data.variables[name][part].values
-    new.replace(path)
+    layout, identity, _ = _described(folder)
+    records = RecordFile(folder / _RECORDS, layout)
+    count = records.count if count is None else count
+    if count > records.count:
+        raise InputError(f"{records.path} is damaged: {records.count} of {count} states are there")
+    data, rows = _of_records(folder, identity, records, count)
+    advice = f"all states stay in {folder}: make room, and go on with: viscorod resume {folder.parent} (resume=True)"
+    look = partial(records.require_whole, rows)
+    if not isinstance(rows, np.memmap):  # all of them are here already
+        look(slice(0, count))
+    write(data.assign_attrs(attrs or {}), path, instead=advice, before=look, piece=CHUNK)
     if not keep:
-        shutil.rmtree(folder, ignore_errors=True)
+        with suppress(OSError):
+            empty(folder)
     return path
-
-
-def _replace(path: Path, content: bytes) -> None:
-    new = path.with_name(f"new-{path.name}")
-    new.write_bytes(content)
-    new.replace(path)
 
 
 def _flattened(tree: Any, arrays: dict[str, np.ndarray]) -> Any:

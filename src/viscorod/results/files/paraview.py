@@ -13,12 +13,13 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from viscorod.errors import InputError, writing
+from viscorod.errors import InputError
 from viscorod.results.element_points import Stencil
 from viscorod.results.probe import fields_at, instants_of
 from viscorod.results.result_places import ResultPlace
 from viscorod.results.run import Run
 from viscorod.typing import Floats, Integers
+from viscorod.whole_files import replacing, system_errors
 
 if TYPE_CHECKING:
     import pyvista
@@ -64,7 +65,7 @@ def write_paraview(result: Result, folder: str | Path, times: Floats | None = No
     digits = max(4, len(str(count - 1)))
     collection = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     datasets = ElementTree.SubElement(collection, "Collection")
-    with writing(folder):
+    with system_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
         for number, (level, rods, bodies) in enumerate(_states(result, sites, on_bodies, times)):
             for part, (kind, fields) in enumerate((("rod", rods), ("body", bodies))):
@@ -76,13 +77,27 @@ def write_paraview(result: Result, folder: str | Path, times: Floats | None = No
                 mesh.field_data[f"{kind}_names"] = names[kind]
                 mesh.field_data["TimeValue"] = [level]
                 target = f"{kind}s_{number:0{digits}d}.vtp"
-                mesh.save(folder / target)
+                _save(mesh, folder / target)
                 entry = {"timestep": repr(level), "group": "", "part": str(part), "file": target}
                 ElementTree.SubElement(datasets, "DataSet", entry)
-        ElementTree.indent(collection)
-        path = folder / "run.pvd"
-        ElementTree.ElementTree(collection).write(path, encoding="utf-8", xml_declaration=True)
+    ElementTree.indent(collection)
+    path = folder / "run.pvd"
+    with replacing(path) as new:
+        ElementTree.ElementTree(collection).write(new, encoding="utf-8", xml_declaration=True)
     return path
+
+
+def _save(mesh: pyvista.PolyData, path: Path) -> None:
+    """Write a file; VTK makes its text only, since it ends the process where the disk is full."""
+    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+
+    writer = vtkXMLPolyDataWriter()
+    writer.SetInputData(mesh)
+    writer.SetDataModeToBinary()
+    writer.SetWriteToOutputString(True)
+    writer.Write()
+    with replacing(path) as new:
+        new.write_text(writer.GetOutputString(), encoding="utf-8")
 
 
 def _pyvista() -> Any:

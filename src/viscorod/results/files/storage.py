@@ -2,12 +2,23 @@
 
 from __future__ import annotations
 
-import math
+import io
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from viscorod.errors import InputError, writing
-from viscorod.limits import LARGEST_RESULT, MOST_DECLARED
+import numpy as np
+
+from viscorod.checks import checked
+from viscorod.errors import InputError, reading
+from viscorod.results.files.checksums import FORMAT, require_unchanged, seal, stored_sums
+from viscorod.results.files.checksums import NAME as CHECKSUMS
+from viscorod.results.files.file_tail import require_tail_fits, write_tail
+from viscorod.results.files.hdf5_output import Hdf5Output, hdf5_output, uninterrupted
+from viscorod.results.files.pieces_of_arrays import piece_shape
+from viscorod.results.files.plain_file import require_levels_readable, require_plain, require_written
+from viscorod.whole_files import make_durable, replacing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,103 +30,214 @@ if TYPE_CHECKING:
 
 LARGE = 2.5e8
 """Bytes from which on a file is not read into memory."""
+PIECE = 16e6
+"""Bytes that are written at once."""
+IN_MEMORY = "the result is still in memory: make room, or save it to another place"
 
 
 def write(
     data: xr.Dataset,
     path: str | Path,
-    group: str | None = None,
+    groups: Mapping[str, xr.Dataset] | None = None,
     *,
-    unlimited: str | None = None,
-    chunk: int = 0,
+    instead: str = IN_MEMORY,
+    before: Callable[[slice], None] | None = None,
+    piece: float = PIECE,
 ) -> Path:
     """Write a data set to ``path`` as netCDF4, making its folder; returns the path.
 
-    A ``group`` is added to the file that is there. The dimension ``unlimited`` can grow afterwards and is stored in
-    pieces of ``chunk`` places.
+    The file is written beside ``path`` and replaces it when it is whole and on the disk. Every piece of an array has a
+    checksum, and the file those of all (see ``checksums`` and ``file_tail``).
+
+    Args:
+        data: of the file.
+        path: of the file.
+        groups: more data sets, by the names of their groups in the file.
+        instead: what to do if the place cannot be written.
+        before: called with the rows that are written next, of arrays whose rows lie side by side.
+        piece: bytes that are written at once.
 
     Raises:
-        InputError: the place cannot be written.
+        InputError: the place cannot be written; what was there is still there.
     """
-    path = Path(path)
-    # results hold no gaps to mark
-    encoding: dict[Any, dict[str, Any]] = {name: {"_FillValue": None} for name in data.variables}
-    for name, variable in data.variables.items():
-        if unlimited in variable.dims:
-            encoding[name]["chunksizes"] = (chunk, *variable.shape[1:])
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        mode: Literal["a", "w"] = "a" if group else "w"
-        growing = [unlimited] if unlimited else None
-        data.to_netcdf(
-            path, engine="h5netcdf", encoding=encoding, group=group, mode=mode, unlimited_dims=growing
-        )
+    path, parts = Path(path), {"": data, **(groups or {})}
+    needs = sum(part.nbytes for part in parts.values())
+    with replacing(path, needs=needs, instead=instead) as new:
+        with hdf5_output(new) as output:
+            uninterrupted(partial(_write_parts, output, parts, before, piece), output.abandon)
+        if new.is_file():  # and no device
+            write_tail(new)
+    make_durable(path.parent)
     return path
+
+
+def packed(data: xr.Dataset) -> bytes:
+    """Return a small data set as the content of a netCDF4 file."""
+    file = io.BytesIO()
+    uninterrupted(partial(_write_parts, file, {"": data}, None, PIECE), lambda: None)
+    return file.getvalue()
+
+
+def _write_parts(
+    output: Hdf5Output | io.BytesIO,
+    parts: Mapping[str, xr.Dataset],
+    before: Callable[[slice], None] | None,
+    piece: float,
+) -> None:
+    import h5netcdf
+    import h5py
+    from xarray.backends import H5NetCDFStore
+
+    check = output.require_written if isinstance(output, Hdf5Output) else None
+    with h5py.File(output, "w", libver=FORMAT, track_order=True) as stored:
+        with h5netcdf.File(stored, "w") as file:
+            for group, data in parts.items():
+                pieces = _Pieces(check, before, piece)
+                store = H5NetCDFStore(file, group=group, mode="a")
+                data.dump_to_store(store, writer=pieces, encoding=_encoding(data))
+                pieces.write_rows()
+        if check is not None:
+            check()
+            seal(stored)
+
+
+def _encoding(data: xr.Dataset) -> dict[Any, dict[str, Any]]:
+    """Return how the variables of a data set are stored: numbers in pieces, each with a checksum."""
+    found: dict[Any, dict[str, Any]] = {}
+    for name, variable in data.variables.items():
+        found[name] = {"_FillValue": None}  # results hold no gaps to mark
+        if variable.size and variable.ndim and variable.dtype.kind in "fiub":
+            piece = piece_shape(variable.shape, variable.dtype.itemsize)
+            found[name] |= {"chunksizes": piece, "fletcher32": True}
+    return found
+
+
+class _Pieces:
+    """Writes arrays piece by piece, so that no more than a piece is held beside them.
+
+    Arrays whose rows lie side by side, as those of a journal, are written together at the end, so that they are read
+    once.
+    """
+
+    def __init__(
+        self, check: Callable[[], None] | None, before: Callable[[slice], None] | None, piece: float
+    ) -> None:
+        self._check, self._before, self._piece = check, before, piece
+        self._rows: list[tuple[np.ndarray, Any]] = []
+
+    def add(self, source: np.ndarray, target: Any) -> None:
+        """Write an array; xarray calls this for each."""
+        if not source.ndim:
+            target[...] = source
+        elif source.flags.c_contiguous:
+            self._write([(source, target)], None)
+        else:
+            self._rows.append((source, target))
+
+    def write_rows(self) -> None:
+        """Write what waits."""
+        if self._rows:
+            self._write(self._rows, self._before)
+
+    def _write(self, pairs: Sequence[tuple[np.ndarray, Any]], before: Callable[[slice], None] | None) -> None:
+        count = len(pairs[0][0])
+        step = max(1, int(self._piece * count // max(1, sum(source.nbytes for source, _ in pairs))))
+        for begin in range(0, count, step):
+            part = slice(begin, min(begin + step, count))
+            if before is not None:
+                before(part)
+            for source, target in pairs:
+                target[part] = source[part]
+            if self._check is not None:
+                self._check()
 
 
 def read(path: str | Path, group: str | None = None) -> xr.Dataset:
     """Read a data set (that of a group of the file): into memory, or piece by piece on access if it is large.
 
+    What is damaged is refused when it is read, which for all but the numbers of a large file is now.
+
     Raises:
-        InputError: no such file, or not a netCDF4 file.
+        InputError: no such file, not a netCDF4 file, or a damaged one.
     """
+    import h5py
     import xarray as xr
+
+    from viscorod.results.files.checked_array import OpenFile, checked
 
     path = Path(path)
     if not path.is_file():
         raise InputError(f"{path} is not a file; name a run.nc that viscorod wrote")
-    try:
-        _require_honest(path)
-        if path.stat().st_size > LARGE:
-            return xr.open_dataset(path, engine="h5netcdf", group=group, cache=False)
-        return xr.load_dataset(path, engine="h5netcdf", group=group)
-    except OSError as error:
-        raise InputError(
-            f"{path} cannot be read as netCDF4 ({error}); name a run.nc that viscorod wrote"
-        ) from None
+    with reading(path):
+        require_tail_fits(path)
+        with h5py.File(path, "r") as file:
+            size = require_plain(file, path)
+            require_written(file, path)
+            sums = stored_sums(file)
+            if sums is not None:
+                require_unchanged(file, sums, path)
+            require_levels_readable(file if group is None else file[group], path)
+        # numbers stand as they are: nothing in the file may scale them, or call them gaps or dates
+        with xr.open_dataset(
+            path, engine="h5netcdf", group=group, cache=False, mask_and_scale=False, decode_times=False
+        ) as found:
+            source = OpenFile(path)
+            variables = {
+                name: checked(variable, str(name), group, source, sums)
+                for name, variable in found.variables.items()
+            }
+            coordinates = {name: variables.pop(name) for name in found.coords}
+            attrs = {name: value for name, value in found.attrs.items() if name != CHECKSUMS}
+            data = xr.Dataset(variables, coordinates, attrs)
+        if size <= LARGE:
+            data.load()
+            source.close()
+    return data
 
 
-def _require_honest(path: Path) -> None:
-    """Refuse a file whose arrays claim to be much larger than the file, before anything is made for them."""
-    import h5py
-
-    size = path.stat().st_size
-
-    def judge(name: str, item: Any) -> None:
-        if not isinstance(item, h5py.Dataset):
-            return
-        claimed = math.prod(item.shape or ()) * item.dtype.itemsize
-        if claimed > min(LARGEST_RESULT, MOST_DECLARED * size):
-            raise InputError(
-                f"{path} cannot be trusted: {name} claims {claimed / 1e9:.3g} GB in a file of {size / 1e6:.3g} MB; "
-                "name a run.nc that viscorod wrote"
-            )
-
-    with h5py.File(path, "r") as file:
-        file.visititems(judge)
-
-
+@checked
 def load(path: str | Path) -> Run | Equilibrium | Steady | Sweep:
     """Open a saved run, equilibrium, steady rotation or sweep; it answers everything that a fresh one does.
 
     Args:
-        path: a file written by ``save``, by ``viscorod run`` or by ``viscorod sweep``.
+        path: a file written by ``save``, by ``viscorod run`` or by ``viscorod sweep``, or the folder of a run. While
+            the run has not ended, the folder gives the states so far.
 
     Raises:
         InputError: no such file, or not a result of viscorod.
     """
-    from viscorod.results.run import Equilibrium, Run
-    from viscorod.results.steady_result import Steady
+    from viscorod.results.files.stopped_run import result_file, stopped_run
+    from viscorod.results.run import Run
 
+    if Path(path).is_dir():
+        path = result_file(Path(path))
+        if path.is_dir():
+            return Run(stopped_run(path))
     data = read(path)
-    kinds: dict[str, type[Run | Equilibrium | Steady]] = {
-        kind.kind: kind for kind in (Run, Equilibrium, Steady)
-    }
-    found = str(data.attrs.get("kind", ""))
-    if found == "sweep":
+    if data.attrs.get("kind") == "sweep":
         from viscorod.results.sweep_result import Sweep
 
         return Sweep.of(data, Path(path))
+    return result_of(data, Path(path))
+
+
+def result_of(data: xr.Dataset, path: Path) -> Run | Equilibrium | Steady:
+    """Return the result whose data set was read from a file, after looking at all of it.
+
+    Raises:
+        InputError: it is no result, or a damaged one.
+    """
+    from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.soundness import require_sound
+    from viscorod.results.steady_result import Steady
+
+    kinds: dict[Any, type[Run | Equilibrium | Steady]] = {
+        kind.kind: kind for kind in (Run, Equilibrium, Steady)
+    }
+    found = str(data.attrs.get("kind", ""))
     if found not in kinds:
-        raise InputError(f"{path} holds no viscorod result (kind = {found!r}; known: {', '.join(kinds)})")
+        raise InputError(
+            f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, sweep)"
+        )
+    require_sound(data, path)
     return kinds[found](data)

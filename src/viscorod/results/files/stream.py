@@ -1,4 +1,4 @@
-"""A run whose states go to disk as they come, and that can go on from there."""
+"""A run whose states leave it in pieces as they come: into arrays, or to disk, from where it can go on."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ import json
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results.files.journal import FOLDER, Journal, checkpoint, complete, contents
+from viscorod.results.files.journal import FOLDER, Journal, about, complete, last_checkpoint
 from viscorod.solve.history import EnergyAccount, History, Snapshot
 from viscorod.solve.transient.pose_check import MOST
+from viscorod.whole_files import why_not
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +25,9 @@ FLUSH = 1.0
 """Seconds of wall time after which states are written at the latest."""
 
 MANY = 256
-"""States that are kept in memory at most before they are written."""
+"""States that are kept at most before they are written."""
+MUCH = 64e6
+"""Bytes of states that are kept at most, unless one has more."""
 
 CHECKPOINT = 1.0
 """Seconds of wall time between two checkpoints at least; the first is written after the first step."""
@@ -34,9 +36,174 @@ SHARE = 0.02
 """Part of the wall time that checkpoints take at most."""
 
 
-def _require_same(known: Mapping[str, Any], about: Mapping[str, str], folder: Path) -> None:
+class Sink(Protocol):
+    """Where states go: a journal, or arrays."""
+
+    count: int
+
+    def append(self, data: xr.Dataset) -> None:
+        """Put the states of a data set from number ``count`` on."""
+
+    def contents(self) -> xr.Dataset:
+        """Return the data set of all states so far."""
+
+
+class Stream(History):
+    """A history that keeps no more than some states: the others have gone to a sink.
+
+    An interrupt may come between any two of its instructions: states that are here have not been counted there, and
+    are put there once more.
+
+    Args:
+        sink: where they go.
+        build: makes a data set of a history.
+    """
+
+    def __init__(self, sink: Sink, build: Callable[[History], xr.Dataset]) -> None:
+        super().__init__()
+        self.sink, self.build = sink, build
+        self._gone = sink.count
+        self._signs: np.ndarray | None = None
+        self._most = MANY
+        self._samples: list[Snapshot] = []
+        self._stride = 1
+
+    @property
+    def count(self) -> int:
+        """States recorded so far."""
+        return self._gone + len(self.instant)
+
+    def record(
+        self, instant: float, snapshot: Snapshot, account: EnergyAccount, step_size: float, iterations: int
+    ) -> None:
+        """See :class:`~viscorod.solve.history.History`."""
+        if not self.count:
+            self._most = max(1, min(MANY, int(MUCH // _size(snapshot))))
+        if len(self.instant) >= self._most:
+            self.flush()
+        super().record(instant, snapshot, account, step_size, iterations)
+        if self.count % self._stride == 0:
+            self._samples.append(snapshot)
+            if len(self._samples) >= 2 * MOST:  # half as many, twice as far apart
+                self._samples, self._stride = self._samples[::2], 2 * self._stride
+
+    def sample(self, most: int) -> list[Snapshot]:
+        """See :class:`~viscorod.solve.history.History`: of a run that went on, those since then."""
+        return self._samples[:: max(1, len(self._samples) // most)]
+
+    def flush(self) -> None:
+        """Let the states that are here go to the sink."""
+        count = len(self.instant)
+        if not count:
+            return
+        self.truncate(count)  # an interrupt may have left a part of another one
+        data, signs = self._continued(self.build(self))
+        self.sink.count = self._gone
+        self.sink.append(data)
+        # all at once: an interrupt comes before that or after it
+        vars(self).update(vars(History()), start=self.start, _gone=self._gone + count, _signs=signs)
+
+    def contents(self) -> xr.Dataset:
+        """Return the data set of all states that have gone, of which there will be no more."""
+        return self.sink.contents()
+
+    def _continued(self, data: xr.Dataset) -> tuple[xr.Dataset, np.ndarray]:
+        """Let orientations go on with the sign of the quaternions before; return the last of them, too."""
+        rotation = data["rotation"].values
+        if self._signs is not None:
+            flip = np.sum(rotation[0] * np.asarray(self._signs), axis=-1) < 0.0
+            rotation = np.where(flip[None, :, None], -rotation, rotation)
+            data["rotation"] = data["rotation"].copy(data=rotation)
+        return data, rotation[-1].copy()
+
+
+class JournalStream(Stream):
+    """A stream to a journal on disk, from which the run can go on.
+
+    Args:
+        folder: of ``run.nc``; the journal is a folder in it.
+        build: makes a data set of a history.
+        attributes: of the run; ``case`` and ``settings`` among them have to be those of a run that goes on.
+        resume: go on from the checkpoint of the journal that is there.
+
+    Attributes:
+        checkpoint: the state from which to go on, None at the beginning.
+        doubt: what was damaged in it, so that it went back to an earlier state; empty usually.
+        broken: states can no longer be written.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        build: Callable[[History], xr.Dataset],
+        attributes: Mapping[str, str],
+        *,
+        resume: bool = False,
+    ) -> None:
+        self.folder = folder
+        place, found = folder / FOLDER, None
+        if resume:
+            _require_same(about(place), attributes, folder)
+            found = last_checkpoint(place)
+        self.journal = Journal(place, keep=None if found is None else found.count)
+        super().__init__(self.journal, build)
+        self.checkpoint: Any = None
+        self.doubt, self.broken = "", False
+        if found is not None and found.state is not None:
+            self.checkpoint, self._signs = found.state, np.array(found.about["signs"])
+            self.doubt = "; ".join(filter(None, [found.about["doubt"], found.doubt]))
+            if found.doubt:
+                self.journal.forget_last_checkpoint()
+        self._flushed = self._checked = -np.inf
+        self._cost = 0.0
+
+    def flush(self) -> None:
+        """See :class:`Stream`."""
+        with self._writing():
+            super().flush()
+        self._flushed = time.monotonic()
+
+    def after_step(self, state: Callable[[], Any]) -> None:
+        """Write what is due: states, and with ``state`` from what the run can go on."""
+        now = time.monotonic()
+        if now - self._flushed > FLUSH or len(self.instant) >= MANY:
+            self.flush()
+        if now - self._checked > max(CHECKPOINT, self._cost / SHARE):
+            self.save(state)
+
+    def save(self, state: Callable[[], Any]) -> None:
+        """Write a checkpoint now; between two steps only, where a run can go on bit for bit."""
+        begin = time.monotonic()
+        self.flush()
+        signs = None if self._signs is None else self._signs.tolist()
+        with self._writing():
+            self.journal.checkpoint(state(), {"signs": signs, "doubt": self.doubt})
+        self._checked = time.monotonic()
+        self._cost = self._checked - begin
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """Turn a full disk into one message: what is there can be read, and the run can go on."""
+        try:
+            yield
+        except OSError as error:
+            self.broken = True
+            raise InputError(
+                f"{self.folder}: states can no longer be written ({why_not(error, self.journal.folder)}); what was "
+                "written is complete up to its last state; make room and go on with: viscorod resume "
+                f"{self.folder} (in Python resume=True)"
+            ) from None
+
+    def finish(self, attrs: dict[str, Any], *, keep: bool) -> Path:
+        """Make ``run.nc`` of the journal, with these attributes; ``keep`` the journal, to go on from it."""
+        count = self.journal.count
+        self.journal.close()
+        return complete(self.journal.folder, self.folder / "run.nc", attrs, keep=keep, count=count)
+
+
+def _require_same(known: Mapping[str, Any], attributes: Mapping[str, str], folder: Path) -> None:
     """Refuse to go on with another model or other settings, and show what differs."""
-    before, now = (_lines(attrs) for attrs in (known, about))
+    before, now = (_lines(attrs) for attrs in (known, attributes))
     if before != now:
         difference = difflib.unified_diff(before, now, "the run that was stopped", "now", lineterm="", n=1)
         raise InputError(
@@ -51,110 +218,7 @@ def _lines(attrs: Mapping[str, Any]) -> list[str]:
     return json.dumps(found, indent=1).splitlines()
 
 
-@dataclass
-class Stream(History):
-    """A history that is written to a journal and kept in memory only until then.
-
-    Attributes:
-        folder: of ``run.nc``; the journal is a folder beside it.
-        about: attributes of the run; ``case`` and ``settings`` among them have to be those of a run that goes on.
-        resuming: go on from the checkpoint of the journal that is there.
-    """
-
-    folder: Path = field(kw_only=True)
-    about: dict[str, str] = field(kw_only=True)
-    resuming: bool = False
-
-    def __post_init__(self) -> None:
-        self.broken = False
-        self._saved: tuple[Any, int, dict[str, Any]] | None = None
-        count = None
-        if self.resuming:
-            _require_same(contents(self.folder / FOLDER).attrs, self.about, self.folder)
-            self._saved = checkpoint(self.folder / FOLDER)
-            count = self._saved[1]
-        self.journal = Journal(self.folder / FOLDER, keep=count)
-        self.count = self.journal.count
-        self._samples: list[Snapshot] = []
-        self._stride = 1
-        self._signs: np.ndarray | None = None
-        self._flushed = self._checked = -np.inf
-        self._cost = 0.0
-        if self._saved is not None:
-            self._signs = np.array(self._saved[2]["signs"])
-
-    @property
-    def checkpoint(self) -> Any:
-        """The state from which to go on, None at the beginning."""
-        return None if self._saved is None else self._saved[0]
-
-    def record(
-        self, instant: float, snapshot: Snapshot, account: EnergyAccount, step_size: float, iterations: int
-    ) -> None:
-        """See :class:`~viscorod.solve.history.History`."""
-        super().record(instant, snapshot, account, step_size, iterations)
-        if self.count % self._stride == 0:
-            self._samples.append(snapshot)
-            if len(self._samples) == 2 * MOST:  # half as many, twice as far apart
-                self._samples, self._stride = self._samples[::2], 2 * self._stride
-
-    def sample(self, most: int) -> list[Snapshot]:
-        """See :class:`~viscorod.solve.history.History`: of a run that went on, those since then."""
-        return self._samples[:: max(1, len(self._samples) // most)]
-
-    def flush(self, build: Callable[[History], xr.Dataset]) -> None:
-        """Write the states in memory, of which ``build`` makes a data set."""
-        if not self.instant:
-            return
-        data = self._continued(build(self))
-        with self._writing():
-            self.journal.append(data)
-        count = self.count
-        self.truncate(0)
-        self.count = count
-        self._flushed = time.monotonic()
-
-    def _continued(self, data: xr.Dataset) -> xr.Dataset:
-        """Let orientations go on with the sign of the quaternions written last."""
-        rotation = data["rotation"].values
-        if self._signs is not None:
-            flip = np.sum(rotation[0] * np.asarray(self._signs), axis=-1) < 0.0
-            rotation = np.where(flip[None, :, None], -rotation, rotation)
-            data["rotation"] = data["rotation"].copy(data=rotation)
-        self._signs = rotation[-1].copy()
-        return data
-
-    def after_step(self, build: Callable[[History], xr.Dataset], state: Callable[[], Any]) -> None:
-        """Write what is due: states, and with ``state`` from what the run can go on."""
-        now = time.monotonic()
-        if now - self._flushed > FLUSH or len(self.instant) >= MANY:
-            self.flush(build)
-        if now - self._checked > max(CHECKPOINT, self._cost / SHARE):
-            self.save(build, state)
-
-    def save(self, build: Callable[[History], xr.Dataset], state: Callable[[], Any]) -> None:
-        """Write a checkpoint now."""
-        begin = time.monotonic()
-        self.flush(build)
-        signs = None if self._signs is None else self._signs.tolist()
-        with self._writing():
-            self.journal.checkpoint(state(), {"signs": signs})
-        self._checked = time.monotonic()
-        self._cost = self._checked - begin
-
-    @contextmanager
-    def _writing(self) -> Iterator[None]:
-        """Turn a full disk into one message: what is there can be read, and the run can go on."""
-        try:
-            yield
-        except OSError as error:
-            self.broken = True
-            raise InputError(
-                f"{self.folder}: states can no longer be written ({error.strerror or error}); what was written is "
-                f"complete up to its last state; make room and go on with: viscorod resume {self.folder}"
-            ) from None
-
-    def finish(self, attrs: dict[str, Any], *, keep: bool) -> Path:
-        """Make ``run.nc`` of the journal, with these attributes; ``keep`` the journal, to go on from it."""
-        self.journal.close()
-        return complete(self.folder / FOLDER, self.folder / "run.nc", attrs, keep=keep)
+def _size(snapshot: Snapshot) -> int:
+    """Return about how many bytes a snapshot has."""
+    fields = [*snapshot, *vars(snapshot.state).values(), *(snapshot.joints or ())]
+    return sum(field.nbytes for field in fields if isinstance(field, np.ndarray)) or 1

@@ -31,6 +31,9 @@ CLOSE = 1e-6
 """Relative distance of frequencies below which modes are taken as one space, such as bending of a square section."""
 REAL = 1e-9
 """Imaginary part, as a part of ``|s|``, below which a root is real."""
+SLOW = 0.7
+"""Part of the frequency of its shape without damping that ``|s|`` of a root that oscillates has at least: it is all of
+it with symmetric matrices, and more with Maxwell branches. Round-off gives real roots that crowd an imaginary part."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,8 @@ def _nearest(found: DampedModes, count: int, near: float | None) -> np.ndarray:
 
 def _refined(reduction: _Reduction, found: DampedModes, wanted: np.ndarray) -> DampedModes:
     """Return the same with better roots where residuals are not good."""
-    roots, vectors, residuals = found.roots.copy(), found.vectors.copy(), found.residuals.copy()
+    roots, vectors = found.roots.astype(complex), found.vectors.astype(complex)
+    residuals = found.residuals.copy()
     for k in wanted:
         if not reduction.good < residuals[k]:
             continue
@@ -110,10 +114,12 @@ def _refined(reduction: _Reduction, found: DampedModes, wanted: np.ndarray) -> D
 
 
 def _ordered(reduction: _Reduction, roots: np.ndarray, vectors: np.ndarray, residuals: Floats) -> DampedModes:
+    swinging = reduction.swinging(roots, vectors)
+    roots = np.where(swinging, roots, roots.real)
     natural = np.array(
         [
-            abs(s) if abs(s.imag) > REAL * abs(s) else reduction.frequency(x)
-            for s, x in zip(roots, vectors.T, strict=True)
+            abs(s) if swings else reduction.frequency(x)
+            for s, x, swings in zip(roots, vectors.T, swinging, strict=True)
         ]
     )
     # round-off must not decide the order of equal ones, of which the slower root of an overdamped mode comes first
@@ -189,8 +195,15 @@ class _Reduction:
 
     def frequency(self, x: np.ndarray) -> float:
         """Return the angular frequency [rad/s] of a shape without damping (Rayleigh quotient)."""
-        energy = np.vdot(x, self.K @ x).real / np.vdot(x, self.M @ x).real
+        energy = np.vdot(x, self.K @ x) / np.vdot(x, self.M @ x).real
         return float(np.sqrt(abs(energy)))
+
+    def swinging(self, roots: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+        """Return which roots oscillate: those with an imaginary part that is not round-off."""
+        found: np.ndarray = np.abs(roots.imag) > REAL * np.abs(roots)
+        for k in np.flatnonzero(found):
+            found[k] = abs(roots[k]) >= SLOW * self.frequency(vectors[:, k])
+        return found
 
     def solve(self) -> DampedModes:
         """Return all roots of the small problem with their residuals in the whole one."""
@@ -210,6 +223,8 @@ class _Reduction:
             K[p:] += np.diag(self.squares)
             if self.pencil.branches:
                 roots, states = self._branch_roots(D, K, own)
+                swings = self.swinging(roots, V @ np.vstack([states[:p] / roots, states[p:]]))
+                roots, states = roots[swings], states[:, swings]
             else:
                 roots, states = _inverse_roots(D, K, own) if D.any() else _undamped_roots(K, own)
             displacements = np.vstack([states[:p] / roots, states[p:]])

@@ -20,7 +20,9 @@ from viscorod.solve.constraints.null_space import null_space
 from viscorod.solve.constraints.rigid_motions import RigidParts, motions_of_parts
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
+from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.linear.matrix import Matrix
+from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
@@ -80,10 +82,10 @@ class Linearisation:
             SolveError: it is singular.
         """
         if self.gradients is None:
-            factor = factored(sparse.csc_array(matrix))
+            factor = factored(matrix)
             return lambda b: np.asarray(factor.solve(b))
         held = self.gradients * float(np.abs(matrix.diagonal()).mean())
-        whole = factored(sparse.csc_array(sparse.block_array([[matrix, held.T], [held, None]])))
+        whole = factored(sparse.block_array([[matrix, held.T], [held, None]]))
         rows, size = held.shape[0], matrix.shape[0]
         return lambda b: np.asarray(whole.solve(np.concatenate([b, np.zeros((rows, *b.shape[1:]))]))[:size])
 
@@ -97,7 +99,7 @@ def nodal_motions(problem: Problem) -> Linearisation:
     """Return the body increments of all nodes as motions, with their inertia alone."""
     size = 6 * problem.size
     none = sparse.csr_array((size, size))
-    mass = sparse.csr_array(sparse.block_diag(list(problem.mass), format="csr"))
+    mass = block_diagonal(problem.mass)
     return Linearisation(none, none, mass, sparse.csc_array(sparse.eye_array(size)), None)
 
 
@@ -115,7 +117,7 @@ def linearise(
     noise = _force_noise(solver)
     balance = _without_noise(system.residual(), noise, problem.length)
     damping = sparse.csr_array(basis.T @ damping_matrix.sparse()[:size, :size] @ basis)
-    mass = sparse.csr_array(basis.T @ sparse.block_diag(list(problem.mass), format="csr") @ basis)
+    mass = sparse.csr_array(basis.T @ block_diagonal(problem.mass) @ basis)
     whole = Linearisation(tangent.stiffness, damping, mass, basis, tangent.gradients)
     # what resists rigid motions of parts: loads, reactions, springs and dampers
     bare = _without_elements(solver, t, before, scale)
@@ -245,16 +247,14 @@ def _coordinates(basis: sparse.csc_array, increments: Floats) -> Floats:
     return np.asarray(found).reshape(basis.shape[1], -1)
 
 
-def factored(matrix: sparse.csc_array, **options: Any) -> Any:
+def factored(matrix: Any) -> SparseLU:
     """Factorise a matrix that is regular unless stiffnesses differ by more than double precision resolves.
 
     Raises:
         SolveError: it is singular.
     """
-    import scipy.sparse.linalg as spla
-
     try:
-        return spla.splu(matrix, **options)
+        return SparseLU(matrix)
     except RuntimeError:
         raise beyond_precision() from None
 

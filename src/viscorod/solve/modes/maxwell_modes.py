@@ -79,11 +79,10 @@ class Pencil:
         """
         matrix, held = self.at(s), self.linear.gradients
         if held is None:
-            factor = factored(sparse.csc_array(matrix), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01)
+            factor = factored(matrix)
             return lambda b: np.asarray(factor.solve(b))
         held = held * float(np.abs(matrix.diagonal()).mean())
-        whole = sparse.csc_array(sparse.block_array([[matrix, held.T], [held, None]]))
-        saddle = factored(whole, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.1)
+        saddle = factored(sparse.block_array([[matrix, held.T], [held, None]]))
         none, size = np.zeros(held.shape[0]), matrix.shape[0]
         return lambda b: np.asarray(saddle.solve(np.concatenate([b, none]))[:size])
 

@@ -23,6 +23,8 @@ EXTRA = 4
 """Modes found beside those that are asked for, to end at a gap between frequencies."""
 GAP = 1e-4
 """Relative distance of squared frequencies that makes a gap."""
+MANY = 30
+"""Modes of one frequency above which not all of them are sought: in a thousand equal rods there are two thousand."""
 ATTEMPTS = 6
 """How often the search is begun anew where modes are missing."""
 TOLERANCE = 1e-12
@@ -39,7 +41,8 @@ class Undamped:
         shapes: of the same ``(size, m)``.
         first: how many modes lie below them; 0 unless those near a frequency were sought.
         complete: they are all that there are.
-        certified: an inertia count, or full matrices, proved that none is missing between them.
+        certified: an inertia count, or full matrices, proved that none is missing between them, but for others of the
+            frequency of the last.
     """
 
     linear: Linearisation
@@ -108,7 +111,7 @@ class _Problem:
             G = sparse.csr_array(G[:, k:]) * scale
             rows = G.shape[0]
             A = sparse.block_array([[A + G.T @ G / scale, G.T], [G, None]])
-        factor = factored(sparse.csc_array(A), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.01)
+        factor = factored(A)
 
         def solve(b: np.ndarray) -> np.ndarray:
             if np.iscomplexobj(b):
@@ -220,6 +223,14 @@ def _of_iteration(problem: _Problem, count: int, square: float) -> Undamped:
         if certified:
             squares, shapes = squares[:inside], shapes[:, :inside]
             break
+        below = _cluster(np.abs(squares - square), count)
+        if missing > MANY and below is not None and _missing(problem, squares, square, below) == 0:
+            squares, shapes, certified = (
+                squares[:count],
+                shapes[:, :count],
+                True,
+            )  # the rest is equal to the last
+            break
         wanted = max(missing, 0) + EXTRA
         if wanted + len(squares) >= most - 1:
             return _of_full_matrices(_Problem(problem.linear.unconditional()))
@@ -244,6 +255,17 @@ def _gap(distances: Floats, count: int) -> tuple[float, int]:
         if distances[k] - distances[k - 1] > GAP * distances[k]:
             return float(0.5 * (distances[k] + distances[k - 1])), k
     return float(distances[-1]) * (1.0 + GAP) if last else 0.0, 0
+
+
+def _cluster(distances: Floats, count: int) -> float | None:
+    """Return a distance in the gap before those that equal the ``count``th; None if there are less."""
+    if len(distances) < count or count == 0:
+        return None
+    first = count - 1
+    while first > 0 and distances[first] - distances[first - 1] <= GAP * distances[first]:
+        first -= 1
+    before = distances[first - 1] if first else 0.0
+    return float(max(0.5 * (before + distances[first]), distances[first] * (1.0 - GAP)))
 
 
 def _missing(problem: _Problem, squares: Floats, square: float, reach: float) -> int:

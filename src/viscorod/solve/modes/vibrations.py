@@ -57,10 +57,11 @@ class Modes:
             ``(modes, 6)``; zeros of rigid motions.
         rigid: number of rigid motions in the list.
         certified: True if it is proven that none is missing up to the highest one (or between the lowest and the
-            highest of those near a frequency): by an inertia count of the undamped modes (Sylvester), each of which is
-            one of the damped ones here, or because these are all modes. False where damping couples the modes of a
-            large model, or where following loads make its stiffness unsymmetric: residuals hold, but nothing proves
-            that there are no others.
+            highest of those near a frequency), but for others with just its frequency where there are more than 30 of
+            them, as in many equal rods: by an inertia count of the undamped modes (Sylvester), each of which is one of
+            the damped ones here, or because these are all modes. False where damping couples the modes of a large
+            model, or where following loads make its stiffness unsymmetric: residuals hold, but nothing proves that
+            there are no others.
         frequency_errors: estimated errors of the frequencies by the mesh, in parts of them; none where not estimated.
     """
 
@@ -103,7 +104,8 @@ def complex_modes(
         oscillating: leave out rigid motions and overdamped ones.
     """
     target = None if near is None else 2.0 * np.pi * near
-    wanted = count
+    listed = linear.rigid if near is None and not oscillating else 0
+    wanted = max(count - listed, 1)
     while True:
         undamped = undamped_modes(linear, wanted, target)
         if 0 < undamped.first <= NUMBERED:  # few enough below: then they can be numbered

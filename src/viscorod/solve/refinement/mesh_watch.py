@@ -44,14 +44,14 @@ class MeshWatch:
 
     Attributes:
         estimate: the largest errors of all solutions seen, None before the first.
-        lost: how many solutions had no counterpart on a finer mesh.
+        found, lost: how many solutions had a counterpart on a finer mesh, and how many had none.
         noted: states that a motion passed, with their times [s]; start: the one at t = 0.
     """
 
     def __init__(self, model: ModelDescription, problem: Problem, system: System) -> None:
         self.model, self.problem, self.system = model, problem, system
         self.estimate: MeshEstimate | None = None
-        self.lost = 0
+        self.found = self.lost = 0
         self.noted: list[tuple[float, Snapshot]] = []
         self.start: Snapshot | None = None
         self._stride, self._count = 1, 0
@@ -80,20 +80,28 @@ class MeshWatch:
     def see_path(self, history: History, unit: float) -> None:
         """Estimate the errors of a path, orthogonally to it; ``unit`` is that of the load factor.
 
-        Looked at are some of its points, the last one and that with the largest load.
+        Looked at are some of its points, the last one and that with the largest load, or one beside them: next to
+        special points the finer mesh is singular elsewhere on the path.
         """
         if not self.feasible or not history.instant:
             return
         last = len(history.instant) - 1
         chosen = {int(k) for k in np.linspace(0, last, INSTANTS).round()} - {0}
         chosen |= {int(np.argmax(np.abs(history.instant)))}
+
+        def estimated(k: int) -> bool:
+            return self._estimate(
+                history.snapshots[k], Balance(self.finer, factor=history.instant[k], unit=unit)
+            )
+
         for k in sorted(chosen):
-            self._compare(history.snapshots[k], Balance(self.finer, factor=history.instant[k], unit=unit))
+            beside = (near for near in (k, k - 1, k + 1) if 0 < near <= last)
+            self._count_in(any(estimated(near) for near in beside))
 
     def note(self, history: History) -> None:
         """Keep the last recorded state of a motion for :meth:`see_motion`, or some of all evenly, and the first."""
-        if history.instant and history.instant[0] == 0.0:
-            self.start = history.snapshots[0]
+        if history.start is not None:
+            self.start = history.start
         last = history.instant[-1] if history.instant else 0.0
         if last == 0.0 or (self.noted and self.noted[-1][0] == last):
             return
@@ -102,6 +110,18 @@ class MeshWatch:
             self.noted.append((history.instant[-1], history.snapshots[-1]))
             if len(self.noted) == 2 * INSTANTS:  # half as many, twice as far apart
                 self.noted, self._stride = self.noted[1::2], 2 * self._stride
+
+    def notes(self) -> dict[str, Any]:
+        """Return what was noted, for another run of the same problem that goes on from there."""
+        if not self.feasible:
+            return {}
+        return {
+            "noted": self.noted, "start": self.start, "_stride": self._stride, "_count": self._count
+        }  # fmt: skip
+
+    def take_over(self, notes: dict[str, Any]) -> None:
+        """Go on with what another run noted."""
+        vars(self).update(notes)
 
     def phases(self, static: StaticSolver, start: Snapshot, scale: float) -> PhaseDrift:
         """Compare the slowest vibrations about a state at rest under a multiple of the loads at t = 0."""
@@ -144,15 +164,28 @@ class MeshWatch:
         return rate
 
     def _compare(self, snapshot: Snapshot, balance: Balance) -> None:
+        self._count_in(self._estimate(snapshot, balance))
+
+    def _count_in(self, found: bool) -> None:
+        """Count a solution that has a counterpart on the finer mesh, or one that has none."""
+        self.found, self.lost = self.found + found, self.lost + (not found)
+
+    def _estimate(self, snapshot: Snapshot, balance: Balance) -> bool:
+        """Take the errors of a state into the estimate; return whether it has a counterpart on the finer mesh."""
         shape = Shape(snapshot.state, snapshot.section_force, _angles(snapshot))
         other = corrected(balance, self.finer.take_over(shape))
         if other is None:
-            self.lost += 1
-            return
+            return False
         found = Shape(other, self.finer.system.gauss_points().section_force, shape.near)
         self.estimate = difference(self.finer, shape, found).joined(self.estimate)
+        return True
 
     # --- what is said
+
+    @property
+    def unknown(self) -> bool:
+        """Whether most of the solutions had no counterpart on a finer mesh."""
+        return self.lost > self.found
 
     @property
     def attributes(self) -> dict[str, Any]:
@@ -161,7 +194,7 @@ class MeshWatch:
         if self.estimate is not None:
             found["mesh_errors"] = json.dumps(self.estimate.rods)
             found["mesh_motion_error"], found["mesh_force_error"] = self.estimate.motion, self.estimate.force
-        if self.lost:
+        if self.unknown:
             found["mesh_lost"] = self.lost
         return found
 
@@ -174,8 +207,8 @@ class MeshWatch:
 
     def too_coarse(self, accuracy: float, forces: float | None = None) -> bool:
         """Whether an error is larger than wanted, of ``forces`` by default too, or could not be estimated."""
-        if self.estimate is None or self.lost:
-            return self.lost > 0
+        if self.estimate is None or self.unknown:
+            return self.unknown
         return self.estimate.motion > accuracy or self.estimate.force > (forces or accuracy)
 
     def refined(
@@ -204,7 +237,7 @@ class MeshWatch:
 
     def _marked(self, name: str, division: Division, accuracy: float, forces: float) -> np.ndarray:
         """Return which elements are too large: all, where no solution on a finer mesh was found."""
-        if self.estimate is None or self.lost:
+        if self.estimate is None or self.unknown:
             return np.ones(division.count, dtype=bool)
         errors = self.estimate.of_elements(name)
         too_large = np.zeros(division.count, dtype=bool)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import sparse
 
 from viscorod.errors import SolveError
+from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.modes.linearisation import Linearisation, linearise
 from viscorod.solve.modes.undamped import undamped_modes
 from viscorod.solve.refinement.correction import Balance, corrected
@@ -66,7 +66,7 @@ class PhaseDrift:
         """
         if not len(self.omega):
             return 0.0
-        modal = self.shapes.T @ sparse.block_diag(list(self.problem.mass), format="csr")
+        modal = self.shapes.T @ block_diagonal(self.problem.mass)
         reach = np.linalg.norm(self.shapes.reshape(self.problem.size, 6, -1)[:, :3], axis=1).max(axis=0)
         largest, amplitude = 0.0, np.zeros(len(self.omega))
         for t, rate in zip(times, rates, strict=True):

@@ -16,6 +16,7 @@ from viscorod.solve.statics.newton import (
     SingularMatrixError,
     worst_node,
 )
+from viscorod.solve.statics.softness import softness
 from viscorod.solve.statics.special_points import Direction, PathPoint
 from viscorod.solve.statics.stability import stability_of
 from viscorod.solve.statics.static_solver import StaticSolver
@@ -147,6 +148,14 @@ class ArcLength:
             return point
         found = stability_of(self.static, point.state, self.t, before=self.before, scale=point.factor)
         return point._replace(stability=found)
+
+    def softened(self, point: PathPoint) -> PathPoint:
+        """Return a point with its softness, where the tangent stiffness tells stability."""
+        point = self.judged(point)
+        assert point.stability is not None
+        if point.softness is not None or point.stability.by_motion:
+            return point
+        return point._replace(softness=softness(self, point.state, point.factor, point.forward.factor))
 
     def _failed(self, outcome: Outcome, count: int, size: float, at: int | None = None) -> PathPoint | None:
         """Note why a step failed, and at which node; returns None."""

@@ -23,6 +23,8 @@ BENT, FLAT = 0.35, 0.1
 """Change of the slope of loads over displacements in a step, as a part of the largest slope: beyond the first the step
 is taken anew, below the second the next one may be longer."""
 SECANTS = 30
+PARTING = 10
+"""Points of a path after which it comes near another one anew."""
 
 Ending = Callable[[PathPoint], float]
 """Zero where a path is to end; it ends where the sign changes."""
@@ -41,6 +43,7 @@ class Path:
         outcome: COMPLETED, POINTS (as many as allowed), or why it could not be followed further.
         count: points so far; limit_points, bifurcations, flutter: the numbers of those that are one.
         multiplicity: of each bifurcation, how many branches of its own direction start there.
+        parting: load factors at which the path turns off beside another one that it does not meet.
         iterations: of Newton's method, those of rejected steps among them; rejected: steps that were taken anew.
         report: of the last iteration that failed; reason: why an INTERRUPTED path stopped.
     """
@@ -51,6 +54,7 @@ class Path:
     bifurcations: list[int] = field(default_factory=list)
     multiplicity: list[int] = field(default_factory=list)
     flutter: list[int] = field(default_factory=list)
+    parting: list[float] = field(default_factory=list)
     iterations: int = 0
     rejected: int = 0
     report: NewtonReport | None = None
@@ -96,7 +100,8 @@ class PathFollower(ArcLength):
             branch: number of the bifurcation at which to go over to the other branch, negative for its other side.
             on_point: called after every point, with the system in that state.
         """
-        path = self.path = Path()
+        path, self._parted = Path(), 0
+        self.path = path
         self.iterations, self.report = 0, None
         try:
             self._begin(state, first, load_factor, largest)
@@ -151,7 +156,7 @@ class PathFollower(ArcLength):
         if start is None:
             path.outcome = Outcome.SINGULAR
             return
-        at = self.judged(start)
+        at = self.softened(start)
         self._record(at, on_point)
         step = 0.25 * largest
         while path.count < points:
@@ -171,10 +176,11 @@ class PathFollower(ArcLength):
                 continue
             reached = self.judged(reached)
             ended = self._ended(at, reached, step, endings, load_factor)
-            last = ended or reached
+            last = self.softened(ended or reached)
             events = special_points(self, at, last, self.distance(at, last.change))
             if events is None:
                 path.rejected += 1
+                self._part(at.factor)
                 step *= 0.45
                 if step < SMALLEST * largest:
                     path.outcome = Outcome.DIVERGED
@@ -213,6 +219,14 @@ class PathFollower(ArcLength):
             easy, hard = reached.iterations <= 5 and bent < FLAT, reached.iterations > 8 or bent > 2.0 * FLAT
             step = min(step * (1.5 if easy else 0.7 if hard else 1.0), largest)
         path.outcome = Outcome.POINTS
+
+    def _part(self, factor: float) -> None:
+        """Note that a step led to another path, which is near this one until steps are long again."""
+        path = self.path
+        if path.parting and path.count <= self._parted + PARTING:
+            path.parting.pop()
+        path.parting.append(factor)
+        self._parted = path.count
 
     def _bent(self, at: PathPoint, reached: PathPoint) -> float:
         """Return the change of the slope of loads over displacements, as a part of the largest slope so far."""

@@ -43,6 +43,8 @@ LARGEST_TURN = 0.5
 """Largest prescribed rotation of a step [rad]."""
 WANTED = 0.3
 """Size of step that is aimed at."""
+FOLLOWING = 1.1
+"""Size of a step over that of the prescribed motion below which nothing but this has moved so far."""
 NEAR = 0.3
 """Distance from an unstable equilibrium below which a step is not to be so long that it leads back there."""
 STILL = 1e-2
@@ -132,11 +134,12 @@ class Settling:
         while report.steps + report.rejected < STEPS:
             self.static.check_interrupt()
             goal = min(1.0, self.motion + (self._growth if ready else 0.0))
+            own = (goal - self.motion) * self._turn  # of the size, what is prescribed and no drag holds back
             trial, size, iterations = self._step(x, self._mu, goal)
             report.iterations += iterations
             count = 0 if trial is None else self._unstable_on_the_way(trial, goal)
             if trial is None or (count > FEW and self._growth > LEAST_GROWTH):
-                self._shorten(size)
+                self._shorten(size, own)
                 if not self._mu < 1e30 * self._least:
                     report.reason = "no step was small enough"
                     return report
@@ -144,7 +147,7 @@ class Settling:
             report.steps += 1
             x, self.motion = trial, goal
             ready = ready or size < STILL
-            self._lengthen(size, iterations)
+            self._lengthen(size, own, iterations)
             if count:
                 self._knock(x, FAINT)
                 continue
@@ -170,19 +173,21 @@ class Settling:
         self._mu = self._first(x)
         self._neutral, self._least, self._floor = NEUTRAL * self._mu, 1e-14 * self._mu, 0.0
 
-    def _shorten(self, size: float) -> None:
+    def _shorten(self, size: float, own: float) -> None:
         """Shorten the next step after one that failed: one of some ``size``, or 0 without any."""
         self.report.rejected += 1
-        if size:
-            self._floor = 1.5 * self._mu
-        self._mu *= 2.0 if size else 4.0
+        if not 0.0 < size < FOLLOWING * own:
+            if size:
+                self._floor = 1.5 * self._mu
+            self._mu *= 2.0 if size else 4.0
         self._growth = max(0.5 * self._growth, LEAST_GROWTH if self.careful else 1e-4)
 
-    def _lengthen(self, size: float, iterations: int) -> None:
+    def _lengthen(self, size: float, own: float, iterations: int) -> None:
         """Choose the next step by how easy the last one was."""
         self._growth = min((2.0 if size < WANTED else 0.5) * self._growth, self._most)
         easy = 0.1 if iterations <= 4 else 0.5
-        self._mu = max(self._mu * min(max(easy, size / WANTED), 2.0), self._floor, self._least)
+        free = 0.0 if size < FOLLOWING * own else size
+        self._mu = max(self._mu * min(max(easy, free / WANTED), 2.0), self._floor, self._least)
         self._floor *= 0.7
 
     def _unstable_on_the_way(self, x: State, goal: float) -> int:

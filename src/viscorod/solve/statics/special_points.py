@@ -7,6 +7,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from viscorod.solve.formulations.system import State
+from viscorod.solve.statics.softness import Softness
 from viscorod.solve.statics.stability import Stability
 from viscorod.typing import Floats
 
@@ -22,6 +23,8 @@ ASTRAY = 0.1
 """Part of the way between two points next to it that may lead across the path: otherwise they are on two paths."""
 SAME = 1e-5
 """Part of a step within which two special points are one: round-off parts eigenvalues that vanish together."""
+PIECE = 0.05
+"""Part of a step in which two special points are not sought between ends that look alike."""
 NUDGES = (0.5, 0.37, 0.63, 0.2, 0.8, 0.1, 0.9, 0.03, 0.97)
 """Where a part of a step is divided; the next one where no point of the path is found at the last."""
 EXACT = 1e-7
@@ -45,6 +48,7 @@ class PathPoint(NamedTuple):
         stability: see there; None if not known yet.
         iterations: of Newton's method to get there.
         change: all of the increments since the point before it.
+        softness: the smallest stiffnesses; None if they are not known.
     """
 
     state: State
@@ -53,6 +57,7 @@ class PathPoint(NamedTuple):
     stability: Stability | None
     iterations: int
     change: Direction
+    softness: Softness | None = None
 
 
 class SpecialPoint(NamedTuple):
@@ -82,6 +87,9 @@ class Follower(Protocol):
     def judged(self, point: PathPoint) -> PathPoint:
         """Return a point with its stability."""
 
+    def softened(self, point: PathPoint) -> PathPoint:
+        """Return a point with its softness, where that can be told."""
+
     def size(self, change: Direction) -> float:
         """Return the size of a change."""
 
@@ -102,7 +110,8 @@ def special_points(
 ) -> list[SpecialPoint] | None:
     """Return all special points between two points of a path, in their order; None if no path joins these.
 
-    A step is halved wherever its two ends differ, so several special points within one are told apart. Points on the
+    A step is halved wherever its two ends differ, so several special points within one are told apart, and where they
+    are alike but a stiffness may have vanished twice. Points on the
     two sides come as near to each other as their distances from ``at``, unless the step led to another path.
     """
     none = Direction(np.zeros_like(at.forward.increment), 0.0)
@@ -113,6 +122,12 @@ def special_points(
         (low, first), (high, last) = pending.pop()
         before, after = _kind(path, first), _kind(path, last)
         if before == after:
+            if high - low > PIECE * step:
+                first, last = path.softened(first), path.softened(last)
+                middle = _between(path, at, low, high) if _hides(first, last, high - low) else None
+                if middle is not None:
+                    pending.append((middle, (high, last)))
+                    pending.append(((low, first), middle))
             continue
         gap = Direction(
             last.change.increment - first.change.increment, last.change.factor - first.change.factor
@@ -124,9 +139,8 @@ def special_points(
         near = near or steepest * (high - low) < FINE * path.unit
         middle = None if near else _between(path, at, low, high)
         if middle is not None:
-            distance, point = middle
-            pending.append(((distance, point), (high, last)))
-            pending.append(((low, first), (distance, point)))
+            pending.append((middle, (high, last)))
+            pending.append(((low, first), middle))
         elif high - low < LOCATED * step and (path.size(gap) < EXACT or path.astray(at, gap) < ASTRAY):
             place = path.judged(last if low == 0.0 else first)
             if found and low - found[-1].until < max(SAME * step, EXACT):
@@ -162,6 +176,13 @@ def _between(path: Follower, at: PathPoint, low: float, high: float) -> tuple[fl
         if point is not None:
             return distance, path.judged(point)
     return None
+
+
+def _hides(first: PathPoint, last: PathPoint, distance: float) -> bool:
+    """Return whether a stiffness may have vanished twice between two points that are alike."""
+    if first.softness is None or last.softness is None:
+        return False
+    return first.softness.may_vanish_before(last.softness, distance)
 
 
 def _kind(path: Follower, point: PathPoint) -> _Kind:

@@ -154,9 +154,12 @@ class StaticSolver:
             passed_by = earlier is not None and failed and step < PART * size
             if passed_by and earlier is not None:
                 before_it, trial = earlier
-                trial = trial.copy()
-                reached = at + np.copysign(min(0.5 * abs(at - before_it), abs(stop - at)), stop - at)
-                earlier = None
+                trial, earlier = trial.copy(), None
+                by = 0.5 * abs(at - before_it)
+                if by < smallest_step * size:
+                    continue
+                step = min(step, by)
+                reached = at + np.copysign(min(by, abs(stop - at)), stop - at)
             path.load_level = reached
             path.report = report = self.newton(trial, t, before=before, scale=reached)
             if report.converged and self.turns.jumped(state, trial):
@@ -283,8 +286,14 @@ class StaticSolver:
 
     def tangent(self, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0) -> Tangent:
         """Return the tangent stiffness at an equilibrium, and the conditions of joints and held strains beside it."""
-        system, supports = self.system, self.supports
         self.restore(state, t, before=before, scale=scale)
+        return self.tangent_here(state, t, before=before, scale=scale)
+
+    def tangent_here(self, state: State, t: float, *, before: bool, scale: float) -> Tangent:
+        """Return the same with the present stress iterate, which may have been carried to a state near by."""
+        system, supports = self.system, self.supports
+        supports.update(t, before, scale)
+        system.constraints.update(t, before, scale)
         system.assemble(state, self.loads.at(t, before, scale), None, tangent=True, moving=False)
         stiffness, basis = supports.reduce_tangent(state, system.residual(), system.matrix)
         gradients = None

@@ -9,6 +9,7 @@ import scipy.linalg
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.typing import Floats
 
 __all__ = ["Tangent", "negative_eigenvalues", "null_vector"]
@@ -46,24 +47,40 @@ def negative_eigenvalues(tangent: Tangent) -> int:
     return int(np.count_nonzero(pivots < 0.0))
 
 
+class Inverse:
+    """The motions under forces, of unit size, within the conditions."""
+
+    def __init__(self, tangent: Tangent) -> None:
+        import scipy.sparse.linalg as spla
+
+        stiffness, self._rows = sparse.csc_array(tangent.stiffness), 0
+        self.size = int(stiffness.shape[0])
+        scale = float(np.abs(stiffness.diagonal()).mean()) or 1.0
+        whole = stiffness + NEUTRAL * scale * sparse.eye_array(self.size)
+        if tangent.gradients is not None:
+            self._rows = int(tangent.gradients.shape[0])
+            held = scale * tangent.gradients
+            whole = sparse.block_array([[whole, held.T], [held, None]])
+        try:
+            self._factor = spla.splu(sparse.csc_array(whole))
+        except RuntimeError as error:
+            raise SingularMatrixError(0) from error
+
+    def apply(self, forces: Floats) -> Floats:
+        """Return the motions under forces ``(size, ...)``."""
+        right = np.concatenate([forces, np.zeros((self._rows, *forces.shape[1:]))])
+        return np.asarray(self._factor.solve(right)[: self.size])
+
+
 def null_vector(tangent: Tangent) -> Floats:
     """Return the nodal body increments ``(6 n,)`` of the direction with the least stiffness, by inverse iteration.
 
     Next to a bifurcation it is that of the branch.
     """
-    import scipy.sparse.linalg as spla
-
-    stiffness, rows = sparse.csc_array(tangent.stiffness), 0
-    scale = float(np.abs(stiffness.diagonal()).mean()) or 1.0
-    whole = stiffness + NEUTRAL * scale * sparse.eye_array(stiffness.shape[0])
-    if tangent.gradients is not None:
-        rows = int(tangent.gradients.shape[0])
-        held = scale * tangent.gradients
-        whole = sparse.block_array([[whole, held.T], [held, None]])
-    factor = spla.splu(sparse.csc_array(whole))
-    x = np.random.default_rng(1).standard_normal(stiffness.shape[0])
+    inverse = Inverse(tangent)
+    x = np.random.default_rng(1).standard_normal(inverse.size)
     for _ in range(8):
-        x = factor.solve(np.concatenate([x / np.linalg.norm(x), np.zeros(rows)]))[: len(x)]
+        x = inverse.apply(x / np.linalg.norm(x))
     increments: Floats = np.asarray(tangent.basis @ x)
     increments *= np.sign(increments[np.argmax(np.abs(increments))])
     return increments

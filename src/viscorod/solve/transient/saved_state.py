@@ -92,9 +92,9 @@ def _saved(value: Any, seen: set[int]) -> SavedTree:
     }
 
 
-def restore(value: Any, tree: SavedTree) -> None:
-    """Put back what :func:`saved` returned for an object that was made from the same model."""
-    _restored(value, tree)
+def restore(value: Any, tree: SavedTree) -> Any:
+    """Put back what :func:`saved` returned for an object that was made from the same model, and return it."""
+    return _restored(value, tree)
 
 
 def _restored(value: Any, tree: SavedTree) -> Any:

@@ -21,6 +21,9 @@ from viscorod.solve.transient.step_control import StepControl
 
 MOST_NOTES = 20
 
+AT_ONCE = 32
+"""States within one step that are in memory at once."""
+
 LARGEST_STRAIN = 100.0
 """Shear or stretch beyond which a run is stopped: nothing that means anything comes after it."""
 
@@ -48,6 +51,7 @@ class TransientResult:
         outcome: COMPLETED or the reason of the last failed step, which happened at ``failed_at`` [s].
         notes: one line per instant at which a step failed.
         reason: why an INTERRUPTED run stopped.
+        between_steps: it stopped after a step, from where it can go on bit for bit; others stop within one.
     """
 
     history: History = field(default_factory=History)
@@ -57,6 +61,7 @@ class TransientResult:
     effort: StepCounts = field(default_factory=StepCounts)
     notes: list[str] = field(default_factory=list)
     reason: str = ""
+    between_steps: bool = False
 
 
 class Transient:
@@ -208,6 +213,7 @@ class Transient:
             reason = self._after_step() if self._after_step is not None else ""
             if reason and end < self.duration:
                 result.outcome, result.reason = Outcome.INTERRUPTED, reason
+                result.between_steps = True
                 return False
         return True
 
@@ -220,12 +226,16 @@ class Transient:
         if stop is not None:
             times = [*(at for at in times if at < stop), stop]
         parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
-        states = integrator.between(np.array(parts)) if parts else []
-        lost = integrator.branch_losses(np.array(parts))
-        for (between, work, loss), at, part, branches in zip(states, times, parts, lost, strict=False):
-            energy = before.between(account, part, between.kinetic, work, loss, branches)
-            history.record(at, between, energy, end - t, iterations)
-        if len(times) > len(states):
+        least = -np.inf
+        for begin in range(0, len(parts), AT_ONCE):
+            some = np.array(parts[begin : begin + AT_ONCE])
+            lost = integrator.branch_losses(some)
+            for number, (between, work, loss) in enumerate(integrator.between(some)):
+                least = max(least, loss)  # interpolation must not give energy back
+                part, at = float(some[number]), times[begin + number]
+                energy = before.between(account, part, between.kinetic, work, least, lost[number])
+                history.record(at, between, energy, end - t, iterations)
+        if len(times) > len(parts):
             history.record(times[-1], integrator.snapshot(), account, end - t, iterations)
 
     def saved(self) -> SavedTree:

@@ -21,6 +21,7 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.element_forces import GeometricForces, IntrinsicForces
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
+from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.modes.vibrations import Linearisation
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Matrices
 from viscorod.solve.transient.integrators.step_actions import StepActions
@@ -58,7 +59,7 @@ class LinearModel:
         self._load_stiffness = np.zeros_like(system.matrix.blocks)
         if internal.any():
             self.actions.add_load_stiffness(t, self.base, np.zeros((n, 6)), self._load_stiffness, before=True)
-        self.mass = sparse.block_diag(list(body.mass), format="csr")
+        self.mass = block_diagonal(body.mass)
         self.reduced = self._reduce(self._matrices(self._strain, points.section_force[0], body.elements))
         self._separate(self._strain, points.section_force[0])
 
@@ -105,9 +106,9 @@ class LinearModel:
             elements.weights[p] * h for p, h in zip(elements.order, elements.half_lengths, strict=True)
         ]
         blocks = np.array(weights)[..., None, None] * elements.stiffness[elements.section]
-        self._weighted_stiffness = sparse.block_diag(list(blocks.reshape(-1, 6, 6)), format="csr")
+        self._weighted_stiffness = block_diagonal(blocks.reshape(-1, 6, 6))
         blocks = np.array(weights)[..., None, None] * elements.damping[elements.section]
-        self._weighted_damping = sparse.block_diag(list(blocks.reshape(-1, 6, 6)), format="csr")
+        self._weighted_damping = block_diagonal(blocks.reshape(-1, 6, 6))
         soft = elements._replace(
             stiffness=np.zeros_like(elements.stiffness), damping=np.zeros_like(elements.damping), damped=False
         )

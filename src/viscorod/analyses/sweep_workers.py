@@ -1,0 +1,209 @@
+"""Processes that compute the members of a sweep; one that is killed costs its own member a new try, and no other.
+
+Every worker has a pipe of its own and one member at a time, so that the death of a process tells which member it was
+at, and its exit code how it ended.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections import Counter, deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from multiprocessing.connection import wait
+from typing import Any, TypeAlias
+
+from viscorod.errors import InputError
+
+__all__ = ["FAILED", "UNTOUCHED", "Found", "Work", "in_parallel"]
+
+Found: TypeAlias = tuple[Any, str, str]
+"""Result (or None), message and outcome of a member."""
+Work: TypeAlias = Callable[[Any, Callable[[float], None], Callable[[], bool]], Found]
+"""Computes a job, tells which part of it is done and asks whether to stop."""
+
+FAILED = "failed"
+UNTOUCHED: Found = (None, "the sweep was stopped before it", "not run")
+TRIES = 3
+"""Processes that a member may lose before it counts as failed."""
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+_POLL = 0.1  # seconds between two looks at the workers
+_READY = "ready"
+
+
+class _Worker:
+    """A process that computes one member after the other."""
+
+    def __init__(self, context: Any, work: Work, cells: Any) -> None:
+        self.connection: Any
+        self.connection, end = context.Pipe()
+        self.process = context.Process(target=_serve, args=(end, work, cells), daemon=True)
+        with _one_thread_each():
+            self.process.start()
+        end.close()
+        self.ready = False
+        self.member: int | None = None
+
+    def begin(self, member: int, job: Any) -> None:
+        """Give it a member; if it died meanwhile, the next look at it tells."""
+        self.member = member
+        with suppress(OSError):
+            self.connection.send((member, job))
+
+    def end(self) -> None:
+        """Let it go; one that computes is ended."""
+        self.connection.close()
+        if self.member is not None or not self.ready:
+            self.process.terminate()
+        self.process.join()
+
+
+def in_parallel(
+    work: Work,
+    jobs: Sequence[Any],
+    workers: int,
+    stop: threading.Event,
+    progress: Callable[[float], None] | None,
+) -> list[Found]:
+    """Return what ``work`` makes of all jobs, on several processes with one thread each.
+
+    Args:
+        work: a function of a module, so that other processes find it.
+        jobs: which can be pickled.
+        workers: number of processes.
+        stop: set from outside; jobs that have not begun are left out then.
+        progress: called with the number of jobs done, fractions included.
+
+    Raises:
+        InputError: no process could be started.
+    """
+    context = multiprocessing.get_context("spawn")
+    cells = context.Array("d", len(jobs) + 1, lock=False)  # how far each job is; the last one stops all
+    found: dict[int, Found] = {}
+    waiting, lost = deque(range(len(jobs))), Counter[int | None]()
+    crew = [_Worker(context, work, cells) for _ in range(workers)]
+    try:
+        while len(found) < len(jobs):
+            _look(crew, found)
+            for worker in [worker for worker in crew if not worker.process.is_alive()]:
+                _look([worker], found)  # what it said last
+                crew.remove(worker)
+                lost[worker.member] += 1
+                _after_death(worker, lost[worker.member], stop, found, waiting)
+                if waiting:
+                    crew.append(_Worker(context, work, cells))
+            if stop.is_set():
+                cells[len(jobs)] = 1.0
+                found |= dict.fromkeys(waiting, UNTOUCHED)
+                waiting.clear()
+            for worker in crew:
+                if waiting and worker.ready and worker.member is None:
+                    number = waiting.popleft()
+                    cells[number] = 0.0
+                    worker.begin(number, jobs[number])
+            if progress is not None and not stop.is_set():
+                progress(sum(1.0 if k in found else cells[k] for k in range(len(jobs))))
+    finally:
+        for worker in crew:
+            worker.end()
+    return [found[k] for k in range(len(jobs))]
+
+
+def _look(crew: Sequence[_Worker], found: dict[int, Found]) -> None:
+    """Take what workers have to say, or wait a little for it."""
+    by_connection: dict[Any, _Worker] = {worker.connection: worker for worker in crew}
+    sentinels = [worker.process.sentinel for worker in crew]
+    for one in wait([*by_connection, *sentinels], timeout=_POLL):
+        worker = by_connection.get(one)
+        if worker is None:
+            continue
+        try:
+            said = worker.connection.recv()
+        except (EOFError, OSError):  # it died
+            continue
+        if said == _READY:
+            worker.ready = True
+        else:
+            number, result = said
+            found[number] = result
+            worker.member = None
+
+
+def _after_death(
+    worker: _Worker, count: int, stop: threading.Event, found: dict[int, Found], waiting: deque[int]
+) -> None:
+    """Decide what becomes of the member of a process that ended by itself, for the time ``count``."""
+    worker.process.join()
+    how, member = _ended(worker.process.exitcode), worker.member
+    if member is None:
+        at_start = not worker.ready and (worker.process.exitcode or 0) >= 0
+        if not stop.is_set() and (at_start or count == TRIES):
+            raise InputError(
+                f"sweep: no worker process could be started ({how}); in a script, call it under "
+                'if __name__ == "__main__":, or compute in one process with workers = 1'
+            )
+    elif member not in found:
+        if stop.is_set():
+            found[member] = None, f"the sweep was stopped, and its process {how}", "interrupted"
+        elif count < TRIES:
+            waiting.append(member)
+        else:
+            found[member] = None, f"its process {how}; it was tried {count} times", FAILED
+
+
+def _ended(code: int | None) -> str:
+    """Say how a process ended, by its exit code."""
+    if code is None or code >= 0:
+        return f"ended with exit code {code}"
+    try:
+        name = signal.Signals(-code).name
+    except ValueError:
+        name = f"signal {-code}"
+    if name == "SIGKILL":
+        return "was killed (SIGKILL; the system does this where memory runs out)"
+    return f"was ended by {name}"
+
+
+def _serve(connection: Any, work: Work, cells: Any) -> None:
+    """Compute what comes through the pipe, in a process of its own; the parent alone answers the keyboard."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    connection.send(_READY)
+
+    def stopped() -> bool:
+        return bool(cells[len(cells) - 1])
+
+    while True:
+        try:
+            number, job = connection.recv()
+        except (EOFError, OSError):  # the parent is done, or gone
+            return
+
+        def tell(part: float, *, number: int = number) -> None:
+            cells[number] = part
+
+        result = UNTOUCHED if stopped() else work(job, tell, stopped)
+        try:
+            connection.send((number, result))
+        except OSError:
+            return
+        except Exception as error:  # what cannot be sent must not cost the others their results
+            text = f"its result could not be handed over ({type(error).__name__}: {error})"
+            connection.send((number, (None, text, FAILED)))
+
+
+@contextmanager
+def _one_thread_each() -> Iterator[None]:
+    """Let processes that start here use one thread each: there are as many of them as processors."""
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value

@@ -1,0 +1,56 @@
+"""The states of a run that was stopped, or is still computed, as a result: what is whole of them."""
+
+from __future__ import annotations
+
+import json
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from viscorod.errors import InputError, warn
+from viscorod.results.files.journal import FOLDER, checkpoint, contents
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["result_file", "stopped_run"]
+
+
+def result_file(folder: Path) -> Path:
+    """Return the file that a folder was named for: the journal of a run that has not ended, else its result.
+
+    Raises:
+        InputError: the folder holds neither.
+    """
+    for path in (folder / FOLDER, folder / "run.nc", folder / "sweep.nc"):
+        if path.exists():
+            return path
+    if folder.name == FOLDER:
+        return folder
+    raise InputError(f"{folder} holds no result; name a folder that viscorod run wrote to, or a run.nc")
+
+
+def stopped_run(journal: Path) -> xr.Dataset:
+    """Return the states of a journal so far; a doubt says how many of them are damaged.
+
+    Raises:
+        InputError: nothing was written yet, or it is damaged.
+    """
+    data = contents(journal)
+    time = data["time"].values
+    if not time.size:
+        raise InputError(f"{journal} is damaged: not one of its states is whole")
+    reached = f"t = {float(time[-1]):.6g} s"
+    attrs = {
+        "outcome": "interrupted",
+        "message": f"These are the states until {reached}, of a run that has not ended",
+        "warnings": data.attrs.get("doubts", "[]"),
+    }
+    counted = 0
+    with suppress(InputError):
+        counted = checkpoint(journal)[1]
+    if time.size < counted:
+        doubt = f"{journal} is damaged: {time.size} of {counted} states are whole, until {reached}"
+        attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), doubt])
+        warn(doubt)
+    return data.assign_attrs(attrs)

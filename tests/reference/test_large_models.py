@@ -1,0 +1,222 @@
+"""Ten thousand elements, hundreds of rods: right to closed forms, with effort and memory in proportion."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.optimize import brentq
+
+import viscorod as vr
+from viscorod.analyses.check import check
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.pictures.plots.projection_view import Curves
+from viscorod.solve.formulations.system import State
+from viscorod.solve.linear.sparse_lu import SparseLU
+from viscorod.solve.modes import undamped
+from viscorod.solve.modes.vibrations import complex_modes, linearise
+
+MODULUS, DENSITY, G = 2e11, 7850.0, 9.81
+STEEL = vr.Material(MODULUS, poissons_ratio=0.3, density=DENSITY, damping=vr.KelvinVoigt(1e-4, 1e-4))
+FINEST = 10_000
+"""Elements of the largest rods."""
+
+
+def wire(length: float, radius: float, elements: int, order: int, direction: str = "x") -> vr.Model:
+    """Return a steel wire from the origin along an axis."""
+    end = np.where(np.array(list("xyz")) == direction, length, 0.0)
+    model = vr.Model()
+    rod = vr.Rod.straight(
+        (0, 0, 0), end, section=vr.Circle(radius), material=STEEL, elements=elements, order=order
+    )
+    model.add("wire", rod)
+    return model
+
+
+def test_a_long_hanging_wire_of_ten_thousand_elements_stretches_by_its_weight() -> None:
+    """Elongation of a bar under its weight, ``rho g L^2 / (2 E)``, and its tension at the upper end."""
+    model = wire(500.0, 0.005, FINEST, 1, "z")
+    model.clamp("wire.start")
+    model.gravity((0.0, 0.0, G))
+    found = model.equilibrium()
+    exact = DENSITY * G * 500.0**2 / (2.0 * MODULUS)
+    assert found.displacement("wire.end")[2] == pytest.approx(exact, rel=1e-9)
+    weight = DENSITY * G * np.pi * 0.005**2 * 500.0
+    assert float(found.reactions[0, 2]) == pytest.approx(-weight, rel=1e-9)
+    assert found.stable
+
+
+def test_a_cable_of_ten_thousand_elements_is_the_elastic_catenary() -> None:
+    """Sag and tension of Irvine's elastic catenary (Cable Structures, 1981, eqs. 1.33 to 1.36).
+
+    The wire is 50 000 times longer than thick; its bending stiffness matters within a few centimetres of the pins only.
+    """
+    length, radius = 500.0, 0.005
+    model = wire(length, radius, FINEST, 1)
+    model.pin("wire.start")
+    model.pin("wire.end")
+    model.gravity((0.0, 0.0, -G))
+    found = model.equilibrium()
+
+    w, stiffness = DENSITY * G * np.pi * radius**2, MODULUS * np.pi * radius**2
+    up = 0.5 * w * length
+
+    def span(tension: float) -> float:
+        return tension * length / stiffness + 2.0 * tension / w * np.arcsinh(up / tension)
+
+    tension = float(brentq(lambda h: span(h) - length, 1e2, 1e6, xtol=1e-9, rtol=1e-14))
+    sag = up * length / (4.0 * stiffness) + tension / w * (np.sqrt(1.0 + (up / tension) ** 2) - 1.0)
+    assert found.displacement("wire@250")[2] == pytest.approx(-sag, rel=2e-7)
+    assert np.abs(found.reactions.values[0, :3]) == pytest.approx([tension, 0.0, up], rel=1e-6, abs=1e-6 * up)
+
+
+def test_modes_of_ten_thousand_elements_keep_four_digits() -> None:
+    """Euler-Bernoulli cantilever, 200 times longer than thick; Timoshenko's correction there is 1e-4.
+
+    What is compared is the same model with 100 elements: stretch is 2e9 times stiffer than the first bending mode of
+    the whole, so that rounding of 10 000 elements leaves four digits of it.
+    """
+
+    def frequencies(elements: int) -> np.ndarray:
+        model = wire(1.0, 0.0025, elements, 2)
+        model.clamp("wire.start")
+        return check(DiscreteModel.of(model)).frequencies
+
+    beam = np.repeat([1.8751040687, 4.6940911330, 7.8547574382], 2) ** 2
+    exact = beam / (2.0 * np.pi) * np.sqrt(MODULUS * 0.0025**2 / (4.0 * DENSITY))
+    coarse, fine = frequencies(100), frequencies(FINEST)
+    assert coarse == pytest.approx(exact, rel=1e-3)
+    assert fine == pytest.approx(exact, rel=1e-3)
+    assert fine == pytest.approx(coarse, rel=2e-4)
+
+
+def stiffness_of(elements: int, radius: float) -> sparse.csr_array:
+    model = wire(500.0, radius, elements, 3)
+    model.clamp("wire.start")
+    discrete = DiscreteModel.of(model)
+    return linearise(discrete.static, State.reference(discrete.problem), scale=0.0).stiffness
+
+
+@pytest.mark.parametrize("radius", [0.005, 5.0])
+def test_factors_fill_in_proportion_to_the_elements(radius: float) -> None:
+    """Rows that are scaled keep their pivots on the diagonal: a wire's factors are as sparse as a thick beam's."""
+    small, large = (stiffness_of(elements, radius) for elements in (200, 800))
+    assert SparseLU(large).nonzeros < 4.1 * SparseLU(small).nonzeros
+    lu, x = SparseLU(large), np.random.default_rng(3).standard_normal(large.shape[0])
+    b = large @ x
+    size = abs(large) @ np.abs(lu.solve(b)) + np.abs(b)
+    assert np.abs(large @ lu.solve(b) - b).max() <= 1e-12 * size.max()
+
+
+def test_scaled_factors_solve_with_conditions_and_complex_matrices() -> None:
+    """Rows without a diagonal, as those of conditions, are scaled too; solutions are those of full matrices."""
+    random = np.random.default_rng(5)
+    a = random.standard_normal((30, 30))
+    stiff = a @ a.T + 1e9 * np.diag(np.arange(30) % 2)
+    held = 1e-6 * random.standard_normal((4, 30))
+    matrix = np.block([[stiff, held.T], [held, np.zeros((4, 4))]])
+    b = random.standard_normal((34, 2))
+    assert SparseLU(matrix).solve(b) == pytest.approx(np.linalg.solve(matrix, b), rel=1e-6)
+    shifted = stiff + 1j * np.diag(np.arange(1.0, 31.0))
+    assert SparseLU(shifted).solve(b[:30] + 0j) == pytest.approx(np.linalg.solve(shifted, b[:30]), rel=1e-8)
+    with pytest.raises(RuntimeError):
+        SparseLU(np.zeros((3, 3)))
+
+
+def peak(run: Callable[[], object]) -> int:
+    """Return the largest memory [bytes] that numpy and Python hold while something runs."""
+    run()
+    tracemalloc.start()
+    try:
+        run()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def cantilevers(count: int) -> vr.Model:
+    """Return equal cantilevers beside each other."""
+    model = vr.Model()
+    for k in range(count):
+        rod = vr.Rod.straight(
+            (0, 0.1 * k, 0), (0.1, 0.1 * k, 0), section=vr.Circle(0.005), material=STEEL, elements=1, order=2
+        )
+        model.add(f"rod{k}", rod)
+        model.clamp(f"rod{k}.start")
+    model.gravity()
+    return model
+
+
+def long_wire(elements: int) -> vr.Model:
+    model = wire(500.0, 0.5, elements, 2, "z")
+    model.clamp("wire.start")
+    model.gravity((1.0, 0.0, G))
+    return model
+
+
+@pytest.mark.parametrize(("make", "small"), [(long_wire, 400), (cantilevers, 60)])
+@pytest.mark.parametrize("analysis", ["check", "equilibrium"])
+def test_memory_of_checks_and_equilibria_is_in_proportion(
+    make: Callable[[int], vr.Model], small: int, analysis: str
+) -> None:
+    """Four times the elements, or rods, take four times the memory: nothing is a full matrix."""
+
+    def used(count: int) -> int:
+        model = make(count)
+        if analysis == "check":
+            return peak(lambda: check(DiscreteModel.of(model)))
+        return peak(model.equilibrium)
+
+    assert used(4 * small) < 4.6 * used(small)
+
+
+def test_pictures_of_long_rods_take_memory_in_proportion() -> None:
+    """Drawn points are weights of some stations each, and no more of them than a picture can show."""
+    small, large = (long_wire(elements).equilibrium() for elements in (400, 1600))
+
+    def points(result: vr.Equilibrium) -> int:
+        curves = Curves(result)
+        return sum(len(curve) for curve in curves._rods(result.field("position")[-1]))
+
+    assert peak(lambda: points(large)) < 4.6 * peak(lambda: points(small))
+    stations = int(large.data.sizes["station"])
+    assert stations <= points(large) <= 50_000
+    # the last one is the tip itself
+    tip = list(Curves(large)._rods(large.field("position")[-1]))[-1][-1]
+    assert tip == pytest.approx(large.position("wire.end"), abs=1e-12)
+
+
+def test_a_page_of_a_long_rod_reads_few_stations_of_it(tmp_path) -> None:
+    """A page shows 400 stations, says so, and holds no weights of the others."""
+    result = long_wire(1600).equilibrium()
+    used = peak(lambda: vr.view(result, tmp_path / "view.html"))
+    assert "400 stations shown of 3201" in (tmp_path / "view.html").read_text(encoding="utf-8")
+    assert used < 12e6 + 400 * 3201  # weights of all stations alone would take eight times the latter
+
+
+def test_many_equal_rods_have_the_modes_of_one(monkeypatch) -> None:
+    """Of 240 modes with one frequency only those asked for are sought, and it is proven that none is slower."""
+    searches = []
+    lanczos = undamped._lanczos
+
+    def counted(*arguments):
+        searches.append(arguments[3])
+        return lanczos(*arguments)
+
+    monkeypatch.setattr(undamped, "_lanczos", counted)
+
+    def modes_of(count: int) -> tuple[np.ndarray, bool]:
+        discrete = DiscreteModel.of(cantilevers(count))
+        state = State.reference(discrete.problem)
+        found = complex_modes(
+            discrete.static, state, linearise(discrete.static, state, scale=0.0), 6 if count > 1 else 2
+        )
+        return found.frequencies, found.certified
+
+    (one, _), (all_, certified) = modes_of(1), modes_of(120)
+    assert all_ == pytest.approx(np.repeat(one[0], 6), rel=1e-9)
+    assert certified
+    assert sum(searches) < 40

@@ -1,0 +1,52 @@
+"""Processes of a sweep that really die: their member is tried again, the others keep what they have."""
+
+import multiprocessing
+import os
+import threading
+
+import pytest
+
+from helpers.deadly_members import work
+from viscorod.analyses.sweep_workers import in_parallel
+from viscorod.errors import InputError
+
+DONE = ("", "completed")
+
+
+def computed(jobs, workers=2):
+    jobs = [{"number": k, **job} for k, job in enumerate(jobs)]
+    return in_parallel(work, jobs, workers, threading.Event(), None)
+
+
+def test_a_killed_member_is_tried_again_and_no_other_is_lost(tmp_path):
+    once = {"folder": str(tmp_path), "signal": "SIGKILL", "deaths": 2}
+    found = computed([{}, once, {"seconds": 0.5}, {}])
+    assert found == [(k**2, *DONE) for k in range(4)]
+    assert (tmp_path / "1").read_text() == "xx"
+
+
+def test_a_member_that_always_kills_its_process_is_its_own_failure(tmp_path):
+    always = {"folder": str(tmp_path), "deaths": 99}
+    found = computed([{**always, "signal": "SIGKILL"}, {}, {**always, "signal": "SIGSEGV"}, {"exit": 7}, {}])
+    assert [found[k] for k in (1, 4)] == [(1, *DONE), (16, *DONE)]
+    for k, words in ((0, "SIGKILL"), (2, "SIGSEGV"), (3, "exit code 7")):
+        result, message, outcome = found[k]
+        assert result is None
+        assert outcome == "failed"
+        assert words in message
+        assert "tried 3 times" in message
+    assert "memory" in found[0][1]
+    assert [(tmp_path / name).read_text() for name in ("0", "2")] == ["xxx", "xxx"]
+
+
+def test_what_cannot_be_handed_over_is_its_own_failure():
+    found = computed([{"unsendable": True}, {}], workers=1)
+    assert found[1] == (1, *DONE)
+    assert "could not be handed over" in found[0][1]
+
+
+def test_processes_that_end_before_they_begin_are_one_message(monkeypatch):
+    monkeypatch.setattr("viscorod.analyses.sweep_workers._serve", os._exit)
+    with pytest.raises(InputError, match="no worker process could be started"):
+        in_parallel(work, [{"number": 0}], 1, threading.Event(), None)
+    assert not multiprocessing.active_children()

@@ -1,0 +1,463 @@
+"""What viscorod promises about data: two writers, damaged journals, full disks, interrupts; see docs/explanation."""
+
+import contextlib
+import errno
+import itertools
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+import tracemalloc
+import warnings
+
+import pytest
+from typer.testing import CliRunner
+
+import viscorod as vr
+from helpers import stopped_runs as runs
+from viscorod.casefile.shipped import shipped_case
+from viscorod.cli.app import app
+from viscorod.pictures.viewer import view
+from viscorod.results.files import csv_text, folder_lock
+from viscorod.results.files import stream as streaming
+from viscorod.results.files.journal import FOLDER, contents
+from viscorod.results.files.paraview import write_paraview
+from viscorod.results.run import Run
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform == "win32", reason="no fork, no limits on files"),
+]
+
+
+@pytest.fixture(autouse=True)
+def eager(monkeypatch):
+    """Write and make checkpoints as often as possible."""
+    monkeypatch.setattr(streaming, "SHARE", 1.0)
+    monkeypatch.setattr(streaming, "FLUSH", 0.0)
+    monkeypatch.setattr(streaming, "CHECKPOINT", 0.0)
+
+
+def resumed(folder):
+    """The run that went on, and what was said; None and the message if it was refused."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        try:
+            run = runs.swing().simulate(**runs.GIVEN, folder=folder, resume=True)
+        except vr.InputError as error:
+            return None, [str(error)]
+    return run, [str(warning.message) for warning in told]
+
+
+# --- one writer at a time
+
+
+def test_a_second_run_in_a_folder_is_refused(tmp_path):
+    """Contract: of five threads of a process that write into one folder one does, and its run is the run."""
+    runs.whole()
+    found, begin = [], threading.Barrier(5)
+
+    def write(number):
+        begin.wait()
+        try:
+            run = runs.swing().simulate(**runs.GIVEN, folder=tmp_path, progress=lambda *_: time.sleep(0.005))
+            found.append(runs.differences(run))
+        except vr.InputError as error:
+            found.append(str(error))
+
+    threads = [threading.Thread(target=write, args=(number,)) for number in range(5)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found.count(set()) == 1
+    assert sum("is in use: this process" in str(one) for one in found) == 4
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+
+
+HOLDER = """
+import sys, time
+from pathlib import Path
+from viscorod.results.files.folder_lock import locked
+with locked(Path(sys.argv[1])):
+    print("held", flush=True)
+    time.sleep(100)
+"""
+
+
+def test_another_process_is_named_and_its_death_frees_the_folder(tmp_path):
+    """Runs, resumes, commands and sweeps are refused while a process holds the folder; killed, it holds no more."""
+    runs.stopped(tmp_path)
+    case = tmp_path / "case.toml"
+    case.write_text(shipped_case("cantilever_swing").read_text())
+    holder = subprocess.Popen([sys.executable, "-c", HOLDER, str(tmp_path)], stdout=subprocess.PIPE)
+    try:
+        assert holder.stdout.readline() == b"held\n"
+        name = f"is in use: process {holder.pid} on "
+        for more in ({}, {"resume": True}, {"anew": True}):
+            with pytest.raises(vr.InputError, match=name):
+                runs.swing().simulate(**runs.GIVEN, folder=tmp_path, **more)
+        for command in (
+            ["run", str(case), "-o"],
+            ["resume"],
+            ["sweep", str(case), "--set", "simulate.duration=1", "-o"],
+        ):
+            answer = CliRunner().invoke(app, [*command, str(tmp_path)])
+            assert answer.exit_code == 2, answer.output
+            assert name in answer.stderr
+        assert vr.load(tmp_path).time.size > 12  # reading goes on
+    finally:
+        holder.send_signal(signal.SIGKILL)
+        holder.communicate()
+    assert (tmp_path / FOLDER / "lock").is_file()  # what is left of it keeps nobody out
+    assert runs.differences(runs.gone_on(tmp_path)) == set()
+
+
+def test_a_file_system_without_locks_is_told(tmp_path, monkeypatch):
+    def none(_file):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(folder_lock, "_lock", none)
+    with pytest.warns(vr.AccuracyWarning, match="has no locks"):
+        run = runs.swing().simulate(**runs.GIVEN, folder=tmp_path)
+    assert runs.differences(run) == set()
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
+
+
+# --- a run that was stopped is not removed
+
+
+def test_a_stopped_run_is_removed_only_by_a_word(tmp_path):
+    """Refused in Python and by the command, whatever the new analysis; ``anew`` keeps it until something is there."""
+    journal = runs.stopped(tmp_path)
+    before = {path.name: path.read_bytes() for path in journal.iterdir()}
+    with pytest.raises(vr.InputError, match=r"holds a run that was stopped.*resume=True.*anew=True"):
+        runs.swing().simulate(**runs.GIVEN, folder=tmp_path)
+    for case in ("cantilever_swing", "deep_arch"):
+        answer = CliRunner().invoke(app, ["run", str(shipped_case(case)), "-o", str(tmp_path)])
+        assert answer.exit_code == 2
+        assert "viscorod resume" in answer.stderr
+        assert "--anew" in answer.stderr
+    wrong = runs.swing()
+    wrong.pin("beam.start")  # twice held: found only when it is computed
+    with pytest.raises(vr.InputError):
+        wrong.simulate(**runs.GIVEN, folder=tmp_path, anew=True)
+    assert {path.name: path.read_bytes() for path in journal.iterdir() if path.name != "lock"} == before
+    assert runs.differences(runs.swing().simulate(**runs.GIVEN, folder=tmp_path, anew=True)) == set()
+    assert not journal.exists()
+    with pytest.raises(vr.InputError, match="resume and anew"):
+        runs.swing().simulate(**runs.GIVEN, folder=tmp_path, resume=True, anew=True)
+    with pytest.raises(vr.InputError, match="anew: give the folder"):
+        runs.swing().simulate(**runs.GIVEN, anew=True)
+    with pytest.raises(vr.InputError, match="the run in it is complete"):
+        runs.swing().simulate(**runs.GIVEN, folder=tmp_path, resume=True)
+
+
+# --- damaged journals
+
+
+@pytest.mark.parametrize("kind", runs.KINDS)
+@pytest.mark.parametrize("name", runs.FILES)
+def test_a_damaged_journal_goes_on_bit_for_bit_or_is_refused(tmp_path, name, kind):
+    """Identity with the run that nobody stopped, or one message that names the file and leaves it as it is."""
+    journal = runs.stopped(tmp_path)
+    rng = random.Random(f"{name} {kind}")
+    runs.damage(journal / name, kind, rng.random(), rng.randint(1, 2000))
+    run, told = resumed(tmp_path)
+    if run is None:
+        assert "damaged" in told[0] or "missing" in told[0] or "No such file" in told[0]
+        assert journal.is_dir()
+    else:
+        assert runs.differences(run) == set()
+        assert (name, kind) not in [("layout.nc", "flip"), ("states.json", "flip"), ("states.bin", "flip")]
+
+
+def test_every_flipped_bit_of_the_states_is_noticed(tmp_path):
+    """Of one record every byte, its checksum too; a record of another run, or of another place, is none of this one."""
+    journal = runs.stopped(tmp_path)
+    states = journal / "states.bin"
+    content, count = states.read_bytes(), contents(journal).sizes["time"]
+    size = len(content) // count
+    for place in range(3 * size, 4 * size):
+        states.write_bytes(
+            content[:place] + bytes([content[place] ^ (1 << place % 8)]) + content[place + 1 :]
+        )
+        assert contents(journal).sizes["time"] == 3
+    states.write_bytes(content[:size] + content[2 * size : 3 * size] + content[size : 2 * size])
+    assert contents(journal).sizes["time"] == 1
+    other = runs.stopped(tmp_path / "other")
+    states.write_bytes(content[:size] + (other / "states.bin").read_bytes()[size:])
+    assert contents(journal).sizes["time"] == 1
+
+
+def test_a_damaged_checkpoint_goes_back_to_the_one_before(tmp_path):
+    """It is said at once, stands in the result, and in the result of a run that is stopped once more."""
+    journal = runs.stopped(tmp_path)
+    runs.damage(journal / "checkpoint.npz", "flip", 0.5, 3)
+    count = itertools.count()
+    with (
+        pytest.warns(vr.AccuracyWarning, match=r"checkpoint.npz is damaged.*went on from the state before"),
+        pytest.raises(vr.SolveError),
+    ):
+        runs.swing().simulate(
+            **runs.GIVEN, folder=tmp_path, resume=True, stop=lambda: "x" if next(count) else ""
+        )
+    with pytest.warns(vr.AccuracyWarning, match="went on from the state before"):
+        run = runs.swing().simulate(**runs.GIVEN, folder=tmp_path, resume=True)
+    assert runs.differences(run) == set()
+    assert ["went on from the state before" in text for text in run.warnings].count(True) == 1
+
+
+def test_states_after_a_damaged_one_are_not_read(tmp_path):
+    """What can be read of a stopped run are the states before, with a word."""
+    journal = runs.stopped(tmp_path)
+    all_of_it = vr.load(tmp_path)
+    assert isinstance(all_of_it, Run)
+    assert all_of_it.outcome == "interrupted"
+    assert "has not ended" in all_of_it.report()
+    runs.damage(journal / "states.bin", "flip", 0.6, 1)
+    with pytest.warns(vr.AccuracyWarning, match=r"is damaged: \d+ of \d+ states are whole"):
+        part = vr.load(tmp_path)
+    assert 1 < part.time.size < all_of_it.time.size
+    assert (part.data["position"].values == all_of_it.data["position"].values[: part.time.size]).all()
+    assert "is damaged" in part.report()
+    run, told = resumed(tmp_path)
+    assert run is None
+    assert "viscorod.load" in told[0]
+    assert "--anew" in told[0]
+
+
+def test_estimates_of_a_run_that_went_on_are_those_of_the_whole(tmp_path):
+    """Errors by the mesh are estimated from states of all of the motion, those before it was stopped too."""
+    runs.stopped(tmp_path)
+    run, _ = resumed(tmp_path)
+    estimates = {name: value for name, value in runs.whole().data.attrs.items() if "error" in name}
+    assert estimates
+    assert {name: run.data.attrs[name] for name in estimates} == estimates
+
+
+# --- full disks
+
+
+def on_a_full_disk(room, folder, work):
+    """Do some work in a process that can write no file of more than so many bytes."""
+
+    def limited():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (room, resource.RLIM_INFINITY))
+        try:
+            work(folder)
+        except vr.InputError as error:
+            return str(error)
+        return ""
+
+    return runs.in_child(limited)
+
+
+WRITERS = {
+    "result": lambda path: runs.whole().save(path / "file.nc"),
+    "picture": lambda path: runs.whole().plot(path / "file.png"),
+    "table": lambda path: csv_text.write(
+        csv_text.history_columns(runs.whole(), ["beam.end"], ["position", "velocity", "strain"]),
+        path / "file.csv",
+    ),
+    "page": lambda path: view(runs.whole(), path / "file.html"),
+    "film": lambda path: runs.whole().animate(path / "file.gif", fps=2.0, speed=0.2),
+    "ParaView": lambda path: write_paraview(runs.whole(), path, times=[0.1]),
+}
+
+
+@pytest.mark.parametrize("what", WRITERS)
+def test_a_full_disk_leaves_what_was_there(tmp_path, what):
+    """Wherever the room ends: one message, the process lives, the file before is as it was, and nothing lies beside."""
+    runs.whole()
+    WRITERS[what](tmp_path)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    largest = max(map(len, before.values()))
+    rng = random.Random(what)
+    for room in (
+        0,
+        1000,
+        *(rng.randrange(largest) for _ in range(3 if what != "result" else 10)),
+        largest - 1,
+    ):
+        told = on_a_full_disk(room, tmp_path, WRITERS[what])
+        assert "cannot be written" in told, room
+        assert "are free" in told
+        assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_run_in_memory_survives_a_save_that_failed(tmp_path):
+    """The same process saves it where there is room; the message says how much it needs."""
+    runs.whole()
+
+    def save():
+        soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, hard))
+        with pytest.raises(vr.InputError, match=r"kB are needed and .* are free.*still in memory"):
+            runs.whole().save(tmp_path / "run.nc")
+        assert not list(tmp_path.iterdir())
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        runs.whole().save(tmp_path / "run.nc")
+
+    runs.in_child(save)
+    assert runs.differences(vr.load(tmp_path / "run.nc")) == set()
+
+
+@pytest.mark.parametrize("part", [0.02, 0.3, 0.6, 0.9])
+def test_a_run_whose_disk_is_full_goes_on_when_there_is_room(tmp_path, part):
+    """Identity: while states are written, or when the file is made of them at the end."""
+    runs.swing().simulate(**runs.GIVEN, folder=tmp_path / "whole")
+    room = int(part * (tmp_path / "whole" / "run.nc").stat().st_size)
+    told = on_a_full_disk(
+        room, tmp_path / "run", lambda path: runs.swing().simulate(**runs.GIVEN, folder=path)
+    )
+    assert "viscorod resume" in told or "cannot be written" in told
+    assert not (tmp_path / "run" / "run.nc").exists()
+    assert runs.differences(runs.gone_on(tmp_path / "run")) == set()
+
+
+SMALL_DISK = """
+import sys, warnings
+from pathlib import Path
+sys.path.insert(0, {tests!r})
+import viscorod as vr
+from helpers import stopped_runs as runs
+disk = Path({disk!r})
+for size in range(60_000, 300_000, 20_000):
+    filler = disk / "filler"
+    filler.write_bytes(b"x" * ({room} - size))
+    for name in ("run.nc", "again.nc"):
+        try:
+            runs.whole().save(disk / name)
+        except vr.InputError as error:
+            assert "are needed and" in str(error), error
+    for path in disk.glob("*.nc"):
+        assert runs.differences(vr.load(path)) == set()
+        path.unlink()
+    try:
+        run = runs.swing().simulate(**runs.GIVEN, folder=disk / "run")
+    except vr.InputError as error:
+        assert "written" in str(error), error
+        filler.unlink()
+        run = runs.gone_on(disk / "run")
+    assert runs.differences(run) == set()
+    assert [path.name for path in (disk / "run").iterdir()] == ["run.nc"]
+    (disk / "run" / "run.nc").unlink()
+    filler.unlink(missing_ok=True)
+print("done")
+"""
+
+
+def _may_mount():
+    if shutil.which("unshare") is None:
+        return False
+    return subprocess.run(["unshare", "-rm", "true"], capture_output=True, check=False).returncode == 0
+
+
+@pytest.mark.parametrize("room", [1_500_000] if _may_mount() else [])
+def test_a_small_disk(tmp_path, room):
+    """A real file system of 1.5 MB, with less and less room, where a user may mount one."""
+    tests = os.path.dirname(os.path.dirname(__file__))
+    script = tmp_path / "script.py"
+    script.write_text(SMALL_DISK.format(tests=tests, disk=str(tmp_path / "disk"), room=room))
+    (tmp_path / "disk").mkdir()
+    command = f"mount -t tmpfs -o size={room} none {tmp_path / 'disk'} && exec {sys.executable} {script}"
+    done = subprocess.run(
+        ["unshare", "-rm", "sh", "-c", command], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout) == (0, "done\n"), done.stderr
+
+
+# --- interrupts
+
+
+def test_interrupted_at_any_line_a_run_goes_on(tmp_path):
+    """Identity: KeyboardInterrupt in any line of what records, writes and completes; more by ``make fuzz``."""
+    runs.whole()
+    with runs.Interrupt(-1) as counted:
+        runs.swing().simulate(**runs.GIVEN, folder=tmp_path / "count")
+    rng = random.Random(11)
+    chosen = [rng.randrange(counted.count) for _ in range(10)]
+    chosen += [counted.count - rng.randrange(600) for _ in range(6)]  # the end, where the file is made
+
+    def interrupted(number):
+        folder = tmp_path / str(number)
+        with runs.Interrupt(number), contextlib.suppress(vr.SolveError, KeyboardInterrupt):
+            runs.swing().simulate(**runs.GIVEN, folder=folder)
+        differing = sorted(runs.differences(runs.gone_on(folder)))
+        return differing + [path.name for path in folder.iterdir() if path.name != "run.nc"]
+
+    for number in chosen:
+        assert runs.in_child(interrupted, number) == [], number
+
+
+def test_ctrl_c_in_python_keeps_the_run(tmp_path):
+    """Real signals at random times, again and again, until it is done: identity with the run that nobody stopped."""
+    runs.whole()
+
+    def nagged():
+        signal.signal(signal.SIGALRM, signal.default_int_handler)
+        rng, stops = random.Random(4), 0
+        for _ in range(60):
+            signal.setitimer(signal.ITIMER_REAL, rng.uniform(0.02, 0.4))
+            try:
+                run = runs.gone_on(tmp_path)
+            except (vr.SolveError, KeyboardInterrupt):
+                stops += 1
+                continue
+            finally:
+                signal.setitimer(signal.ITIMER_REAL, 0.0)
+            return stops, sorted(runs.differences(run))
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        return stops, sorted(runs.differences(runs.gone_on(tmp_path)))
+
+    stops, differing = runs.in_child(nagged)
+    assert stops > 0
+    assert differing == []
+
+
+# --- memory
+
+
+@pytest.mark.parametrize("where", ["memory", "folder"])
+def test_states_within_a_step_do_not_pile_up(tmp_path, where):
+    """Beside the result there is as little for 8000 states within two steps as for 1000."""
+
+    def beside(count):
+        folder = {"folder": tmp_path / str(count)} if where == "folder" else {}
+        tracemalloc.start()
+        run = runs.swing().simulate(0.2, time_step=0.1, output_interval=0.2 / count, **folder)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert run.time.size == count + 1
+        return peak - 1.25 * run.data.nbytes, run.data.nbytes
+
+    beside(10)
+    few, many = beside(1000), beside(8000)
+    assert many[0] < few[0] + 0.1 * many[1]
+
+
+def test_states_in_pieces_are_those_of_one_piece(tmp_path, monkeypatch):
+    """Identity: how many states of a step are computed and written at once changes none of them."""
+    from viscorod.solve.transient import transient_solver
+
+    def run():
+        return runs.swing().simulate(0.4, output_interval=0.001)
+
+    expected = run()
+    monkeypatch.setattr(transient_solver, "AT_ONCE", 3)
+    monkeypatch.setattr(streaming, "MANY", 5)
+    found = run()
+    assert found.time.size > 400
+    for name, variable in expected.data.variables.items():
+        if variable.dtype.kind == "f":
+            assert found.data[name].values == pytest.approx(variable.values, rel=1e-13, abs=1e-15), name
+        else:
+            assert (found.data[name].values == variable.values).all()
+    assert json.loads(found.data.attrs["warnings"]) == json.loads(expected.data.attrs["warnings"])
