@@ -41,7 +41,8 @@ MADE: dict[str, type[Any]] = {kind.__name__: kind for kind in (State, Snapshot, 
 
 UNCHANGED = (
     Problem, ElementSet, SupportSet, Elements, Discretisation, Pattern, Plan, Tableau, HeldStrains, JointSet,
-    LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads, LoadState, Coefficients, Relation, Solution,
+    LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads, LoadState,
+    Coefficients, Relation, Solution,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 
