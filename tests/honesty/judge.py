@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 import viscorod as vr
 from honesty.random_models import Mesh, Trial, by_default, random_trial
+from viscorod.analyses.call_arguments import SimulateArguments
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.motion import motion
+from viscorod.analyses.one_thread import one_blas_thread
+from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.results.result_warnings import warnings_of
+from viscorod.solve.problem.division import Division, Divisions
 
 UNTOLD = 0.01
 """True error, as a part of the displacements or of a frequency, that no result may have without a word."""
@@ -38,6 +44,8 @@ class Verdict:
             and as the result says it is.
         told: whether the result warns, or its estimate is as large as a third of the error.
         words: warnings, or the message.
+        true_steps, steps: errors of positions of a motion by its steps [m], as they are, and as the result says they
+            are; true_turns, turns: of rotations [rad].
     """
 
     seed: int
@@ -49,6 +57,10 @@ class Verdict:
     estimate: float = math.nan
     told: bool = True
     words: str = ""
+    true_steps: float = math.nan
+    steps: float = math.nan
+    true_turns: float = math.nan
+    turns: float = math.nan
 
     @property
     def untold(self) -> bool:
@@ -79,7 +91,7 @@ def judge(trial: Trial) -> Verdict:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            found = _Answer.of(trial, by_default, {})
+            found = _Answer.of(trial)
         except vr.InputError as error:
             return Verdict(*known, "refused", words=_short(error))
         except vr.SolveError as error:
@@ -87,9 +99,9 @@ def judge(trial: Trial) -> Verdict:
         except Exception as error:  # any other is what no user may see
             return Verdict(*known, "crashed", words=f"{type(error).__name__}: {_short(error)}", told=False)
         try:
-            fine, finer = (_Answer.of(trial, found.refined(k), found.settings(k)) for k in (0, 1))
+            fine, finer = (_Answer.of(trial, **found.refined(k)) for k in (0, 1))
             # of a motion, the error of the mesh alone is what is left with the steps of the finest solution
-            meshed = _Answer.of(trial, found.same_mesh, found.settings(1)) if found.tolerance else found
+            meshed = _Answer.of(trial, **found.with_finest_steps) if found.tolerance else found
         except (vr.InputError, vr.SolveError) as error:
             return Verdict(*known, "unjudged", words=f"refined: {_short(error)}")
     error, doubt = found.error(finer), fine.error(finer)
@@ -98,7 +110,10 @@ def judge(trial: Trial) -> Verdict:
     apart = meshed.mesh_error(finer)
     true_mesh = apart if fine.mesh_error(finer) < 0.2 * apart else math.nan
     told = bool(found.warnings) or found.estimate_of_error > error / 3.0
-    return Verdict(*known, "solved", error, true_mesh, found.estimate, told, "; ".join(found.warnings))
+    words = "; ".join(found.warnings)
+    return Verdict(
+        *known, "solved", error, true_mesh, found.estimate, told, words, *found.errors_of_steps(meshed)
+    )
 
 
 def _short(error: Exception) -> str:
@@ -126,14 +141,24 @@ class _Answer:
     warnings: list[str]
     tolerance: float = 0.0
     factors: tuple[int, int] = (3, 5)
+    divisions: Divisions = field(default_factory=dict)
+    turned: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
+    steps: dict[str, float] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, trial: Trial, mesh: Mesh, settings: dict[str, Any]) -> _Answer:
-        model = trial.build(mesh)
+    def of(
+        cls,
+        trial: Trial,
+        mesh: Mesh = by_default,
+        settings: dict[str, Any] | None = None,
+        divisions: Divisions | None = None,
+    ) -> _Answer:
+        model, settings = trial.build(mesh), settings or {}
         lengths = {name: rod.length for name, rod in model.rods.items()}
         if trial.analysis == "simulate":
             interval = trial.settings["duration"] / MOMENTS
-            result = model.simulate(**trial.settings, output_interval=interval, **settings)
+            given = trial.settings | {"output_interval": interval} | settings
+            result = model.simulate(**given) if divisions is None else _motion(model, divisions, given)
         else:
             result = getattr(model, trial.analysis)(**trial.settings, **settings)
         if trial.analysis == "modes":
@@ -146,10 +171,11 @@ class _Answer:
                 float(np.max(result.frequency_errors, initial=0.0)),
                 list(getattr(result, "warnings", [])),
             )
-        moved = {}
+        moved, turned = {}, []
         for name, length in lengths.items():
             probed = result.probe(name, s=np.linspace(0.0, length, 11))
             moved[name] = np.asarray(probed["displacement"].values)
+            turned.append(np.asarray(probed["rotation"].values))
         if trial.analysis != "simulate":
             moved = {name: value[-1:] for name, value in moved.items()}
         every = np.concatenate(list(moved.values()), axis=1)
@@ -164,6 +190,9 @@ class _Answer:
             warnings_of(result),
             float(result.data.attrs.get("tolerance", 0.0)),
             FACTORS.get(trial.analysis, (3, 5)),
+            _divisions(result.data),
+            np.concatenate(turned, axis=1),
+            getattr(result, "step_errors", {}),
         )
 
     def error(self, other: _Answer) -> float:
@@ -192,28 +221,66 @@ class _Answer:
             return self.estimate
         return self.estimate * max(self.lengths.values()) / max(self.scale, 1e-300)
 
-    def refined(self, level: int) -> Mesh:
-        """Return a mesh of some times the elements, of an order that is higher by one."""
-        meshes, factor = self.meshes, self.factors[level]
+    def errors_of_steps(self, other: _Answer) -> tuple[float, float, float, float]:
+        """Return errors of positions [m] and their estimate, of rotations [rad] and theirs, beside finer steps."""
+        if not self.steps:
+            return (math.nan,) * 4
+        away = float(np.linalg.norm(self.values - other.values, axis=2).max())
+        sine = np.linalg.norm(product(conjugate(self.turned), other.turned)[..., 1:], axis=-1)
+        turns = float(2.0 * np.arcsin(np.minimum(sine, 1.0)).max())
+        return away, self.steps["position"], turns, self.steps["rotation"]
+
+    def refined(self, level: int) -> dict[str, Any]:
+        """Return arguments of a refined solution: some times the elements, of an order that is higher by one."""
+        factor = self.factors[level]
+        if self.tolerance:
+            divisions = {
+                name: Division(min(division.order + 1, 8), _split(division.ends, factor))
+                for name, division in self.divisions.items()
+            }
+            return {"divisions": divisions, "settings": self.settings(level)}
+        meshes = self.meshes
 
         def mesh(rod: str) -> dict[str, int]:
             elements, order = meshes[rod]
             return {"elements": factor * elements, "order": min(order + 1, 8)}
 
-        return mesh
+        return {"mesh": mesh}
 
-    def same_mesh(self, rod: str) -> dict[str, int]:
-        """Return the mesh of this answer, as far as its elements are equal."""
-        elements, order = self.meshes[rod]
-        return {"elements": elements, "order": order}
+    @property
+    def with_finest_steps(self) -> dict[str, Any]:
+        """Return arguments of a motion on the mesh of this answer, with the steps of the finest one."""
+        return {"divisions": self.divisions, "settings": self.settings(1)}
 
     def settings(self, level: int) -> dict[str, Any]:
-        """Return settings of a refined solution."""
-        return (
-            {"tolerance": max(self.tolerance * (0.03, 0.003)[level], LEAST_TOLERANCE)}
-            if self.tolerance
-            else {}
-        )
+        """Return settings of a refined motion."""
+        return {"tolerance": max(self.tolerance * (0.03, 0.003)[level], LEAST_TOLERANCE)}
+
+
+def _motion(model: vr.Model, divisions: Divisions, settings: dict[str, Any]) -> vr.Run:
+    """Compute a motion on elements that need not be equal."""
+    call = SimulateArguments(**settings)
+    with one_blas_thread():
+        return motion(DiscreteModel.of(model, call, call.options).on_mesh(divisions), call)
+
+
+def _split(ends: np.ndarray, count: int) -> np.ndarray:
+    """Return the ends of elements, each divided in ``count``."""
+    parts = np.arange(count) / count
+    inner = ends[:-1, None] + parts * np.diff(ends)[:, None]
+    return np.append(inner.ravel(), ends[-1])
+
+
+def _divisions(data: Any) -> Divisions:
+    """Return how the rods of a data set are divided."""
+    found = {}
+    rods, orders = np.array(data["station_rod"].values), np.array(data["station_order"].values)
+    for name in dict.fromkeys(rods.tolist()):
+        mine = rods == name
+        order = int(orders[mine][0])
+        if order:
+            found[str(name)] = Division(order, np.array(data["station_s"].values[mine][::order], dtype=float))
+    return found
 
 
 def _meshes_of_data(data: Any) -> dict[str, tuple[int, int]]:

@@ -14,6 +14,12 @@ import viscorod as vr
 from viscorod.analyses.check import check
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.pictures.plots.projection_view import Curves
+from viscorod.solve.constraints.rigid_motions import (
+    free_motions,
+    jointed_parts,
+    undetermined,
+    undetermined_of_many,
+)
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.modes import undamped
@@ -73,7 +79,7 @@ def test_a_cable_of_ten_thousand_elements_is_the_elastic_catenary() -> None:
     assert np.abs(found.reactions.values[0, :3]) == pytest.approx([tension, 0.0, up], rel=1e-6, abs=1e-6 * up)
 
 
-def test_modes_of_ten_thousand_elements_keep_four_digits() -> None:
+def test_modes_of_ten_thousand_elements_keep_four_digits(caplog) -> None:
     """Euler-Bernoulli cantilever, 200 times longer than thick; Timoshenko's correction there is 1e-4.
 
     What is compared is the same model with 100 elements: stretch is 2e9 times stiffer than the first bending mode of
@@ -87,10 +93,23 @@ def test_modes_of_ten_thousand_elements_keep_four_digits() -> None:
 
     beam = np.repeat([1.8751040687, 4.6940911330, 7.8547574382], 2) ** 2
     exact = beam / (2.0 * np.pi) * np.sqrt(MODULUS * 0.0025**2 / (4.0 * DENSITY))
-    coarse, fine = frequencies(100), frequencies(FINEST)
+    coarse = frequencies(100)
+    assert not caplog.messages
+    fine = frequencies(FINEST)
+    assert any("vibrations of 20001 nodes" in message for message in caplog.messages)  # it takes seconds
     assert coarse == pytest.approx(exact, rel=1e-3)
     assert fine == pytest.approx(exact, rel=1e-3)
     assert fine == pytest.approx(coarse, rel=2e-4)
+
+
+def test_a_check_says_where_slow_motions_are_lost_in_round_off() -> None:
+    """Stretch of 1000 elements of a wire 50 000 times longer than thick: 4e13 times as stiff as its bending."""
+    model = wire(500.0, 0.005, 1000, 3)
+    model.clamp("wire.start")
+    assert any("lost in round-off" in warning for warning in check(DiscreteModel.of(model)).warnings)
+    model = wire(1.0, 0.0025, 1000, 3)
+    model.clamp("wire.start")
+    assert not check(DiscreteModel.of(model)).warnings
 
 
 def stiffness_of(elements: int, radius: float) -> sparse.csr_array:
@@ -220,3 +239,90 @@ def test_many_equal_rods_have_the_modes_of_one(monkeypatch) -> None:
     assert all_ == pytest.approx(np.repeat(one[0], 6), rel=1e-9)
     assert certified
     assert sum(searches) < 40
+
+
+def hanging_chain(
+    count: int, kind: str, gravity: tuple[float, float, float] | None, *, held: bool = True
+) -> vr.Model:
+    """Return rods of 0.1 m, each joined to the one above."""
+    model = vr.Model()
+    for k in range(count):
+        rod = vr.Rod.straight(
+            (0, 0, -0.1 * k),
+            (0, 0, -0.1 * k - 0.1),
+            section=vr.Circle(0.005),
+            material=STEEL,
+            elements=1,
+            order=2,
+        )
+        model.add(f"rod{k}", rod)
+        if k:
+            axis = {"axis": (0, 1, 0)} if kind == "revolute" else {}
+            model.joint(kind, f"rod{k - 1}.end", f"rod{k}.start", **axis)
+    if held:
+        model.pin("rod0.start")
+    if gravity is not None:
+        model.gravity(gravity)
+    return model
+
+
+def test_a_chain_of_many_rods_hangs_along_gravity() -> None:
+    """A chain of 300 ball joints turns to where its weight pulls, and is longer by ``rho g L^2 / (2 E)``.
+
+    No full matrix of its 900 free motions is made: they are not found one by one.
+    """
+    model = hanging_chain(300, "ball", (3.0, 0.0, -4.0))
+    assert jointed_parts(DiscreteModel.of(model).problem) == 300
+    found = model.equilibrium()
+    length = 30.0 * (1.0 + DENSITY * 5.0 * 30.0 / (2.0 * MODULUS))
+    assert found.position("rod299.end") == pytest.approx([0.6 * length, 0.0, -0.8 * length], abs=1e-9)
+
+
+def test_a_check_of_many_joined_parts_says_what_it_leaves_out() -> None:
+    model = hanging_chain(200, "ball", (0.0, 0.0, -G))
+    report = check(DiscreteModel.of(model))
+    assert len(report.frequencies) == 0
+    assert any("200 parts are joined" in warning for warning in report.warnings)
+
+
+def test_a_hanging_chain_of_many_rods_swings_as_bessel_has_it() -> None:
+    """Swinging of a hanging chain, ``2 w sqrt(L / g) = j_0n`` (Bernoulli 1733, Bessel functions)."""
+    found = hanging_chain(200, "revolute", (0.0, 0.0, -G)).modes(6)
+    swings = found.frequencies[[name.startswith("bend_2") for name in found.names]]
+    exact = np.array([2.40482556, 5.52007811]) / (4.0 * np.pi) * np.sqrt(G / 20.0)
+    assert swings[:2] == pytest.approx(exact, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("kind", "gravity", "held"),
+    [
+        ("ball", (0.0, 0.0, -G), True),
+        ("revolute", (0.0, 0.0, -G), True),
+        ("revolute", (1.0, 0.0, 0.0), True),
+        ("revolute", None, True),
+        ("revolute", (0.0, 0.0, -G), False),
+        ("rigid", (0.0, 0.0, -G), True),
+        ("universal", (0.0, 0.0, -G), True),
+    ],
+)
+def test_what_many_parts_leave_undetermined_is_what_single_motions_say(
+    kind: str, gravity: tuple[float, float, float] | None, held: bool
+) -> None:
+    """The same verdict from sparse factors as from all free motions one by one, or none."""
+    if kind == "universal":
+        model = hanging_chain(4, "revolute", gravity, held=held)
+        model.spring("rod3.end", None, stiffness={"ux": 10.0, "rz": 1.0})
+    else:
+        model = hanging_chain(4, kind, gravity, held=held)
+    discrete = DiscreteModel.of(model)
+    problem, system = discrete.problem, discrete.system
+    system.assemble(State.reference(problem), discrete.static.loads.at(0.0), None, tangent=True, moving=False)
+    size = 6 * problem.size
+    stiffness = system.matrix.sparse()[:size, :size]
+    found = undetermined_of_many(problem, system.external, stiffness)
+    single = undetermined(problem, system.external, stiffness, free_motions(problem))
+    if found is None:  # nothing pulls, or a translation is free
+        assert single
+        assert gravity is None or not held
+    else:
+        assert bool(found) == bool(single)

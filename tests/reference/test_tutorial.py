@@ -13,7 +13,14 @@ from viscorod.cli.app import app
 from .test_examples import ROOT
 
 PAGE = (ROOT / "docs" / "tutorial" / "cantilever_swing.md").read_text(encoding="utf-8")
-CHANGING = ("Effort:", "numerical remainder", "largest numerical", "Linear systems:", "Smallest step:")
+CHANGING = (
+    "Effort:",
+    "numerical remainder",
+    "largest numerical",
+    "Linear systems:",
+    "Smallest step:",
+    "Steps:",
+)
 COUNTS = re.compile(r"simulated in \d+ steps")
 """What depends on the machine's last digits or its speed."""
 

@@ -257,6 +257,7 @@ def _attribute(name, value):
         (_set("point_s", 0, 0.25), "not within its elements"),
         (_set("quaternion", 0, "v"), "quaternion is not w, x, y, z"),
         (_attribute("kind", "nothing"), "kind = 'nothing'"),
+        (_attribute("kind", [1.0, 2.0]), "holds no viscorod result"),
         (_attribute("kind", "steady"), "spin is missing"),
         (_attribute("warnings", "[1"), "the attribute warnings is"),
         (_attribute("warnings", "[1]"), "the attribute warnings.0 is"),

@@ -140,11 +140,11 @@ def test_what_the_steps_lost_is_told_everywhere(tmp_path):
     for folder in (None, tmp_path):
         with pytest.warns(vr.AccuracyWarning, match=text) as caught:
             run = model.simulate(0.2, initial="reference", tolerance=1e-2, folder=folder)
-        assert [record.filename for record in caught] == [__file__]
+        assert {record.filename for record in caught} == {__file__}
         assert [text in warning for warning in run.warnings].count(True) == 1
         assert text in run.report()
-        assert text in json.loads(run.data.attrs["warnings"])[0]
-    assert text in vr.load(tmp_path / "run.nc").warnings[0]
+        assert any(text in told for told in json.loads(run.data.attrs["warnings"]))
+    assert any(text in told for told in vr.load(tmp_path / "run.nc").warnings)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from viscorod.model.connections.spring_laws import Laws
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import some_of
 from viscorod.model.rod import Rod
-from viscorod.solve.constraints.rigid_motions import free_motions
+from viscorod.solve.constraints.rigid_motions import MANY, free_motions, jointed_parts
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
 from viscorod.solve.problem.problem import Problem
@@ -88,20 +89,17 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
         require_fit(model, settings)
     if isinstance(settings, SteadySettings):
         require_steady(model, problem, settings)
-    state = State.reference(problem)
     n = problem.size
-    linear = linearise(solver, state, scale=0.0)
-    modes = complex_modes(solver, state, linear, MODES + linear.rigid)
-    rigid = modes.rigid
-    frequencies = modes.frequencies[rigid:]
+    first = _first_modes(discrete)
+    frequencies = first.frequencies
     return CheckReport(
         rods=[_rod_row(problem, name, rod) for name, rod in model.rods.items()],
         sections=[row for name, rod in model.rods.items() for row in _section_rows(name, rod)],
         frequencies=frequencies,
-        damping_ratios=modes.damping_ratios[rigid:],
-        mode_names=modes.names[rigid:],
-        rigid_motions=modes.names[:rigid],
-        warnings=_doubts(model, problem, frequencies, settled=True),
+        damping_ratios=first.damping_ratios,
+        mode_names=first.names,
+        rigid_motions=first.rigid,
+        warnings=_doubts(model, problem, frequencies, settled=True) + first.warnings,
         nodes=n,
         unknowns=6 * n - int(problem.supports.fixed.sum()),
         bodies=[_body_row(name, body) for name, body in model.bodies.items()],
@@ -120,13 +118,46 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
     )
 
 
+class _FirstModes(NamedTuple):
+    """The first modes of the reference shape: frequencies [Hz], damping ratios, names; rigid motions; doubts."""
+
+    frequencies: Floats
+    damping_ratios: Floats
+    names: tuple[str, ...]
+    rigid: tuple[str, ...]
+    warnings: list[str]
+
+
+def _first_modes(discrete: DiscreteModel) -> _FirstModes:
+    """Return them; none where very many parts are joined: each may have motions of its own without any stiffness."""
+    solver, state = discrete.static, State.reference(discrete.problem)
+    if jointed_parts(discrete.problem) > MANY:
+        return _FirstModes(np.zeros(0), np.zeros(0), (), (), [])
+    discrete.announce_modes()
+    linear = linearise(solver, state, scale=0.0)
+    modes = complex_modes(solver, state, linear, MODES + linear.rigid)
+    k, warnings = modes.rigid, []
+    if k > linear.rigid:
+        warnings.append(
+            "slow motions of the reference shape are free of stiffness, or lost in round-off: nothing resists them, as "
+            "in cables without loads, or stretch is so much stiffer than bending over the whole length that double "
+            "precision keeps no digit of it; look at modes about the equilibrium, where loads stretch the rods, or use "
+            "fewer elements"
+        )
+    return _FirstModes(
+        modes.frequencies[k:], modes.damping_ratios[k:], modes.names[k:], modes.names[:k], warnings
+    )
+
+
 def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
     """Return the warnings of :func:`check` without the rest, quickly.
 
     Motions that nothing holds are among them if the analysis looks for a static equilibrium.
     """
-    linear = linearise(discrete.static, State.reference(discrete.problem), scale=0.0)
-    frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
+    frequencies = np.zeros(0)
+    if jointed_parts(discrete.problem) <= MANY:
+        linear = linearise(discrete.static, State.reference(discrete.problem), scale=0.0)
+        frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
     flies = isinstance(settings, SimulateSettings) and (
         settings.initial == "reference" or settings.start is not None
     )
@@ -137,7 +168,13 @@ def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
 def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, settled: bool) -> list[str]:
     """Return doubts about the rods, and about motions of the given frequencies [Hz, increasing]."""
     warnings = [text for name, rod in model.rods.items() for text in _rod_warnings(name, rod)]
-    free = free_motions(problem) if settled else []
+    joined = jointed_parts(problem)
+    if joined > MANY:
+        warnings.append(
+            f"{joined} parts are joined by joints or springs: motions that nothing holds are not listed, and "
+            "frequencies about the reference shape are not computed (modes about the equilibrium may be)"
+        )
+    free = free_motions(problem) if settled and joined <= MANY else []
     if free:
         warnings.append(
             f"nothing holds the model against {named(free)}: loads may hold it, such as the weight of a pendulum, in "

@@ -10,7 +10,7 @@ import numpy as np
 
 from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.motion import described, initial_state, stepping
+from viscorod.analyses.motion import described, initial_state, small_motions, stepping
 from viscorod.analyses.provenance import provenance
 from viscorod.checks import checked
 from viscorod.errors import InputError, SolveError
@@ -54,7 +54,9 @@ class CoSimulation:
         self.settings = settings
         self._discrete, self._wrenches = discrete, wrenches
         state, _ = initial_state(discrete, settings)
-        integrator, control, self._chosen = stepping(discrete, settings, state)
+        integrator, control, self._chosen = stepping(
+            discrete, settings, small_motions(discrete, settings, state)
+        )
         self._transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)
         self._reader = StationReader(discrete.problem)
         self._places: dict[str, ResultPlace] = {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -25,7 +26,14 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
 from viscorod.results.result_places import ResultPlace, ResultPlaces
 from viscorod.solve.constraints.redundancy import require_independent
-from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions, undetermined
+from viscorod.solve.constraints.rigid_motions import (
+    MANY,
+    FreeMotion,
+    free_motions,
+    jointed_parts,
+    undetermined,
+    undetermined_of_many,
+)
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State, System
@@ -52,6 +60,8 @@ IMPOSED = (
 )
 
 
+LARGE = 5000
+"""Nodes from which on modes take more than a second or two."""
 MOST_NAMED = 6
 """Free motions that a message names."""
 
@@ -194,6 +204,13 @@ class DiscreteModel:
         attributes = self.attributes | {"divisions": json.dumps(stored)}
         return self._begun(self.model, problem, self.formulation, attributes, self.options)
 
+    def announce_modes(self) -> None:
+        """Say that modes are being found, where that takes more than a few seconds: it shows no progress."""
+        if self.problem.size > LARGE:
+            logging.getLogger("viscorod").warning(
+                "viscorod: finding vibrations of %d nodes, some seconds for every 10 000", self.problem.size
+            )
+
     def require_independent(self) -> None:
         """Refuse conditions that others imply already: joints, held strains and supports that hold the same.
 
@@ -215,13 +232,18 @@ class DiscreteModel:
         Raises:
             InputError: they do; it names the motion.
         """
-        motions = free_motions(self.problem)
-        if not motions:
+        many = jointed_parts(self.problem) > MANY
+        motions = [] if many else free_motions(self.problem)
+        if not (many or motions):
             return []
         self.system.assemble(State.reference(self.problem), loads, None, tangent=True, moving=False)
         size = 6 * self.problem.size
         stiffness = self.system.matrix.sparse()[:size, :size]
-        loose = undetermined(self.problem, self.system.external, stiffness, motions)
+        found = undetermined_of_many(self.problem, self.system.external, stiffness) if many else None
+        if found is None:
+            motions = motions or free_motions(self.problem)
+            found = undetermined(self.problem, self.system.external, stiffness, motions)
+        loose = found
         acting = self.system.external.any() or self.supports.moving or bool(self.problem.joints.motions)
         if searching and acting and not any(motion.translation for motion in loose):
             return loose

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,12 +24,17 @@ from viscorod.results.files.storage import read
 from viscorod.results.files.stream import JournalStream, Stream
 from viscorod.results.result_warnings import energy_doubt
 from viscorod.results.run import Run
+from viscorod.results.step_error import motion_doubt
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot, StationReader
-from viscorod.solve.modes import vibrations as small_motion
+from viscorod.solve.modes.linearisation import Linearisation, linearise
+from viscorod.solve.modes.vibrations import natural_frequencies
 from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.initial_shape import strain_rods
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.settings import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.events import (
@@ -40,12 +45,14 @@ from viscorod.solve.transient.events import (
     Monitor,
     StillStrains,
 )
+from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.solve.transient.motion_scale import PART_OF_MOTION, PartOfMotion, Tolerance
 from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.saved_state import restore, saved
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
+from viscorod.solve.transient.step_errors import StepErrors
 from viscorod.solve.transient.time_step import choose_time_step
 from viscorod.solve.transient.transient_solver import Transient
 from viscorod.typing import Floats
@@ -53,12 +60,14 @@ from viscorod.typing import Floats
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["described", "failure", "initial_state", "motion", "stepping"]
+__all__ = ["described", "failure", "initial_state", "motion", "small_motions", "stepping"]
 
 REACHED = 1e-6
 """Distance over the size of the model, or angle, by which a start may miss what supports and joints prescribe."""
 LEAST_STEPS = 10
 """Steps of a run at least, when steps follow the error."""
+SEEN = 16
+"""Slowest vibrations that equal steps are chosen by."""
 STEPS_PER_PERIOD = 6
 """Steps per period of harmonic loads and motions at least: an error estimate cannot see what lies between stages."""
 
@@ -94,8 +103,10 @@ def _motion(
     discrete.require_independent()
     options = discrete.options
     state, began_from = initial_state(discrete, settings)
-    integrator, control, chosen = stepping(discrete, settings, state)
-    transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)
+    linear = small_motions(discrete, settings, state)
+    integrator, control, chosen = stepping(discrete, settings, linear)
+    halved, start = _halved_steps(discrete, settings, linear, chosen), state.copy()
+    transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node, halved)
     began = time.perf_counter()
 
     written = stream if isinstance(stream, JournalStream) else None
@@ -134,13 +145,17 @@ def _motion(
         | described(discrete, transient, settings, result.outcome)
     )
     attrs["loop_time_s"] = time.perf_counter() - began
-    if settings.dynamics == "nonlinear" and result.outcome is Outcome.COMPLETED:
-        discrete.watch.see_motion(
-            settings.duration, discrete.static, float(settings.initial == "equilibrium")
-        )
-        attrs |= discrete.watch.attributes
+    if halved is not None and result.outcome is Outcome.COMPLETED:
+        errors = StepErrors.of(halved, discrete.problem, start, integrator.t)
+        attrs |= {} if errors is None else errors.attributes
+        if settings.dynamics == "nonlinear":
+            discrete.watch.see_motion(
+                settings.duration, discrete.static, float(settings.initial == "equilibrium"), halved.modes
+            )
+            attrs |= discrete.watch.attributes
     attrs["message"] = message = failure(discrete, transient)
     _tell(attrs, _blows(discrete.problem))
+    _tell(attrs, motion_doubt(attrs))
     stream.flush()
     if written is None:
         run = Run(stream.contents().assign_attrs(discrete.complete(attrs)))
@@ -310,14 +325,14 @@ def failure(discrete: DiscreteModel, transient: Transient) -> str:
 
 
 def stepping(
-    discrete: DiscreteModel, settings: SimulateSettings, state: State
+    discrete: DiscreteModel, settings: SimulateSettings, linear: Linearisation
 ) -> tuple[Integrator, StepControl, dict[str, Any]]:
-    """Return integrator, step control and what was chosen, by name."""
+    """Return integrator, step control and what was chosen, by name; ``linear`` are small motions about the start."""
     method = INTEGRATORS[settings.integrator]
     duration = settings.duration
     tolerance: float | Tolerance | None = settings.tolerance
     if tolerance is None and method.tolerance is not None:
-        tolerance = PartOfMotion(discrete.supports, _small_motions(discrete, settings, state), duration)
+        tolerance = PartOfMotion(discrete.supports, linear, duration)
     make: Any = method.make_linear if settings.dynamics == "linear" else method.make
     given: dict[str, Any] = dict(method.parameters)
     given |= {name: getattr(settings, name) for name in given if getattr(settings, name) is not None}
@@ -330,21 +345,36 @@ def stepping(
         return integrator, control, given | {"largest_step": largest}
     step = settings.time_step
     if step is None:
-        step = choose_time_step(discrete.problem, _frequencies(discrete, settings, state), duration)
+        step = choose_time_step(discrete.problem, natural_frequencies(linear, SEEN), duration)
     return make(discrete.system, discrete.supports, **given), FixedSteps(step), given | {"time_step": step}
+
+
+def _halved_steps(
+    discrete: DiscreteModel, settings: SimulateSettings, linear: Linearisation, chosen: Mapping[str, Any]
+) -> HalvedSteps | None:
+    """Return what computes some steps of a motion again, with solvers of its own; None for large models."""
+    if not discrete.watch.feasible:
+        return None
+    method = INTEGRATORS[settings.integrator]
+    make: Any = method.make_linear if settings.dynamics == "linear" else method.make
+    given = {name: chosen[name] for name in method.parameters}
+    if method.tolerance is not None:
+        given["tolerance"] = settings.tolerance or method.tolerance
+    system = FORMULATIONS[discrete.formulation].make(discrete.problem)
+    system.given_strain = discrete.system.given_strain
+    twin = make(system, SupportState(discrete.problem), **given)
+    return HalvedSteps(twin, StartModes.of(linear), discrete.problem, method.order)
 
 
 def _frequencies(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Floats:
     """Return the lowest undamped angular frequencies [rad/s] about the state that a motion starts from."""
-    return small_motion.natural_frequencies(_small_motions(discrete, settings, state), 16)
+    return natural_frequencies(small_motions(discrete, settings, state), SEEN)
 
 
-def _small_motions(
-    discrete: DiscreteModel, settings: SimulateSettings, state: State
-) -> small_motion.Linearisation:
+def small_motions(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:
     """Return small motions about the state that a motion starts from."""
     scale = 1.0 if settings.initial == "equilibrium" or settings.start is not None else 0.0
-    return small_motion.linearise(discrete.static, state, scale=scale)
+    return linearise(discrete.static, state, scale=scale)
 
 
 # --- events

@@ -33,8 +33,8 @@ MOST_REPEATS, REPEATED = 2, 10.0
 """Times that a motion is computed again, and by how many times its estimated error is too large then."""
 RIGID = 1e-6
 """Part of the highest listed frequency below which one is a rigid motion."""
-MOST_STEADY_NODES = 100
-"""Nodes that steady rotations are refined to at most: their small motions are those of full matrices."""
+MOST_INTRINSIC_NODES = 100
+"""Nodes that steady rotations of the intrinsic formulation are refined to at most: it has full matrices."""
 GAIN = 0.7
 """Part of the error before that refinement leaves at most, where it is the mesh that makes the error."""
 
@@ -47,7 +47,8 @@ def refined(analysis: Callable[[DiscreteModel, S], R], discrete: DiscreteModel, 
 
     Rods whose elements are given keep them.
     """
-    most = MOST_STEADY_NODES if isinstance(settings, SteadySettings) else MOST_CHOSEN_NODES
+    full = isinstance(settings, SteadySettings) and settings.formulation == "intrinsic"
+    most = MOST_INTRINSIC_NODES if full else MOST_CHOSEN_NODES
     result, stuck, before = analysis(discrete, settings), 0, np.inf
     for _ in range(MOST_MESHES - 1):
         divisions, estimate = discrete.watch.refined(settings.accuracy, most=most), discrete.watch.estimate

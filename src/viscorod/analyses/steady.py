@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +20,7 @@ from viscorod.solve.modes.vibrations import station_shapes
 from viscorod.solve.settings import SteadySettings
 from viscorod.solve.statics.newton import interruption
 from viscorod.solve.steady.rotation_search import Search
-from viscorod.solve.steady.stability import SLOW
+from viscorod.solve.steady.stability import FAR, SLOW, Stability
 from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.solve.steady.steady_rotation import SteadyRotation
 
@@ -44,6 +45,19 @@ def steady_rotation(discrete: DiscreteModel, settings: SteadySettings) -> Steady
         text = f"Stopped after {search.effort.iterations} iterations: {interruption(asked)}"
         raise SolveError(text) from None
     return Steady(_data_set(discrete, settings, found))
+
+
+def _doubts(stability: Stability) -> list[str]:
+    """Return what is uncertain about the small motions."""
+    doubts = []
+    if not stability.complete:
+        doubts.append("it is not proved that none is missing among the small motions that are listed")
+    if not stability.certified:
+        doubts.append(
+            f"small motions that grow were sought up to {FAR:g} times the angular speed, and it is not proved that all "
+            "of them were found: under loads that have no potential faster ones may grow"
+        )
+    return doubts
 
 
 def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRotation) -> xr.Dataset:
@@ -72,6 +86,7 @@ def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRo
         "unstable": stability.unstable,
         "neutral": stability.neutral,
         "growth_rate": stability.growth,
+        "warnings": json.dumps(json.loads(discrete.attributes.get("warnings", "[]")) + _doubts(stability)),
     } | discrete.watch.attributes
     data = discrete.data_set("steady", history, attrs)()
     kept = s[: settings.modes]

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import itertools
 import json
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.results.data_schema import COUNTERS
 from viscorod.results.result_warnings import warnings_of
+from viscorod.results.step_error import step_errors
 from viscorod.results.text_table import table
 from viscorod.typing import Floats
 
@@ -364,6 +366,8 @@ def _effort(result: Result) -> str:
         lines.append(f"Linear systems: {attrs['linear_solver']}")
     if result.mesh_errors:
         lines.append(_mesh(result))
+    if step_errors(attrs):
+        lines.append(_steps(attrs))
     if attrs.get("smallest_step_why"):
         lines.append(
             f"Smallest step: {attrs['smallest_step']:.3g} s at t = {attrs['smallest_step_at']:.6g} s, "
@@ -395,6 +399,16 @@ def _mesh(result: Result) -> str:
         if f"mesh_{name}_error" in data.attrs:
             errors.append(what.format(f"{data.attrs[f'mesh_{name}_error']:.1g}"))
     return f"Mesh: {', '.join(meshes)}{f' and {more} more rods' if more else ''}; estimated errors: {', '.join(errors)}"
+
+
+def _steps(attrs: Mapping[str, Any]) -> str:
+    """Say what the steps make wrong."""
+    found = step_errors(attrs)
+    return (
+        f"Steps: estimated errors: positions by {found['position']:.1g} m, rotations by {found['rotation']:.1g} rad, "
+        f"{attrs['step_motion_error']:.1g} of the motion, section forces by {attrs['step_force_error']:.1g} of the "
+        "largest"
+    )
 
 
 def _warnings(result: Result) -> str:

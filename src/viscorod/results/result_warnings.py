@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.results.array_pieces import extremes
+from viscorod.results.step_error import motion_doubt
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -27,9 +28,10 @@ def warnings_of(result: Result) -> list[str]:
     """Return the warnings stored with a result and those that its data call for.
 
     Stored ones are the JSON list of texts in the attribute ``warnings``. Added are: a remainder of the energy
-    account above 1 % of the energy that moved, steps that had to be halved, a mesh whose error is estimated as more
-    than 1 % of the largest displacement or 5 % of the largest section force, or could not be estimated, and shear,
-    stretch, or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang
+    account above 1 % of the energy that moved, steps whose errors are estimated to add up to more than 1 % of the
+    motion, or that had to be halved, a mesh whose error is estimated as more than
+    1 % of the largest displacement or 5 % of the largest section force, or could not be estimated, and shear, stretch,
+    or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang
     and Tuganov, section 2.2) is doubtful.
     """
     data = result.data
@@ -37,6 +39,9 @@ def warnings_of(result: Result) -> list[str]:
     lost = energy_doubt(data)
     if lost and lost not in texts:
         texts.append(lost)
+    doubt = motion_doubt(data.attrs)
+    if doubt and doubt not in texts:
+        texts.append(doubt)
     rejected = int(data.attrs.get("rejected", 0))
     # steps that follow the error, or a path, are rejected now and then
     if rejected and not {"tolerance", "limit_points"} & set(data.attrs):

@@ -20,6 +20,7 @@ from viscorod.results.energy import Energy
 from viscorod.results.extremes import resting_value
 from viscorod.results.result import Result
 from viscorod.results.result_places import ResultPlace
+from viscorod.results.step_error import step_errors
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -54,6 +55,15 @@ class Run(Result):
     def energy(self) -> Energy:
         """The energy account."""
         return Energy.of(self.data)
+
+    @property
+    def step_errors(self) -> dict[str, float]:
+        """Estimated errors by the steps, the largest at any node and time; see ``results.step_error``.
+
+        "position" [m], "rotation" [rad], "section_force" [N] and "section_moment" [N m]; empty where no step was tried
+        again.
+        """
+        return step_errors(self.data.attrs)
 
     @checked
     def decrement(

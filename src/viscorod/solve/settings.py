@@ -87,7 +87,7 @@ class SimulateSettings(Meshed):
         default=None,
     )
     tolerance: OptionalPositive = Key(
-        "wanted accuracy of the motion: displacements over the size of the model and rotations in rad; the steps "
+        "what steps may err by: displacements over the size of the model and rotations in rad; the steps "
         'follow from it. Unless given, for "radau" 0.03 % of the amplitude of the motion that there is, and 1e-4 at '
         'most; "generalized_alpha" has equal steps without it',
         default=None,

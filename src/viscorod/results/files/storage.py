@@ -72,7 +72,7 @@ def write(
 
 
 def packed(data: xr.Dataset) -> bytes:
-    """Return a small data set as the content of a netCDF4 file."""
+    """Return a small data set as the content of a netCDF4 file, without checksums."""
     file = io.BytesIO()
     uninterrupted(partial(_write_parts, file, {"": data}, None, PIECE), lambda: None)
     return file.getvalue()
@@ -93,7 +93,7 @@ def _write_parts(
         with h5netcdf.File(stored, "w") as file:
             for group, data in parts.items():
                 pieces = _Pieces(check, before, piece)
-                store = H5NetCDFStore(file, group=group, mode="a")
+                store = H5NetCDFStore(file, group=group or None, mode="a")
                 data.dump_to_store(store, writer=pieces, encoding=_encoding(data))
                 pieces.write_rows()
         if check is not None:
@@ -206,15 +206,15 @@ def load(path: str | Path) -> Run | Equilibrium | Steady | Sweep:
     Raises:
         InputError: no such file, or not a result of viscorod.
     """
-    from viscorod.results.files.stopped_run import result_file, stopped_run
-    from viscorod.results.run import Run
-
     if Path(path).is_dir():
+        from viscorod.results.files.stopped_run import result_file, stopped_run
+        from viscorod.results.run import Run
+
         path = result_file(Path(path))
         if path.is_dir():
             return Run(stopped_run(path))
     data = read(path)
-    if data.attrs.get("kind") == "sweep":
+    if str(data.attrs.get("kind")) == "sweep":  # a damaged one may be an array
         from viscorod.results.sweep_result import Sweep
 
         return Sweep.of(data, Path(path))

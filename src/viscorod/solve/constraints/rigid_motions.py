@@ -10,7 +10,10 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.solve.constraints.null_space import unit_rows
+from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
 from viscorod.typing import Floats
 
 _NAMES = (
@@ -21,6 +24,12 @@ _NAMES = (
     "rotation about y",
     "rotation about z",
 )
+
+
+RESISTED = 1e-6
+"""Stiffness against a motion, as a part of all forces over the length, from which on loads resist it."""
+MANY = 120
+"""Parts that joints join above which their free motions are not found one by one: full matrices would be too large."""
 
 
 @dataclass(frozen=True)
@@ -44,14 +53,100 @@ def free_motions(problem: Problem) -> list[FreeMotion]:
     """
     r, q = problem.positions, problem.quaternions
     R, joints = matrices(q), problem.joints
-    held = []
-    for k, node in enumerate(problem.supports.nodes):
-        A = R[node] if problem.supports.in_body[k] else problem.supports.axes[k]
-        held.append(np.kron(np.eye(2), A.T @ R[node]))
+    held = _held(problem, R)
     gradients = joints.measure(r, q, np.zeros((problem.size, 6)))[2]
     counted = (joints.arrays.place >= 0) | joints.has_spring
     parts = _Parts.of(problem, r, q)
     return [parts.motion(group, motion) for group, motion in parts.free(held, gradients, counted)]
+
+
+def _held(problem: Problem, R: Floats) -> list[Floats]:
+    """Return the derivatives ``(6, 6)`` of the motions of every support by the body increment of its node."""
+    held = []
+    for k, node in enumerate(problem.supports.nodes):
+        A = R[node] if problem.supports.in_body[k] else problem.supports.axes[k]
+        held.append(np.kron(np.eye(2), A.T @ R[node]))
+    return held
+
+
+def jointed_parts(problem: Problem) -> int:
+    """Return how many parts joints and springs join at most: 1 where there are none."""
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    nodes = problem.joints.arrays.nodes
+    pairs = nodes[(nodes >= 0).all(axis=1)]
+    if not len(pairs):
+        return 1
+    count, labels = _parts(problem)
+    joined = labels[pairs]
+    graph = csr_array((np.ones(len(joined)), (joined[:, 0], joined[:, 1])), shape=(count, count))
+    return int(np.bincount(connected_components(graph, directed=False)[1]).max())
+
+
+def undetermined_of_many(
+    problem: Problem, external: Floats, stiffness: sparse.csc_array
+) -> list[FreeMotion] | None:
+    """Return what :func:`undetermined` does without finding single motions: for models of very many joined parts.
+
+    Loads keep them in place if they do no work on motions that supports and joints allow, and their tangent resists
+    all of these. Springs count as no conditions here; they are in the stiffness. The work is that of the part of the
+    forces on parts that conditions do not balance, and by Sylvester's law ``[[K - k 1, A'], [A, 0]]`` has as many
+    negative pivots as conditions ``A`` where every motion allowed is stiffer than ``k``.
+
+    Args:
+        problem, external, stiffness: see :func:`undetermined`.
+
+    Returns:
+        none if loads keep all in place; one that stands for all, where some are left and none is a translation; None
+        where that is not known.
+    """
+    r, q = problem.positions, problem.quaternions
+    parts, joints = _Parts.of(problem, r, q), problem.joints
+    gradients = joints.measure(r, q, np.zeros((problem.size, 6)))[2]
+    conditions = parts.conditions(_held(problem, parts.R), gradients, joints.arrays.place >= 0)
+    rows, columns, values, first = [], [], [], 0
+    for condition in conditions:
+        for part, row in condition:
+            at = np.indices(row.shape)
+            rows.append(first + at[0].ravel())
+            columns.append(6 * part + at[1].ravel())
+            values.append(row.ravel())
+        first += len(condition[0][1])
+    force = float(np.abs(external[:, :3]).sum()) + float(np.abs(external[:, 3:]).sum()) / problem.length
+    if force == 0.0 or not first:
+        return None
+    size = 6 * parts.count
+    A = sparse.coo_array(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(first, size)
+    ).tocsr()
+    A.sum_duplicates()
+    still = sparse.csr_array(A[:, np.flatnonzero(np.arange(size) % 6 < 3)])
+    moved = sparse.csr_array(still.T @ still - 1e-12 * sparse.eye_array(size // 2))
+    if negative_eigenvalues(Tangent(moved, sparse.csc_array(moved), None)):
+        return None  # a translation is free
+    text = f"motions of {parts.count} joined parts against each other, which are too many to be listed"
+    loose = [FreeMotion(text, False, np.zeros((problem.size, 6)))]
+    moves = np.array([parts.node_increments(node) for node in range(problem.size)])
+    places = 6 * np.repeat(np.arange(problem.size), 36) + np.tile(np.repeat(np.arange(6), 6), problem.size)
+    own = 6 * np.repeat(parts.labels, 36) + np.tile(np.arange(6), 6 * problem.size)
+    T = sparse.csr_array((moves.ravel(), (places, own)), shape=(6 * problem.size, size))
+    pushed = np.asarray(T.T @ external.ravel())
+    K = sparse.csr_array(0.5 * (T.T @ (stiffness + stiffness.T) @ T))
+    try:
+        balance = SparseLU(sparse.block_array([[sparse.eye_array(size), A.T], [A, None]]))
+    except RuntimeError:
+        return loose
+    left = balance.solve(np.concatenate([pushed, np.zeros(first)]))[:size]
+    if not np.abs(left).max() <= 1e-9 * force:
+        return loose
+    least = RESISTED * force / problem.length
+    tangent = Tangent(
+        sparse.csr_array(K - least * sparse.eye_array(size)),
+        sparse.csc_array(T),
+        unit_rows(sparse.csr_array(A)),
+    )
+    return loose if negative_eigenvalues(tangent) else []
 
 
 def motions_of_parts(
@@ -127,7 +222,7 @@ class _Parts:
     ) -> list[tuple[list[int], Floats]]:
         """Return groups of parts, each with a motion of them that supports and ``counted`` coordinates allow."""
         found = []
-        conditions = self._conditions(held, gradients, counted)
+        conditions = self.conditions(held, gradients, counted)
         for group, mine in _groups(self.count, conditions):
             place = {part: 6 * k for k, part in enumerate(group)}
             rows = [_row(condition, place) for condition in mine]
@@ -135,7 +230,7 @@ class _Parts:
             found += [(group, motion) for motion in _null_space(matrix)]
         return found
 
-    def _increments(self, node: int) -> Floats:
+    def node_increments(self, node: int) -> Floats:
         """Return the body increments (6, 6) of a node per motion of its part."""
         R, out, length = self.R[node], np.zeros((6, 6)), self.problem.length
         out[:3, :3] = R.T
@@ -143,11 +238,12 @@ class _Parts:
         out[3:, 3:] = R.T / length
         return out
 
-    def _conditions(self, held: list[Floats], gradients: Floats, counted: np.ndarray) -> list[Condition]:
+    def conditions(self, held: list[Floats], gradients: Floats, counted: np.ndarray) -> list[Condition]:
+        """Return the conditions of supports and of ``counted`` coordinates on the motions of parts."""
         problem, labels, found = self.problem, self.labels, []
         unit = np.repeat([1.0, problem.length], 3)
         for k, node in enumerate(problem.supports.nodes):
-            moves = unit[:, None] * (held[k] @ self._increments(node))
+            moves = unit[:, None] * (held[k] @ self.node_increments(node))
             rows = moves[problem.supports.fixed[k] > 0.0]
             size = np.linalg.norm(rows, axis=1, keepdims=True)
             found.append([(int(labels[node]), rows / np.where(size > 0.0, size, 1.0))])
@@ -156,7 +252,7 @@ class _Parts:
                 (side, int(node)) for side, node in enumerate(problem.joints.arrays.nodes[c]) if node >= 0
             ]
             rows = [
-                (int(labels[n]), gradients[c, 6 * side : 6 * side + 6] @ self._increments(n))
+                (int(labels[n]), gradients[c, 6 * side : 6 * side + 6] @ self.node_increments(n))
                 for side, n in sides
             ]
             size = max(float(np.abs(row).max()) for _, row in rows)
@@ -241,7 +337,7 @@ def undetermined(
         return motions
     basis = np.array([m.increments.ravel() / m.size for m in motions]).T
     values, vectors = np.linalg.eigh(basis.T @ (stiffness + stiffness.T) @ basis / 2.0)
-    loose = values < 1e-6 * force / problem.length
+    loose = values < RESISTED * force / problem.length
     share = np.abs(vectors[:, loose]).max(axis=1, initial=0.0)
     return [m for m, part in zip(motions, share, strict=True) if part > 0.1]
 

@@ -42,10 +42,18 @@ class SparseLU:
         """Number of entries of both factors."""
         return int(self._factors.nnz)
 
-    def solve(self, b: Columns) -> Columns:
-        """Return the solutions for right sides ``(n,)`` or ``(n, m)``."""
+    @property
+    def phase(self) -> float:
+        """Phase [rad] of the determinant."""
+        factors = self._factors
+        odd = _parity(factors.perm_r) * _parity(factors.perm_c) < 0
+        return float(np.angle(factors.U.diagonal()).sum() + np.pi * odd)
+
+    def solve(self, b: Columns, *, transposed: bool = False) -> Columns:
+        """Return the solutions for right sides ``(n,)`` or ``(n, m)``, of the transposed system if that is wanted."""
         scales = self.scales if b.ndim == 1 else self.scales[:, None]
-        return np.asarray(scales * self._factors.solve(scales * b))  # type: ignore[return-value]
+        found = self._factors.solve(scales * b, "T" if transposed else "N")
+        return np.asarray(scales * found)  # type: ignore[return-value]
 
 
 def _scales(matrix: sparse.csc_array) -> Floats:
@@ -56,3 +64,16 @@ def _scales(matrix: sparse.csc_array) -> Floats:
         beside = np.asarray((abs(matrix) @ sparse.diags_array(scales)).max(axis=1).todense()).ravel()
         scales = np.where(own > 0.0, scales, 1.0 / np.where(beside > 0.0, beside, 1.0))
     return np.asarray(scales)
+
+
+def _parity(order: np.ndarray) -> int:
+    """Return the sign of a permutation."""
+    seen, sign = np.zeros(len(order), dtype=bool), 1
+    for first in range(len(order)):
+        place, length = first, 0
+        while not seen[place]:
+            seen[place] = True
+            place, length = int(order[place]), length + 1
+        if length and length % 2 == 0:
+            sign = -sign
+    return sign

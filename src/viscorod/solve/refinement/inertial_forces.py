@@ -71,7 +71,7 @@ class CoarseMotion:
         rate = np.zeros_like(force)
         rate[loose] = np.linalg.solve(problem.mass[loose], force[loose, :, None])[:, :, 0]
         self._obey_supports(state, force, rate)
-        return self._spread(state, rate), rate
+        return self.spread(state, rate), rate
 
     def _obey_supports(self, state: State, force: Floats, rate: Floats) -> None:
         """Replace rates of twists that supports prescribe, whose reactions are not among the forces."""
@@ -92,18 +92,28 @@ class CoarseMotion:
                     N @ np.linalg.lstsq(own, N.T @ (force[node] - mass[node] @ given), rcond=None)[0]
                 )
 
-    def _spread(self, state: State, rate: Floats) -> Floats:
-        """Return minus mass times rate of twist on the finer nodes; rates of displacement are mixed in global axes."""
-        finer, fine = self.finer, self.finer.problem
-        _, _, linear, angular = self._reader.read(state.r, state.q, rate)
+    def spread(self, state: State, rate: Floats) -> Floats:
+        """Return minus mass times rates of twist ``(n, 6)`` on the finer nodes ``(n', 6)``; see :meth:`spread_all`."""
+        return np.asarray(self.spread_all(state, rate[None])[0])
+
+    def spread_all(self, state: State, rates: Floats) -> Floats:
+        """Return minus mass times rates of twist ``(k, n, 6)`` on the finer nodes ``(k, n', 6)``.
+
+        Rates of displacement are mixed in global axes.
+        """
+        finer, fine, number = self.finer, self.finer.problem, len(rates)
+        r, q = (np.broadcast_to(x, (number, *x.shape)) for x in (state.r, state.q))
+        _, _, linear, angular = self._reader.read(r, q, rates)
         count = len(self.problem.stations.nodes)
-        field = finer.at_stations(np.concatenate([linear, angular], axis=1)[:count])
-        q = finer.interpolated(state)[1]
-        found = np.zeros((fine.size, 6))
+        field = np.concatenate([linear, angular], axis=2)[:, :count]
+        columns = np.moveaxis(field, 0, 1).reshape(count, -1)
+        field = np.moveaxis(finer.at_stations(columns).reshape(-1, number, 6), 1, 0)
+        found = np.zeros((number, fine.size, 6))
         own = fine.stations.links < 0
         nodes = fine.stations.nodes[own]
         bodies = finer.bodies
-        found[:bodies] = rate[:bodies]
-        found[nodes, :3] = np.einsum("nji,nj->ni", matrices(q[own]), field[own, :3])
-        found[nodes, 3:] = field[own, 3:]
-        return np.asarray(-np.einsum("nij,nj->ni", fine.mass, found))
+        found[:, :bodies] = rates[:, :bodies]
+        axes = matrices(finer.interpolated(state)[1][own])
+        found[:, nodes, :3] = np.einsum("nji,knj->kni", axes, field[:, own, :3])
+        found[:, nodes, 3:] = field[:, own, 3:]
+        return np.asarray(-np.einsum("nij,knj->kni", fine.mass, found))

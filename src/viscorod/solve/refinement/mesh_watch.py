@@ -19,6 +19,7 @@ from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
 from viscorod.solve.refinement.mesh_estimate import MeshEstimate, difference
 from viscorod.solve.refinement.phase_drift import PhaseDrift
+from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
@@ -33,7 +34,9 @@ SHARE = 0.5
 ANCHOR = 0.01
 """Part of the squared rate of a motion by which inertia resists errors, which change about as fast as it does."""
 INSTANTS = 6
-"""States of a path or a motion that are looked at, about evenly chosen."""
+"""Points of a path, about evenly chosen, and states of a motion that are looked at."""
+GROWTH, NEAR = 1.5, 0.85
+"""Recorded states from one of these to the next, in parts; nearer than this part to the next the last one is that."""
 
 
 class MeshWatch:
@@ -54,7 +57,8 @@ class MeshWatch:
         self.found = self.lost = 0
         self.noted: list[tuple[float, Snapshot]] = []
         self.start: Snapshot | None = None
-        self._stride, self._count = 1, 0
+        self._count, self._next = 0, 1
+        self._latest: tuple[float, Snapshot] | None = None
 
     @cached_property
     def finer(self) -> FinerMesh:
@@ -99,48 +103,58 @@ class MeshWatch:
             self._count_in(any(estimated(near) for near in beside))
 
     def note(self, history: History) -> None:
-        """Keep the last recorded state of a motion for :meth:`see_motion`, or some of all evenly, and the first."""
+        """Keep some recorded states of a motion for :meth:`see_motion`: the first, the last, early ones more closely.
+
+        Errors of a motion that fades are largest early, those of one that lasts in the end.
+        """
         if history.start is not None:
             self.start = history.start
         last = history.instant[-1] if history.instant else 0.0
-        if last == 0.0 or (self.noted and self.noted[-1][0] == last):
+        if last == 0.0 or (self._latest is not None and self._latest[0] == last):
             return
         self._count += 1
-        if self._count % self._stride == 0:
-            self.noted.append((history.instant[-1], history.snapshots[-1]))
-            if len(self.noted) == 2 * INSTANTS:  # half as many, twice as far apart
-                self.noted, self._stride = self.noted[1::2], 2 * self._stride
+        self._latest = history.instant[-1], history.snapshots[-1]
+        if self._count >= self._next:
+            self.noted = [*self.noted[1 - INSTANTS :], self._latest]
+            self._next = int(GROWTH * self._count) + 1
 
     def notes(self) -> dict[str, Any]:
         """Return what was noted, for another run of the same problem that goes on from there."""
         if not self.feasible:
             return {}
+        latest = None if self._latest is None else list(self._latest)
         return {
-            "noted": self.noted, "start": self.start, "_stride": self._stride, "_count": self._count
+            "noted": self.noted, "start": self.start, "_latest": latest, "_count": self._count, "_next": self._next
         }  # fmt: skip
 
     def take_over(self, notes: dict[str, Any]) -> None:
         """Go on with what another run noted."""
         vars(self).update(notes)
 
-    def phases(self, static: StaticSolver, start: Snapshot, scale: float) -> PhaseDrift:
+    def phases(
+        self, static: StaticSolver, start: Snapshot, scale: float, modes: StartModes | None = None
+    ) -> PhaseDrift:
         """Compare the slowest vibrations about a state at rest under a multiple of the loads at t = 0."""
         self.finer.set_prestress(np.zeros_like(start.section_force))
-        return PhaseDrift(self.finer, static, Shape(start.state, start.section_force, _angles(start)), scale)
+        shape = Shape(start.state, start.section_force, _angles(start))
+        return PhaseDrift(self.finer, static, shape, scale, modes)
 
-    def see_motion(self, duration: float, static: StaticSolver, scale: float) -> None:
+    def see_motion(self, duration: float, static: StaticSolver, scale: float, modes: StartModes) -> None:
         """Estimate the errors of the noted states of a motion: of their balance with inertia and viscosity, in time.
 
         Args:
             duration: of the motion [s]; static: solver of its problem.
-            scale: multiple of the loads at t = 0 under which it begins.
+            scale: multiple of the loads at t = 0 under which it begins; modes: small motions about its start.
         """
         if not self.feasible:
             return
-        anchor, times = (np.pi / duration) ** 2, [t for t, _ in self.noted]
-        rates = [self._compare_moving(state, t, before=True, anchor=anchor) for t, state in self.noted]
+        noted = self.noted
+        if self._latest is not None and self._latest[0] > noted[-1][0]:
+            noted = [*noted[: None if self._count > NEAR * self._next else -1], self._latest]
+        anchor, times = (np.pi / duration) ** 2, [t for t, _ in noted]
+        rates = [self._compare_moving(state, t, before=True, anchor=anchor) for t, state in noted]
         if self.estimate is not None and self.start is not None:
-            drift = self.phases(static, self.start, scale)
+            drift = self.phases(static, self.start, scale, modes)
             self.estimate = self.estimate.drifted(drift.gap(times, rates))
 
     def see_steady(self, rotation: Snapshot, spin: float) -> None:

@@ -3,57 +3,86 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
-from viscorod.errors import SolveError
 from viscorod.solve.linear.block_diagonal import block_diagonal
-from viscorod.solve.modes.linearisation import Linearisation, linearise
-from viscorod.solve.modes.undamped import undamped_modes
+from viscorod.solve.modes.linearisation import linearise
 from viscorod.solve.refinement.correction import Balance, corrected
 from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
+from viscorod.solve.refinement.inertial_forces import CoarseMotion
+from viscorod.solve.refinement.start_modes import COUNT as FOLLOWED
+from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
 __all__ = ["PhaseDrift"]
 
 COUNT = 12
-"""Slowest vibrations that are followed."""
+"""Slowest vibrations that are compared before a motion."""
 LEADING = 4
 """Of these, those that a mesh has to resolve before anything is known of the motion."""
-MATCHED = 0.1
-"""Difference of two frequencies, in parts, from which on they are not of the same vibration."""
+ALIKE = 0.5
+"""Part of a vibration, by its mass, that one on the finer mesh must hold to be the same."""
+TWINS = 1e-3
+"""Relative difference of frequencies below which shapes mix: of equal stiffness in two planes, or of two equal rods."""
+UNLIKE = 0.2
+"""Relative error of the frequency of a vibration that there is no other of on the finer mesh."""
 
 
 class PhaseDrift:
-    """The slowest undamped vibrations about a state at rest, on a mesh and on the one twice as fine.
+    """Undamped vibrations about a state at rest, on a mesh and on the one twice as fine.
 
     Args:
         finer: the finer mesh; static: solver of the coarse one; shape: the state on it; scale: multiple of the loads
-            at t = 0 that act there.
+            at t = 0 that act there; modes: of the coarse one about this state, if they are known.
 
     Attributes:
-        omega, shapes: on the coarse mesh [rad/s] ``(k,)``, body increments of the nodes with unit modal mass
-            ``(6 n, k)``; errors: how much faster they are there, in parts ``(k,)``; decay: rates at which they fade
-            [1/s] ``(k,)``.
+        modes: on the coarse mesh; better: on the finer one, None if there is no such state.
     """
 
-    def __init__(self, finer: FinerMesh, static: StaticSolver, shape: Shape, scale: float) -> None:
-        self.problem = finer.coarse
-        linear = linearise(static, shape.state, scale=scale)
-        self.omega, self.shapes, decay = slowest(linear, COUNT)
-        other = corrected(Balance(finer, factor=scale), finer.take_over(shape)) if len(self.omega) else None
-        self.decay, self.errors = decay, np.zeros(len(decay))
-        if other is None:
-            return
-        better, _, _ = slowest(linearise(finer.static, other, scale=scale), COUNT)
-        away = np.abs(self.omega[:, None] / better[None, :] - 1.0).min(axis=1, initial=np.inf)
-        self.errors = np.where(away < MATCHED, away, 0.0)
+    def __init__(
+        self,
+        finer: FinerMesh,
+        static: StaticSolver,
+        shape: Shape,
+        scale: float,
+        modes: StartModes | None = None,
+    ) -> None:
+        self.problem, self.state = finer.coarse, shape.state
+        self.modes = modes or StartModes.of(linearise(static, shape.state, scale=scale), COUNT)
+        self.better: StartModes | None = None
+        self._motion = CoarseMotion(finer)
+        other = (
+            corrected(Balance(finer, factor=scale), finer.take_over(shape)) if len(self.modes.omega) else None
+        )
+        if other is not None:
+            count = min(len(self.modes.omega), FOLLOWED)
+            self.better = StartModes.of(linearise(finer.static, other, scale=scale), count)
 
     @property
     def leading(self) -> float:
         """The largest relative error of the slowest frequencies."""
         return float(self.errors[:LEADING].max(initial=0.0))
+
+    @cached_property
+    def errors(self) -> Floats:
+        """How much faster vibrations are on the coarse mesh than on the finer one, in parts ``(k,)``.
+
+        The same vibration is that whose shape is most alike; where none is, the error is taken as large.
+        """
+        modes, better = self.modes, self.better
+        if better is None or not len(better.omega):
+            return np.zeros(len(modes.omega))
+        shapes = modes.shapes.T.reshape(len(modes.omega), -1, 6)
+        momenta = self._motion.spread_all(self.state, shapes).reshape(len(modes.omega), -1)
+        alike = np.square(momenta @ better.shapes)
+        best = better.omega[alike.argmax(axis=1)]
+        alike[np.abs(better.omega / best[:, None] - 1.0) > TWINS] = 0.0
+        whole = alike.sum(axis=1)
+        apart = np.abs(modes.omega / (alike @ better.omega / np.maximum(whole, np.finfo(float).tiny)) - 1.0)
+        return np.asarray(np.where(whole > ALIKE, apart, np.maximum(apart, UNLIKE)))
 
     def gap(self, times: Sequence[float], rates: Sequence[Floats]) -> float:
         """Return how far a motion has drifted from that on the finer mesh at most [m].
@@ -64,33 +93,17 @@ class PhaseDrift:
         Args:
             times: of some states of the motion [s]; rates: of the twists of all nodes there ``(n, 6)``.
         """
-        if not len(self.omega):
+        omega, shapes = self.modes.omega, self.modes.shapes
+        if not len(omega):
             return 0.0
-        modal = self.shapes.T @ block_diagonal(self.problem.mass)
-        reach = np.linalg.norm(self.shapes.reshape(self.problem.size, 6, -1)[:, :3], axis=1).max(axis=0)
-        largest, amplitude = 0.0, np.zeros(len(self.omega))
+        modal = shapes.T @ block_diagonal(self.problem.mass)
+        reach = np.linalg.norm(shapes.reshape(self.problem.size, 6, -1)[:, :3], axis=1).max(axis=0)
+        largest, amplitude = 0.0, np.zeros(len(omega))
         for t, rate in zip(times, rates, strict=True):
             # where acceleration passes zero, the amplitude of neighbours in time counts
-            amplitude = np.maximum(0.5 * amplitude, np.abs(modal @ rate.ravel()) / self.omega**2)
+            amplitude = np.maximum(0.5 * amplitude, np.abs(modal @ rate.ravel()) / omega**2)
             # what has faded has left no phase
-            lasted = t / np.maximum(self.decay * t, 1.0)
-            ahead = np.minimum(self.errors * self.omega * lasted, 2.0)
+            lasted = t / np.maximum(self.modes.decay * t, 1.0)
+            ahead = np.minimum(self.errors * omega * lasted, 2.0)
             largest = max(largest, float(np.linalg.norm(amplitude * reach * ahead)))
         return largest
-
-
-def slowest(linear: Linearisation, count: int) -> tuple[Floats, Floats, Floats]:
-    """Return the slowest undamped vibrations that are not rigid motions.
-
-    Returns:
-        angular frequencies [rad/s] ``(k,)``, body increments of the nodes with unit modal mass ``(6 n, k)``, and the
-        rates at which the vibrations fade to first order in the damping [1/s] ``(k,)``; none if they cannot be found.
-    """
-    try:
-        found = undamped_modes(linear, count)
-    except SolveError:
-        return np.zeros(0), np.zeros((linear.basis.shape[0], 0)), np.zeros(0)
-    swinging = np.flatnonzero(found.squares > 0.0)[:count]
-    vectors = found.shapes[:, swinging]
-    decay = 0.5 * np.einsum("ik,ik->k", vectors, found.linear.damping @ vectors)
-    return np.sqrt(found.squares[swinging]), np.asarray(found.linear.basis @ vectors), decay

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from viscorod.errors import SolveError
 from viscorod.solve.steady.steady_equations import Measure, SteadyEquations, least_squares
 
 TOLERANCE = 1e-10
@@ -51,11 +52,14 @@ def newton(equations: SteadyEquations, kind: Measure, target: float, effort: Ite
             effort.check_interrupt()
             balance = equations.balance()
             value, slope = equations.measure(kind)
-            if not (np.isfinite(balance.matrix).all() and np.isfinite(slope).all()):
+            if not (np.isfinite(balance.matrix.sum()) and np.isfinite(slope).all()):
                 break
             sizes = equations.scales()
-            matrix = np.vstack([balance.matrix, slope])
-            change = least_squares(matrix, -np.append(balance.residual, value - target), sizes)
+            right = -np.append(balance.residual, value - target)
+            try:
+                change = least_squares(balance.with_row(slope), right, sizes)
+            except SolveError:
+                break
             effort.iterations += 1
             size = float(np.abs(change / sizes).max())
             if not size < 1e3:

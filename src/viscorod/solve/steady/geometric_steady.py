@@ -11,7 +11,7 @@ motions about the rotation, gyroscopic and centrifugal parts included.
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg
+from scipy import sparse
 
 from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.elements.linearised import Operators
@@ -22,8 +22,9 @@ from viscorod.solve.formulations.element_forces import GeometricForces
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.external_loads import LoadState
+from viscorod.solve.statics.stability import circulatory
 from viscorod.solve.steady.rigid_rotation import RotationAxis, coriolis, rigid_twists
-from viscorod.solve.steady.stability import FirstOrder, SecondOrder, first_order
+from viscorod.solve.steady.stability import FULL, FirstOrder, SecondOrder, basis_inverse, first_order
 from viscorod.solve.steady.steady_checks import SupportKind, no_loads, support_kind
 from viscorod.solve.steady.steady_equations import Balance, Measure, imbalance
 from viscorod.solve.transient.integrators import jacobian
@@ -89,8 +90,8 @@ class GeometricSteady:
         column = np.zeros(6 * n)
         # inertial forces are quadratic in the angular speed
         column[supports.free_rows()] = supports.free_basis(state).T @ (2.0 / self.rate * inertial).ravel()
-        matrix = np.hstack([self._matrix.sparse().toarray(), column[:, None]])
-        return Balance(residual.ravel(), matrix, gap)
+        matrix = sparse.csr_array(sparse.hstack([self._matrix.sparse(), sparse.csr_array(column[:, None])]))
+        return Balance(residual.ravel(), matrix if 6 * n > FULL else matrix.toarray(), gap)
 
     def residual(self) -> tuple[Floats, float]:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; supports keep their reactions."""
@@ -164,9 +165,11 @@ class GeometricSteady:
         state = self.state()
         self.balance()
         ad = self._linearise(state, self._points.section_force[0])
-        stiffness, damping = (self.problem.pattern.sparse(blocks).toarray() for blocks in (self._K, self._C))
-        small = SecondOrder(scipy.linalg.block_diag(*self.problem.mass), damping, stiffness, ad)
-        return first_order(small, self.supports, state, self.line, self._copies(state), self.problem.length)
+        stiffness, damping = (self.problem.pattern.sparse(blocks) for blocks in (self._K, self._C))
+        mass = sparse.csr_array(sparse.block_diag(list(self.problem.mass), format="csr"))
+        small = SecondOrder(mass, damping, stiffness, ad, circulatory(self.loads))
+        copies = self._copies(state)
+        return first_order(small, self.supports, state, self.line, copies, self.problem.length, self.rate)
 
     def _evaluate(self, state: State) -> None:
         """Evaluate strains and elastic forces; without twists, whose strain rates are round-off."""
@@ -212,6 +215,6 @@ class GeometricSteady:
                 return turns
         about = np.concatenate([np.zeros(3), self.line.direction])
         field = rigid_twists(state.r, state.q, [0.0] * 3, self.line.direction, self.line.centre).ravel()
-        basis = supports.free_basis(state).toarray()
-        left = field - basis @ (np.linalg.pinv(basis) @ field)
+        basis = supports.free_basis(state)
+        left = field - basis @ (basis_inverse(basis, supports.free_rows()) @ field)
         return np.zeros((0, 6)) if np.abs(left).max() > 1e-9 * np.abs(field).max() else about[None]

@@ -84,7 +84,7 @@ class Search:
                 "iterations. What to try: another axis or start; begin from a slower or faster rotation "
                 "(start = its result)"
             )
-        return describe_rotation(self.solver, equations, self.effort.iterations)
+        return describe_rotation(self.solver, equations, self.effort.iterations, settings.modes)
 
     # --- first guesses
 

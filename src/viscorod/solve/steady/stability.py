@@ -8,20 +8,30 @@ leaves the same eigenvalues.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import scipy.linalg
+from scipy import sparse
 
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
+from viscorod.solve.steady.growth_limits import GrowthLimits, growth_limits
 from viscorod.solve.steady.rigid_rotation import RotationAxis, rigid_twists
+from viscorod.solve.steady.slow_motions import MOST, Found, QuadraticPencil, growing, slow_motions
 from viscorod.typing import Floats
 
 SLOW = 1e-4
 """Motions with ``|s|`` below this part of the angular speed are neutral: round-off splits a double zero that far."""
 FAINT = 1e-9
 """Motions that grow or fade by less than this part of ``|s|`` or, if larger, of the angular speed are neutral."""
+FULL = 300
+"""Free motions up to which full matrices are used."""
+FAR = 30.0
+"""Angular speeds within which all motions are sought: more would take long."""
+CLEAR = 1.5
+"""Distance at which overdamped motions crowd, in that within which others may grow, beyond which they are far."""
 ROUND_OFF = 10.0 * float(np.finfo(float).eps)
 """Error of the matrices, as a part of what adds up to their entries, and of ``1/s``."""
 
@@ -30,13 +40,14 @@ ROUND_OFF = 10.0 * float(np.finfo(float).eps)
 class SecondOrder:
     """Small motions about a steady rotation, before supports: ``M d'' + C d' + K d = 0`` in body increments ``d``.
 
-    Dense ``(6 n, 6 n)``; ``ad`` is ``ad(x)`` of every node ``(n, 6, 6)``.
+    Sparse ``(6 n, 6 n)``; ``ad`` is ``ad(x)`` of every node ``(n, 6, 6)``; ``circulatory``: loads have no potential.
     """
 
-    mass: Floats
-    damping: Floats
-    stiffness: Floats
+    mass: sparse.csr_array
+    damping: sparse.csr_array
+    stiffness: sparse.csr_array
     ad: Floats
+    circulatory: bool
 
 
 @dataclass
@@ -45,13 +56,21 @@ class FirstOrder:
 
     ``magnitude`` has the sizes of what adds up to the entries of the matrix: round-off is a part of them. From the
     intrinsic formulation ``z`` are changes of strains, then of free twists. ``increments`` returns the body increments
-    of the nodes ``(6 n,)`` that belong to ``s`` and ``z``.
+    of the nodes ``(6 n,)`` that belong to ``s`` and ``z``. Where there is a ``pencil`` the matrices are sparse.
     """
 
-    mass: Floats
-    matrix: Floats
-    magnitude: Floats
+    mass: Any
+    matrix: Any
+    magnitude: Any
     increments: Callable[[complex, np.ndarray], np.ndarray]
+    limits: GrowthLimits = field(default_factory=GrowthLimits)
+    pencil: QuadraticPencil | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of motions of first order."""
+        copies = 0 if self.pencil is None else self.pencil.Z.shape[1]
+        return int(self.mass.shape[0]) - copies
 
 
 @dataclass(frozen=True)
@@ -59,7 +78,8 @@ class Stability:
     """Eigenvalues ``s`` [1/s] of small motions ``exp(s t)``, one of each conjugate pair (Im >= 0), slowest first.
 
     ``unstable`` and ``neutral`` count those (both of a pair) that grow, and that neither grow nor fade; ``growth`` is
-    the largest rate of those that grow [1/s]. ``vectors`` belong to the eigenvalues, one column each.
+    the largest rate of those that grow [1/s]. ``vectors`` belong to the eigenvalues, one column each. ``certified``
+    tells whether it is proved that none that grows is missing, ``complete`` whether none of those listed is.
     """
 
     system: FirstOrder
@@ -68,6 +88,8 @@ class Stability:
     unstable: int
     neutral: int
     growth: float
+    certified: bool = True
+    complete: bool = True
 
     def increments(self, count: int) -> np.ndarray:
         """Return the body increments of the nodes ``(6 n, m)`` in the ``count`` slowest motions."""
@@ -81,7 +103,7 @@ class Stability:
         """Return what the ``count`` slowest motions leave of each equation, as a part of what adds up to it."""
         s, z = self.eigenvalues[:count], self.vectors[:, :count]
         left = np.abs(self.system.matrix @ z - s * (self.system.mass @ z))
-        size = self.system.magnitude @ np.abs(z) + np.abs(s) * (np.abs(self.system.mass) @ np.abs(z))
+        size = self.system.magnitude @ np.abs(z) + np.abs(s) * (abs(self.system.mass) @ np.abs(z))
         return np.asarray((left.max(axis=0, initial=0.0)) / np.maximum(size.max(axis=0, initial=0.0), 1e-300))
 
 
@@ -92,6 +114,7 @@ def first_order(
     line: RotationAxis,
     copies: Floats,
     length: float,
+    rate: float,
 ) -> FirstOrder:
     """Return small motions in poses as a system of first order, without the ``copies`` of the rotation.
 
@@ -103,25 +126,31 @@ def first_order(
         supports: with reactions and directions at the state.
         copies: spatial velocity fields ``(c, 6)`` (velocity of the centre, angular velocity) that take the rotation to
             copies of itself.
-        length: by which displacements are measured.
+        length: by which displacements are measured; rate: angular speed [rad/s].
     """
-    basis = supports.free_basis(state).toarray()
     unit = np.where(supports.free_rows() % 6 < 3, length, 1.0)
-    basis = basis * unit
-    M, C, K = (basis.T @ matrix @ basis for matrix in (small.mass, small.damping, small.stiffness))
+    basis = sparse.csr_array(supports.free_basis(state) @ sparse.diags_array(unit))
+    M, C, K = (sparse.csr_array(basis.T @ (m @ basis)) for m in (small.mass, small.damping, small.stiffness))
     count = basis.shape[1]
-    inverse = np.linalg.pinv(basis)
-    A = np.zeros((count, count))
-    W = np.eye(count)
+    A, Z = sparse.csr_array((count, count)), np.zeros((count, 0))
     if len(copies):
-        n = len(state.r)
-        whole = np.zeros((6 * n, 6 * n))
-        for k, block in enumerate(small.ad):
-            whole[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] = block
-        A = inverse @ whole @ basis
+        inverse = basis_inverse(basis, supports.free_rows())
+        A = sparse.csr_array(inverse @ (sparse.block_diag(list(small.ad), format="csr") @ basis))
         fields = [rigid_twists(state.r, state.q, c[:3], c[3:], line.centre).ravel() for c in copies]
-        Z = inverse @ np.array(fields).T
-        W = scipy.linalg.null_space(Z.T)
+        Z, _ = np.linalg.qr(inverse @ np.array(fields).T)
+    limits = growth_limits(small, C, K, M, rate)
+    if count > FULL:
+        pencil = QuadraticPencil(M, C, K, A, Z)
+        return FirstOrder(
+            pencil.mass,
+            pencil.matrix,
+            pencil.magnitude,
+            lambda _, z: np.asarray(basis @ z[:count]),
+            limits,
+            pencil,
+        )
+    M, C, K, A = (matrix.toarray() for matrix in (M, C, K, A))
+    W = scipy.linalg.null_space(Z.T) if len(copies) else np.eye(count)
     C1 = C - M @ A
     K1 = K - C1 @ A
     kept = W.shape[1]
@@ -131,39 +160,87 @@ def first_order(
     sizes = np.abs(W)
     magnitude = np.block([[sizes.T @ np.abs(A) @ sizes, sizes.T], [np.abs(K1) @ sizes, np.abs(C1)]])
     moved = basis @ W
-    return FirstOrder(mass, matrix, magnitude, lambda _, z: np.asarray(moved @ z[:kept]))
+    return FirstOrder(mass, matrix, magnitude, lambda _, z: np.asarray(moved @ z[:kept]), limits)
 
 
-def stability(system: FirstOrder, rate: float) -> Stability:
-    """Return the eigenvalues of ``mass z' = matrix z``.
+def basis_inverse(basis: sparse.csr_array, rows: np.ndarray) -> sparse.csr_array:
+    """Return the pseudo-inverse of free motions ``(6 n, free)``, each of one node; ``rows`` are theirs."""
+    gram = sparse.csr_array(basis.T @ basis)
+    inverse = sparse.lil_array(sparse.diags_array(1.0 / gram.diagonal()))
+    coupled = sparse.coo_array(gram - sparse.diags_array(gram.diagonal()))
+    for node in np.unique(rows[coupled.row[coupled.data != 0.0]] // 6):
+        mine = np.flatnonzero(rows // 6 == node)
+        inverse[np.ix_(mine, mine)] = np.linalg.inv(gram[mine][:, mine].toarray())
+    return sparse.csr_array(inverse.tocsr() @ basis.T)
+
+
+def stability(system: FirstOrder, rate: float, count: int) -> Stability:
+    """Return the eigenvalues of ``mass z' = matrix z``: all of them, or of large systems the slowest.
 
     They are found from those of ``(matrix - s0 mass)^-1 mass``, so that slow ones are accurate however stiff the fast
     ones are. Round-off moves ``s`` by up to ``|y| |error| |x| / |y mass x|`` with its left and right vectors: much
-    where two neutral motions coincide, and in undamped rods that are far stiffer against stretching than bending.
+    where two neutral motions coincide, and in undamped rods that are far stiffer against stretching than bending. No
+    motion beyond the limits of growth is unstable, whatever round-off makes of it; so the slow ones of a large system
+    are enough.
 
     Args:
-        rate: angular speed [rad/s], by which s0 is chosen.
+        rate: angular speed [rad/s], by which s0 is chosen; count: how many of the slowest are wanted.
     """
-    size = len(system.mass)
     shift = 0.37 * rate  # no eigenvalue of its own, and slow
-    matrix = system.matrix - shift * system.mass
-    rows = np.abs(matrix).max(axis=1)
-    inverse = np.linalg.inv(matrix / rows[:, None]) / rows
-    theta, left, right = scipy.linalg.eig(inverse @ system.mass, left=True, right=True)
-    found = np.abs(theta) > 1e-15 * np.abs(theta).max()
-    s = shift + 1.0 / theta[found]
-    left, right = inverse.T @ left[:, found], right[:, found]
-    overlap = np.abs(np.einsum("ik,ij,jk->k", left.conj(), system.mass, right, optimize=True))
-    error = np.einsum("ik,ij,jk->k", np.abs(left), system.magnitude, np.abs(right), optimize=True)
+    certified = complete = True
+    limits = system.limits
+    if system.pencil is not None:
+        found, certified = _of_iteration(system.pencil, shift, limits, rate, count)
+        s, left, right, complete = found.roots, found.left, found.right, found.certified
+        theta = 1.0 / (s - shift)
+        error, overlap = _products(system, left, right)
+    else:
+        matrix = system.matrix - shift * system.mass
+        rows = np.abs(matrix).max(axis=1)
+        inverse = np.linalg.inv(matrix / rows[:, None]) / rows
+        theta, left, right = scipy.linalg.eig(inverse @ system.mass, left=True, right=True)
+        kept = np.abs(theta) > 1e-15 * np.abs(theta).max()
+        s = shift + 1.0 / theta[kept]
+        error, overlap = _products(system, inverse.T @ left[:, kept].conj(), right[:, kept])
+        right = right[:, kept]
     with np.errstate(divide="ignore"):
         bound = FAINT * np.maximum(np.abs(s), rate) + ROUND_OFF * error / overlap
-    bound += ROUND_OFF * size * np.abs(s - shift) ** 2 * np.abs(theta).max()
+    bound += ROUND_OFF * system.size * np.abs(s - shift) ** 2 * np.abs(theta).max()
     s[np.abs(s) < FAINT * rate] = 0.0
     bound[np.abs(s) <= SLOW * rate] = np.inf
-    unstable = int(np.count_nonzero(s.real > bound))
-    neutral = int(np.count_nonzero(np.abs(s.real) <= bound))
+    grows = (s.real > bound) & limits.allow(s)
+    unstable = int(np.count_nonzero(grows))
+    neutral = int(np.count_nonzero((np.abs(s.real) <= bound) | ((s.real > bound) & ~grows)))
+    if limits.lossless:  # what does not grow does not fade, but for the mirror image of what does
+        neutral = system.size - 2 * unstable
+    growth = float(s.real[grows].max(initial=0.0))
     upper = s.imag >= -1e-12 * np.abs(s)
-    growth = float(s.real[s.real > bound].max(initial=0.0))
+    if system.pencil is not None and complete:
+        upper &= np.abs(s) <= found.reach - shift  # beyond, slower ones may be missing
     s, right = s[upper], right[:, upper]
     order = np.argsort(np.abs(s), kind="stable")
-    return Stability(system, s[order], right[:, order], unstable, neutral, growth)
+    return Stability(system, s[order], right[:, order], unstable, neutral, growth, certified, complete)
+
+
+def _of_iteration(
+    pencil: QuadraticPencil, shift: float, limits: GrowthLimits, rate: float, count: int
+) -> tuple[Found, bool]:
+    """Return the slowest motions, and whether all that grow are among them.
+
+    Where overdamped motions crowd within the limits of growth, the others are counted in the half plane where motions
+    grow, and sought there if they are missing.
+    """
+    radius = min(limits.radius, FAR * rate)
+    around = float(np.hypot(shift, radius))
+    crowd = pencil.creep < CLEAR * around
+    found = slow_motions(pencil, shift, around, count, limits, 6 * count + 40 if crowd else MOST)
+    if found.certified:
+        return found, limits.radius <= FAR * rate
+    missing = growing(pencil, found.roots, radius, limits)
+    return found, missing == 0 and limits.radius <= FAR * rate
+
+
+def _products(system: FirstOrder, left: np.ndarray, right: np.ndarray) -> tuple[Floats, Floats]:
+    """Return ``|y| magnitude |x|`` and ``|y mass x|`` of left and right vectors."""
+    error = np.einsum("ik,ik->k", np.abs(left), system.magnitude @ np.abs(right))
+    return error, np.abs(np.einsum("ik,ik->k", left, system.mass @ right))

@@ -20,7 +20,7 @@ from viscorod.solve.settings_checks import unfit_for_steady
 from viscorod.typing import Floats
 
 LARGEST = 3000
-"""Unknowns up to which the dense linear algebra here takes seconds."""
+"""Unknowns up to which the dense linear algebra of the intrinsic formulation takes seconds."""
 
 PARALLEL = 1e-9
 """Part of a load that may stand across the axis: round-off."""
@@ -95,14 +95,13 @@ def require_steady(model: ModelDescription, problem: Problem, settings: SteadySe
 
 
 def _size(problem: Problem, settings: SteadySettings) -> Iterator[Fault]:
-    points = sum(e.section.size for e in problem.sets)
-    unknowns = 6 * problem.size + (6 * points if settings.formulation == "intrinsic" else 0)
-    if unknowns > LARGEST:
+    unknowns = 6 * problem.size + 6 * sum(e.section.size for e in problem.sets)
+    if settings.formulation == "intrinsic" and unknowns > LARGEST:
         yield Fault(
             "rods",
             f"{unknowns} unknowns",
-            f"steady rotations are computed by dense linear algebra, for up to {LARGEST} unknowns",
-            "give fewer elements, of higher order",
+            f"the intrinsic formulation has full matrices, for up to {LARGEST} unknowns",
+            "leave out formulation, or give fewer elements, of higher order",
         )
     most = {SupportKind.FREE: 6, SupportKind.JOINT: 3}.get(support_kind(problem))
     if most is not None and len(free_motions(problem)) > most:

@@ -7,9 +7,11 @@ from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
 import scipy.linalg
+from scipy import sparse
 
 from viscorod.solve.formulations.system import State
 from viscorod.solve.steady.rigid_rotation import RotationAxis
+from viscorod.solve.steady.sparse_least_squares import smallest_solution
 from viscorod.solve.steady.stability import FirstOrder
 from viscorod.typing import Floats
 
@@ -23,15 +25,21 @@ RANK = 1e-12
 
 @dataclass
 class Balance:
-    """A linearisation: ``matrix (m, k) @ change = -residual (m,)``.
+    """A linearisation: ``matrix (m, k) @ change = -residual (m,)``, sparse where it is large.
 
     Attributes:
         gap: largest component of the residual over what the forces that balance amount to, per component.
     """
 
     residual: Floats
-    matrix: Floats
+    matrix: Floats | sparse.csr_array
     gap: float
+
+    def with_row(self, row: Floats) -> Floats | sparse.csr_array:
+        """Return the matrix with one more row ``(k,)``."""
+        if isinstance(self.matrix, np.ndarray):
+            return np.vstack([self.matrix, row])
+        return sparse.csr_array(sparse.vstack([self.matrix, sparse.csr_array(row[None])]))
 
 
 class SteadyEquations(Protocol):
@@ -89,11 +97,19 @@ def imbalance(left: Floats, forces: tuple[Floats, ...], inertial: float, length:
     return float(max(np.abs(left[:, :3]).max() / force, np.abs(left[:, 3:]).max() / (force * length)))
 
 
-def least_squares(matrix: Floats, right: Floats, sizes: Floats) -> Floats:
+def least_squares(matrix: Floats | sparse.csr_array, right: Floats, sizes: Floats) -> Floats:
     """Return the smallest change that fulfils the equations best, all of them scaled to the same size.
 
     Symmetries (turning about the axis, round sections about themselves) leave the matrix short of rank.
     """
+    if not isinstance(matrix, np.ndarray):
+        wide = sparse.csr_array(matrix @ sparse.diags_array(sizes))
+        largest = np.asarray(abs(wide).max(axis=1).todense()).ravel()
+        largest[largest == 0.0] = 1.0
+        return (
+            smallest_solution(sparse.csr_array(sparse.diags_array(1.0 / largest) @ wide), right / largest)
+            * sizes
+        )
     scaled = matrix * sizes
     rows = np.abs(scaled).max(axis=1)
     rows[rows == 0.0] = 1.0

@@ -51,8 +51,9 @@ def describe_rotation(
     solver: StaticSolver,
     equations: SteadyEquations,
     iterations: int,
+    motions: int,
 ) -> SteadyRotation:
-    """Return fields, energies and stability of the rotation to which ``equations`` have converged."""
+    """Return fields, energies, stability and ``motions`` slow motions of what ``equations`` have converged to."""
     problem, supports, line = solver.system.problem, solver.supports, equations.line
     state, (strain, force) = equations.state(), equations.fields()
     balance, gap = equations.residual()
@@ -79,5 +80,5 @@ def describe_rotation(
         elastic=equations.elastic_energy(),
         gap=gap,
         iterations=iterations,
-        stability=stability(equations.small_motions(), rate),
+        stability=stability(equations.small_motions(), rate, motions),
     )

@@ -15,6 +15,7 @@ from viscorod.solve.history import EnergyAccount, History
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.newton import Outcome, interruption
 from viscorod.solve.transient.events import EventWatch
+from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
 from viscorod.solve.transient.saved_state import SavedTree, restore, saved
 from viscorod.solve.transient.step_control import StepControl
@@ -72,7 +73,7 @@ class Transient:
 
     Args:
         problem: for the corners of its loads; integrator, control: what steps, and how far.
-        place: describes a node in words.
+        place: describes a node in words; halved: tells what steps err by.
     """
 
     def __init__(
@@ -81,8 +82,10 @@ class Transient:
         integrator: Integrator,
         control: StepControl,
         place: Callable[[int], str],
+        halved: HalvedSteps | None = None,
     ) -> None:
         self.problem = problem
+        self.halved = halved
         self.place = place
         self.integrator = integrator
         self.control = control
@@ -162,6 +165,8 @@ class Transient:
     def begin(self, state: State, *, record: bool = True) -> None:
         """Start from ``state`` at t = 0, and record it."""
         integrator, account = self.integrator, self.account
+        if self.halved is not None:
+            self.halved.begin(state, self.duration)
         integrator.start(0.0, state)
         integrator.watch(self.duration)
         account.elastic = integrator.elastic
@@ -178,6 +183,8 @@ class Transient:
         while integrator.t < corner:
             t = integrator.t
             end = control.next_end(t)
+            if self.halved is not None:
+                self.halved.prepare(effort.steps, integrator, end - t)
             report = integrator.attempt(end, before=end == corner)
             effort.iterations += report.iterations
             result.report = report
@@ -191,8 +198,10 @@ class Transient:
                         result.outcome = Outcome.TOO_SMALL
                     return False
                 continue
-            before = self.account.copy()
+            before, began = self.account.copy(), integrator.state
             integrator.accept()
+            if self.halved is not None:
+                self.halved.compare(effort.steps, integrator, began, end - t, left=end == corner)
             if not integrator.strain < LARGEST_STRAIN:
                 result.outcome, result.failed_at = Outcome.BROKEN, end
                 return False
@@ -241,7 +250,8 @@ class Transient:
     def saved(self) -> SavedTree:
         """Return the state from which another run of the same model can go on."""
         parts = (self.integrator, self.control, self.account, self.effort, self.watch)
-        return {"parts": [saved(part) for part in parts], "notes": list(self.notes)}
+        trials = None if self.halved is None else saved(self.halved.trials)
+        return {"parts": [saved(part) for part in parts], "notes": list(self.notes), "trials": trials}
 
     def resume(self, checkpoint: SavedTree) -> None:
         """Put back what :meth:`saved` returned."""
@@ -249,6 +259,8 @@ class Transient:
         for part, tree in zip(parts, checkpoint["parts"], strict=True):
             restore(part, tree)
         self.notes[:] = checkpoint["notes"]
+        if self.halved is not None:
+            restore(self.halved.trials, checkpoint.get("trials"))
         self.integrator.resume()
 
     def _record_times(self, t: float, end: float, output_interval: float | None, final: bool) -> list[float]:

@@ -24,6 +24,7 @@ from viscorod.solve.transient.integrators import iteration_verdict, jacobian
 from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.contract import StepReport
 from viscorod.solve.transient.integrators.predictor import Predictor
+from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
 from viscorod.solve.transient.integrators.stage_dashpots import StageDashpots
 from viscorod.solve.transient.integrators.stage_data import (
@@ -264,6 +265,18 @@ class Collocation:
         self.actions.reset()
         if self._factor_step > 0.0:
             self.systems.factorise(self.matrices, self._factor_step)
+
+    def stability(self, z: np.ndarray) -> np.ndarray:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return stability(self.tableau, z)
+
+    @property
+    def seen_by_halving(self) -> float:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return seen_by_halving(self.tableau)
+
+    def begin_half(self) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: nothing is left behind."""
 
     # --- what methods differ in
 

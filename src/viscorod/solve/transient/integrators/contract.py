@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple, Protocol
 
+import numpy as np
+
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
 from viscorod.solve.statics.newton import Outcome
@@ -69,6 +71,9 @@ class Integrator(Protocol):
     rad, or as a strain) and in velocities (over the largest one); zeros without any.
     ``estimate_order`` is the order of the error estimate, if there is one: the estimate grows as the power
     ``estimate_order + 1`` of the step. ``records`` is the number of states per step that draw the motion smoothly.
+
+    ``begin_half()`` precedes both halves of a step that is computed again to see its error, of which their difference
+    is the part ``seen_by_halving``.
     """
 
     t: float
@@ -128,6 +133,16 @@ class Integrator(Protocol):
 
     def resume(self) -> None:
         """Compute what is not saved."""
+
+    @property
+    def seen_by_halving(self) -> float:
+        """Part of the error of a step by which it differs from two halves."""
+
+    def stability(self, z: np.ndarray) -> np.ndarray:
+        """Return the stability function ``R(z) (k,)``: what a step makes of vibrations with eigenvalues ``z / h``."""
+
+    def begin_half(self) -> None:
+        """Leave behind what is carried over from steps of another length, and iterate further than in a run."""
 
     def branch_losses(self, parts: Floats) -> Floats:
         """Return the energy ``(k, n)`` [J] that each branch dissipated in the last step up to ``parts (k,)``."""

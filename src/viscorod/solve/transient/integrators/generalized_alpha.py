@@ -88,6 +88,8 @@ class GeneralizedAlpha:
     estimate_order = 2
     looks_within = False
     records = 1
+    seen_by_halving = 1.0
+    """Halves are computed by the method of the first step, whose error in them is a tenth of that of a whole step."""
 
     def __init__(
         self,
@@ -298,6 +300,22 @@ class GeneralizedAlpha:
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: every iteration factorises."""
+
+    def stability(self, z: np.ndarray) -> np.ndarray:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: the root next to the exact one."""
+        c = self.coefficients
+        new, old = np.zeros((2, len(z), 2, 2), dtype=complex)
+        new[:, 0, 0], new[:, 0, 1] = 1.0, -c.gamma
+        new[:, 1, 0], new[:, 1, 1] = -z * (1.0 - c.force), 1.0 - c.mass
+        old[:, 0, 0], old[:, 0, 1] = 1.0, 1.0 - c.gamma
+        old[:, 1, 0], old[:, 1, 1] = z * c.force, -c.mass
+        roots = np.linalg.eigvals(np.linalg.solve(new, old))
+        nearest = np.abs(roots - np.exp(z)[:, None]).argmin(axis=1)
+        return np.asarray(roots[np.arange(len(z)), nearest])
+
+    def begin_half(self) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: means of other steps do not serve."""
+        self._fresh = True
 
     def branch_losses(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: linear in time."""

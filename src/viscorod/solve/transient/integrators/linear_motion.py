@@ -12,6 +12,7 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.contract import StepReport
 from viscorod.solve.transient.integrators.linear_model import LinearModel
+from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, RADAU, Tableau
 from viscorod.solve.transient.load_content import StepContent
 from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
@@ -220,6 +221,18 @@ class LinearMotion:
             loss = max(loss, min(float(lost), self.loss))  # interpolation must not give energy back
             found.append((self.body.snapshot(xi, x, a, load), float(work), loss))
         return found
+
+    @property
+    def seen_by_halving(self) -> float:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return seen_by_halving(self.tableau)
+
+    def stability(self, z: np.ndarray) -> np.ndarray:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return stability(self.tableau, z)
+
+    def begin_half(self) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
 
     # --- parts
 

@@ -39,6 +39,9 @@ class Radau(Collocation):
     estimate_order = 3
     """Of the estimate; the method itself is of order 5."""
 
+    half_iteration = 0.03
+    """Tolerance of the iteration in steps that are computed again, over that of the run."""
+
     largest_turn = 2.0
     """Rotation [rad] that a node may make in one step: coordinates of rotations are good to half a turn."""
 
@@ -61,6 +64,10 @@ class Radau(Collocation):
         super().accept()
         self.tolerance.accept(self.t, self.state)
         self.newton_tolerance = self._newton_tolerance()
+
+    def begin_half(self) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        self.newton_tolerance = max(self.half_iteration * self._newton_tolerance(), LEAST_CHANGE)
 
     def _judge(self, error: float, unknown: int) -> tuple[float, int]:
         last, stages = self._last, self.stages

@@ -1,0 +1,45 @@
+"""The error of the steps as a result tells it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+__all__ = ["KINDS", "motion_doubt", "step_errors"]
+
+KINDS = {"position": "m", "rotation": "rad", "section_force": "N", "section_moment": "N m"}
+"""What is estimated, and its unit."""
+
+MOTION = 0.01  # accepted error of displacements or rotations, as a part of the largest
+
+
+def step_errors(attrs: Mapping[str, Any]) -> dict[str, float]:
+    """Return the estimated errors of a motion by its steps (``solve.transient.step_errors``).
+
+    They are what single steps err by, added up over the run: the largest at any node and any time.
+
+    Args:
+        attrs: attributes of the result.
+
+    Returns:
+        "position" [m], "rotation" [rad], "section_force" [N] and "section_moment" [N m]; empty if not estimated.
+    """
+    found = {kind: attrs.get(f"step_{kind}_error") for kind in KINDS}
+    return {kind: float(error) for kind, error in found.items() if error is not None}
+
+
+def motion_doubt(attrs: Mapping[str, Any]) -> str:
+    """Return a warning if positions or rotations may be off by more than 1 % of the motion, else nothing."""
+    if float(attrs.get("step_motion_error", 0.0)) <= MOTION:
+        return ""
+    return (
+        f"the steps may leave positions off by {attrs['step_position_error']:.2g} m and rotations by "
+        f"{attrs['step_rotation_error']:.2g} rad, {100.0 * attrs['step_motion_error']:.2g} % of the motion; "
+        f"use {_smaller(attrs)}"
+    )
+
+
+def _smaller(attrs: Mapping[str, Any]) -> str:
+    setting = "tolerance" if "tolerance" in attrs else "time_step"
+    used = f" than {attrs[setting]:.2g}" if setting in attrs else ""
+    return f"a smaller {setting}{used}"

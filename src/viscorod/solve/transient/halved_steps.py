@@ -1,0 +1,176 @@
+"""What single steps err by: some of them are computed again in halves.
+
+A method of order p errs by ``C h^(p+1)`` in a step and by ``2^-p`` of that in two halves, so that both differ by
+``1 - 2^-p`` of the error of the step (Richardson 1911; Hairer, Norsett and Wanner 1993, II.4). Of a vibration with
+eigenvalue ``a`` that is ``R(a h) - R(a h/2)^2`` of its amplitude, ``R`` being the stability function of the method.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from viscorod.mechanics.rotations.quaternion import conjugate, matrices, product, rotation_vectors
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.problem import Problem
+from viscorod.solve.refinement.start_modes import StartModes
+from viscorod.solve.transient.integrators.contract import Integrator
+from viscorod.solve.transient.saved_state import SavedTree, restore, saved
+from viscorod.typing import Floats
+
+__all__ = ["HalvedSteps", "Trials"]
+
+FIRST = 1
+"""The first step that is tried again, counted from 0."""
+FARTHEST, PART = 12, 8
+"""Most steps to the next one early in a run, and later the part of those done."""
+SETTLED, LONGER = 8, 2.0
+"""After so many steps one that is so much longer than those tried again is one of them."""
+
+
+@dataclass
+class Trials:
+    """What steps that were tried again err by, and how large the motion is there.
+
+    Attributes:
+        next: number of the step that is tried next; border: of that from which on the next one stands for the others.
+        times, lengths: of the steps that were tried again, their ends and how long they are [s].
+        around: number of the steps around each, and the sum of those powers of their lengths that errors go
+            with ``(2,)``.
+        errors: their errors in each vibration, of displacement and of velocity over the frequency ``(2, k)``.
+        amplitudes: of each vibration by its velocity ``(k,)``.
+        rigid: the same in rigid motions, velocities as they are ``(2, m)``; energies: of these motions at the start and
+            at the end of the step ``(2,)``.
+        rest: the largest error that no mode explains, body axes ``(n, 6)``; within: largest ones of the polynomials
+            between the ends of steps, in their middle, at every node.
+        moved: largest displacement [m] and rotation [rad] of a node from the start ``(2,)``.
+        forces: largest force [N] and moment [N m] of sections ``(2,)``.
+    """
+
+    rest: Floats
+    within: Floats
+    next: int = FIRST
+    border: int | None = None
+    around: list[Floats] = field(default_factory=lambda: [np.zeros(2)])
+    lengths: list[float] = field(default_factory=list)
+    times: list[float] = field(default_factory=list)
+    errors: list[Floats] = field(default_factory=list)
+    amplitudes: list[Floats] = field(default_factory=list)
+    rigid: list[Floats] = field(default_factory=list)
+    energies: list[Floats] = field(default_factory=list)
+    moved: Floats = field(default_factory=lambda: np.zeros(2))
+    forces: Floats = field(default_factory=lambda: np.zeros(2))
+
+
+class HalvedSteps:
+    """Computes some steps of a run again, with an integrator of its own that does not disturb the run.
+
+    Args:
+        twin: an integrator like that of the run, made anew.
+        modes: small motions in which errors are taken apart; problem: that is solved; order: of the method.
+
+    Attributes:
+        trials: what was found.
+    """
+
+    def __init__(self, twin: Integrator, modes: StartModes, problem: Problem, order: int) -> None:
+        self.twin, self.modes, self.mass = twin, modes, problem.mass
+        self.unit = np.repeat([problem.length, 1.0], 3)
+        self.trials = Trials(*np.zeros((2, problem.size, 6)))
+        self.power = order + 1
+        self._start: State | None = None
+        self._tree: SavedTree = None
+
+    def begin(self, state: State, duration: float) -> None:
+        """Start at t = 0 as a run of ``duration`` [s] does."""
+        self.twin.start(0.0, state.copy())
+        self.twin.watch(duration)
+        self._start = self.twin.state.copy()
+        self._measure()
+
+    def prepare(self, number: int, integrator: Integrator, h: float) -> None:
+        """Keep the state before an attempt of a step of ``h`` [s], by its number, if it is one to be tried again."""
+        trials = self.trials
+        longer = number > SETTLED and h > LONGER * max(trials.lengths, default=np.inf)
+        if self._tree is None and (number == trials.next or longer):
+            self._tree = saved(integrator)
+
+    def compare(self, number: int, integrator: Integrator, before: State, h: float, *, left: bool) -> None:
+        """Compute a step that was accepted again in halves, if the state before it was kept.
+
+        Args:
+            number: of the step; integrator: of the run, at its end.
+            before: the state at its start; h: its length [s]; left: whether loads at its end are limits from the left.
+        """
+        twin, trials = self.twin, self.trials
+        end = integrator.t
+        if trials.border is not None and number >= trials.border:
+            trials.border = None
+            trials.around.append(np.zeros(2))
+        trials.around[-1] = trials.around[-1] + [1.0, h**self.power]
+        if number == trials.next:
+            trials.next += min(2 * number + 1, max(FARTHEST, number // PART))
+        if self._tree is None:
+            return
+        restore(twin, self._tree)
+        self._tree = None
+        twin.resume()
+        (middle, *_), *_ = integrator.between(np.array([0.5]))
+        within = np.zeros((len(self.mass), 6))
+        for at, limit in ((end - 0.5 * h, False), (end, left)):
+            twin.begin_half()
+            if not twin.attempt(at, before=limit).converged:
+                return
+            twin.accept()
+            if at < end:
+                within = np.abs(_away(middle.state, twin.state))
+        trials.within = np.maximum(trials.within, within)
+        if trials.border is not None:  # two in a row
+            trials.around.append(np.zeros(2))
+        trials.border = (number + 1 + trials.next) // 2
+        self._measure()
+        self._take(end, h, before.twist, integrator.state)
+
+    def _take(self, end: float, h: float, before: Floats, state: State) -> None:
+        """Take the difference of a state of the run from the twin's as the error of a step, mode by mode."""
+        better, modes, size = self.twin.state, self.modes, len(self.mass)
+        pose = _away(state, better)
+        momenta = np.array(
+            [self._momenta(x) for x in (pose, state.twist - better.twist, before, state.twist)]
+        )
+        momenta[:2] /= self.twin.seen_by_halving
+        errors, rigid = momenta[:2] @ modes.shapes, momenta @ modes.rigid
+        explained = (modes.shapes @ errors[0] + modes.rigid @ rigid[0]).reshape(size, 6)
+        errors[1] /= modes.omega
+        trials = self.trials
+        trials.lengths.append(h)
+        trials.times.append(end)
+        trials.errors.append(errors)
+        trials.amplitudes.append(np.abs(momenta[2:] @ modes.shapes).max(axis=0) / modes.omega)
+        trials.rigid.append(rigid[:2])
+        trials.energies.append(np.square(rigid[2:]).sum(axis=1))
+        rest = pose / self.twin.seen_by_halving - explained
+        if np.abs(rest / self.unit).max() > np.abs(trials.rest / self.unit).max():
+            trials.rest = rest
+
+    def _momenta(self, x: Floats) -> Floats:
+        return np.asarray(np.einsum("nij,nj->ni", self.mass, x).ravel())
+
+    def _measure(self) -> None:
+        """Measure how large the motion is."""
+        assert self._start is not None
+        start, state, trials = self._start, self.twin.state, self.trials
+        far = np.linalg.norm(state.r - start.r, axis=1).max()
+        chord = np.minimum(np.square(state.q - start.q).sum(axis=1), np.square(state.q + start.q).sum(axis=1))
+        trials.moved = np.maximum(trials.moved, [far, 2.0 * np.sqrt(chord.max())])
+        force = self.twin.snapshot().section_force.reshape(-1, 2, 3)
+        trials.forces = np.maximum(trials.forces, np.linalg.norm(force, axis=2).max(axis=0, initial=0.0))
+
+
+def _away(state: State, better: State) -> Floats:
+    """Return by how much the poses of a state differ from better ones, body increments ``(n, 6)``."""
+    pose = np.empty((len(state.r), 6))
+    pose[:, :3] = np.einsum("nji,nj->ni", matrices(better.q), state.r - better.r)
+    pose[:, 3:] = rotation_vectors(product(conjugate(better.q), state.q))
+    return pose

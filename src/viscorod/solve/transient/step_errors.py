@@ -1,0 +1,188 @@
+"""The error that the steps of a motion leave in it: what single steps err by, added up by the modes of small motions.
+
+An error of a step is a small motion, which goes on by itself: a vibration lasts until it has faded, a velocity of a
+rigid motion becomes a displacement in time. Errors of steps in the same vibration are taken to add up, as those of
+frequency and amplitude do: after n steps of a free vibration that is ``n |R(a h) - exp(a h)|`` of its amplitude.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from viscorod.mechanics.rotations.rotation import retract
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.external_loads import NO_LOADS
+from viscorod.solve.problem.problem import Problem
+from viscorod.solve.transient.halved_steps import HalvedSteps, Trials
+from viscorod.typing import Floats
+
+__all__ = ["StepErrors"]
+
+STRAINED = 8
+"""Vibrations whose section forces are evaluated: those whose errors strain most, and those that turn most."""
+SMALL = 1e-4
+"""Rotation [rad], and displacement over the length, to which an error is scaled to evaluate its section forces."""
+MIXED = 0.75
+"""Power of their number with which errors add up that faster motions make: 1 of those in step, 1/2 of random ones."""
+RESOLVED = 4.0
+"""Eigenvalue times step up to which a vibration is followed and errs by itself; faster ones only follow others."""
+SAFETY = 1.5
+"""Factor on what was found: too large is less bad than too small."""
+LEAST_MOTION = 1e-9
+"""Motion, over the length or in rad, below which it is round-off."""
+MOST = 3.0
+"""Times their number for which steps around one that was tried again count at most."""
+
+
+@dataclass(frozen=True)
+class StepErrors:
+    """Estimated errors of a motion by its steps, and how large it is.
+
+    Attributes:
+        gap: largest error of a displacement [m] and of a rotation [rad] of a node ``(2,)``; forces: of the force [N]
+            and the moment [N m] of a section ``(2,)``.
+        moved, loaded: largest displacement [m] and rotation [rad] from the start, force [N] and moment [N m] of
+            sections ``(2,)``.
+        length: of the model [m].
+    """
+
+    gap: Floats
+    forces: Floats
+    moved: Floats
+    loaded: Floats
+    length: float
+
+    @classmethod
+    def of(cls, halved: HalvedSteps, problem: Problem, start: State, end: float) -> StepErrors | None:
+        """Add up the errors of steps that were tried again, each of which stands for those around it.
+
+        Args:
+            halved: what was found; problem: that was solved; start: the state at t = 0; end: of the
+                run [s].
+
+        Returns:
+            None if no step was tried again.
+        """
+        modes, trials, size = halved.modes, halved.trials, problem.size
+        if not trials.lengths:
+            return None
+        stands_for = _weights(trials, halved.power)
+        vibrating = _vibrations(halved, stands_for) * modes.shapes
+        rigid = _rigid_motions(trials, stands_for, end) * modes.rigid
+        apart = stands_for.max() if not len(modes.omega) else np.sqrt(stands_for.max())
+        rest = (apart * trials.rest).reshape(-1, 1)
+        fields = np.hstack([vibrating, rigid, rest, trials.within.reshape(-1, 1)]).reshape(size, 2, 3, -1)
+        gap = SAFETY * np.sqrt(np.square(fields).sum(axis=(2, 3))).max(axis=0)
+        turning = np.abs(vibrating.reshape(size, 6, -1)[:, 3:]).max(axis=(0, 1), initial=0.0)
+        straining = np.linalg.norm(vibrating, axis=0) * modes.omega
+        chosen = np.unique([np.argsort(-sizes)[:STRAINED] for sizes in (straining, turning)])
+        forces = SAFETY * _section_forces(problem, start, vibrating[:, chosen])
+        return cls(gap, forces, trials.moved, trials.forces, problem.length)
+
+    @property
+    def motion(self) -> float:
+        """The larger of the errors of displacements and rotations, over the largest of each.
+
+        Rotations count at least as displacements over the length, and the other way round.
+        """
+        scale = np.array([self.length, 1.0])
+        amplitude = max(float((self.moved / scale).max()), LEAST_MOTION)
+        return float((self.gap / scale).max() / amplitude)
+
+    @property
+    def force(self) -> float:
+        """The larger of the errors of section forces and moments, over the largest of each."""
+        n, m = self.loaded
+        size = np.maximum(self.loaded, [1e-2 * m / self.length, 1e-2 * n * self.length])
+        return float((self.forces / np.maximum(size, np.finfo(float).tiny)).max())
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its steps."""
+        return {
+            "step_position_error": float(self.gap[0]),
+            "step_rotation_error": float(self.gap[1]),
+            "step_section_force_error": float(self.forces[0]),
+            "step_section_moment_error": float(self.forces[1]),
+            "step_motion_error": self.motion,
+            "step_force_error": self.force,
+        }
+
+
+def _weights(trials: Trials, power: int) -> Floats:
+    """Return for how many steps of its length each of those that were tried again stands ``(j,)``."""
+    count = len(trials.lengths)
+    around = np.array([*trials.around[: count - 1], np.sum(trials.around[count - 1 :], axis=0)])
+    alike = around[:, 1] / np.array(trials.lengths) ** power
+    return np.asarray(np.clip(alike, 1.0, MOST * around[:, 0]))
+
+
+def _vibrations(halved: HalvedSteps, stands_for: Floats) -> Floats:
+    """Return the largest error of each vibration at any time ``(k,)``.
+
+    What a vibration errs by itself, ``|R - exp|`` of its amplitude, adds up from step to step; what others push it by
+    does so in part, within half a period. Later steps damp errors as they damp the vibration, stiff ones at once, and
+    wrong velocities of those move nothing. There is no larger error than twice the vibration that there is.
+    """
+    trials, eigenvalues = halved.trials, halved.modes.eigenvalues
+    error = largest = amplitude = np.zeros(len(eigenvalues))
+    for single, there, h, count in zip(
+        trials.errors, trials.amplitudes, trials.lengths, stands_for, strict=True
+    ):
+        z = h * eigenvalues
+        step = halved.twin.stability(z)
+        left = np.minimum(np.abs(step), 1.0 - 1e-12)
+        kept, size = left**count, np.hypot(single[0], left * single[1])
+        amplitude = np.maximum(amplitude, there)
+        own = np.where(np.abs(z) < RESOLVED, np.minimum(size, np.abs(step - np.exp(z)) * amplitude), 0.0)
+        summed = (1.0 - kept) / (1.0 - left)
+        mixed = np.minimum(summed**MIXED, 2.0 / np.maximum(np.abs(1.0 - step), 1e-12))
+        error = error * kept + own * summed + (size - own) * mixed
+        largest = np.maximum(largest, np.minimum(error, np.maximum(size, 2.0 * amplitude)))
+    return largest
+
+
+def _rigid_motions(trials: Trials, stands_for: Floats, end: float) -> Floats:
+    """Return the error of each rigid motion at the end ``(m,)``.
+
+    A velocity drifts for the rest of the run. Where the energy of rigid motions comes and goes at a rate, as that of a
+    pendulum does, something holds them: an amplitude that is wrong then drifts in phase, by the root of that time.
+    """
+    first, last = np.array(trials.energies).T
+    both = float(np.square(first + last).sum())
+    changes = (last - first) / np.array(trials.lengths)
+    rate = np.sqrt(float(np.square(changes).sum()) / both) if both > 0.0 else 0.0
+    error = np.zeros(trials.rigid[0].shape[1])
+    for t, (moved, velocity), count in zip(trials.times, trials.rigid, stands_for, strict=True):
+        drifting = (end - t) / np.sqrt(max(1.0, rate * (end - t)))
+        error = error + count * (np.abs(moved) + np.abs(velocity) * drifting)
+    return error
+
+
+def _section_forces(problem: Problem, start: State, fields: Floats) -> Floats:
+    """Return the largest force and moment of sections that small motions from the start make together ``(2,)``.
+
+    Args:
+        fields: body increments of the nodes ``(6 n, j)``.
+    """
+    system = GeometricSystem(problem)
+    system.relaxation = None
+
+    def at(increment: Floats) -> Floats:
+        state = start.copy()
+        retract(start.r, start.q, np.ascontiguousarray(increment.reshape(-1, 6)), state.r, state.q)
+        system.assemble(state, NO_LOADS, None, tangent=False, moving=False)
+        return np.array(system.gauss_points().section_force)
+
+    unit = np.tile([1.0 / problem.length] * 3 + [1.0] * 3, problem.size)
+    squares = np.zeros((len(system.gauss_positions().stiffness), 6))
+    for field in fields.T:
+        size = float(np.abs(field * unit).max())
+        if size > 0.0:
+            scale = SMALL / size
+            squares += np.square((at(scale * field) - at(-scale * field)) / (2.0 * scale))
+    return np.asarray(np.sqrt(squares.reshape(-1, 2, 3).sum(axis=2).max(axis=0, initial=0.0)))
