@@ -220,20 +220,17 @@ def test_supported_systems_are_solved(mu):
     jacobian.add_inertia(mass, at.state.twist, turning, K, C, pattern.diagonal, np.empty((n, 6, 6)))
     whole_K, whole_C = dense(pattern, K), dense(pattern, C)
     m = len(s.set.nodes)
-    G, Z = np.empty((2, m, 6, 6))
-    given = (s.set.nodes, s.set.fixed, s.set.axes, s.r0, s.q0, s.target)
-    places = pattern.starts, pattern.across, pattern.diagonal
-    jacobian.project(*given, np.zeros((m, 6)), at.state.r, at.state.q, *places, K, C, mass, G, Z)
+    found = support_kernels.Directions.of(m)
+    poses = at.state.r, at.state.q
+    jacobian.project(s.nodes, s.target, np.zeros((m, 6)), *poses, pattern, K, C, mass, found)
 
     A = (mu * whole_C + whole_K).astype(complex)
     for k in range(n):
         A[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] += mu * mu * at.problem.mass[k]
-    value, directions, dual, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)
+    value, own = np.empty(6), support_kernels.Directions.of(1)
     for k, node in enumerate(s.set.nodes):
-        support_kernels.support_directions(
-            s.set.axes[k], s.r0[k], s.q0[k], s.set.fixed[k], s.target[k], at.state.r[node], at.state.q[node],
-            value, directions, dual, psi,
-        )  # fmt: skip
+        support_kernels.support_directions(s.nodes, k, s.target, *poses, value, 0, own)
+        directions, dual = own.G[0], own.Z[0]
         rows = slice(6 * node, 6 * node + 6)
         fixed = s.set.fixed[k] > 0
         projected = dual.T @ A[rows]
@@ -244,8 +241,7 @@ def test_supported_systems_are_solved(mu):
     b = rng.normal(size=6 * n).astype(kind)
     scales = np.tile([0.25, 0.25, 0.25, 1.0, 1.0, 1.0], n)
     row_scales, out = np.empty(6 * n), np.zeros(K.shape, dtype=kind)
-    places = pattern.rows, pattern.columns, pattern.starts, pattern.diagonal
-    jacobian.combine(K, C, mass, mu, s.set.nodes, s.set.fixed, G, *places, scales, row_scales, out)
+    jacobian.combine(K, C, mass, mu, s.nodes, found, pattern, scales, row_scales, out)
     x = row_scales * b
     solver = DirectSolver(Plan.of(pattern), kind)
     solver.factorise(out)

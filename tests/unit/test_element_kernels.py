@@ -11,6 +11,7 @@ from viscorod.mechanics.elements import geometric_element as geometric
 from viscorod.mechanics.elements.basis import gauss, lagrange
 from viscorod.mechanics.elements.lanes import LANES
 from viscorod.mechanics.nodes import applied_loads as loading
+from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.mechanics.rotations.rotation import inverse_motion_tangent, retract
 from viscorod.solve.linear.pattern import Pattern
 
@@ -98,29 +99,26 @@ class Element:
         self.rate_blocks = np.zeros_like(blocks)
         if stress is None:
             stress = np.zeros((1, g, 6))
-        geometric.assemble(
-            self.nodes, self.links, self.pattern.slots(self.nodes), self.link_r, self.link_q, self.shapes,
-            self.slopes, self.weights, np.array([self.half]), self.section, self.C, self.D, np.zeros((1, 6)),
-            self.coupled, True, False, self.reference, self.prestress, stress, r, q, twist, moving, self.rate_map,
-            True, force, blocks, self.rate_blocks, strain, rate, S, operator, self.strain_operator,
-        )  # fmt: skip
+        fields = geometric.PointArrays(stress, strain, rate, S, operator, self.strain_operator)
+        out = geometric.Assembled(force, blocks, self.rate_blocks)
+        geometric.assemble(self.arrays, fields, r, q, twist, moving, self.rate_map, True, out)
         K = dense(self.pattern, blocks)
         return force.ravel(), K, strain, rate, S, self.section_columns(S, operator)
+
+    @property
+    def arrays(self):
+        return geometric.EqualElements(
+            self.nodes, self.links, self.pattern.slots(self.nodes), self.link_r, self.link_q, self.shapes,
+            self.slopes, self.weights, np.array([self.half]), self.section, self.C, self.D, np.zeros((1, 6)),
+            self.coupled, True, False, self.reference, self.prestress,
+        )  # fmt: skip
 
     def section_columns(self, S, operator):
         """The change of the section forces per unit increment, as Newton's method carries them."""
         columns = np.empty((6 * self.m, *S.shape))
         for column, u in zip(columns, np.eye(6 * self.m), strict=True):
-            geometric.update_stress(
-                self.nodes,
-                self.links,
-                self.link_r,
-                self.link_q,
-                S,
-                operator,
-                u.reshape(self.m, 6),
-                column,
-            )
+            fields = geometric.PointArrays(S, S, S, S, operator, operator)
+            geometric.update_stress(self.arrays, fields, u.reshape(self.m, 6), column)
         return np.moveaxis(columns - S, 0, -1)
 
     def attached(self, r, q):
@@ -214,12 +212,14 @@ def test_every_element_of_a_batch_is_assembled(count):
     pattern = Pattern.of(n, [nodes])
     total, blocks = np.zeros((n, 6)), np.zeros((4 * count, 6, 6))
     points = np.zeros((3, count, 1, 6))
-    geometric.assemble(
-        nodes, repeat[0], pattern.slots(nodes), e.link_r, e.link_q, e.shapes, e.slopes, e.weights,
-        np.full(count, e.half), repeat[1], e.C, e.D, np.zeros((1, 6)), True, True, False,
-        repeat[2], repeat[3], np.zeros((count, 1, 6)), r, q, twist, True, rate_map, True, total, blocks,
-        np.zeros((0, 6, 6)), *points, np.zeros((-(-count // LANES), 2, 6, 6, LANES)), np.zeros((0, 2, 6, 6, LANES)),
+    elements = e.arrays._replace(
+        nodes=nodes, links=repeat[0], slots=pattern.slots(nodes), half_lengths=np.full(count, e.half),
+        section=repeat[1], reference=repeat[2], prestress=repeat[3],
     )  # fmt: skip
+    operator = np.zeros((-(-count // LANES), 2, 6, 6, LANES))
+    fields = geometric.PointArrays(np.zeros((count, 1, 6)), *points, operator, operator[:0])
+    out = geometric.Assembled(total, blocks, np.zeros((0, 6, 6)))
+    geometric.assemble(elements, fields, r, q, twist, True, rate_map, True, out)
     assert total.reshape(count, -1) == pytest.approx(np.tile(force, (count, 1)), rel=1e-12)
     assert points[0] == pytest.approx(np.repeat(strain, count, axis=0), rel=1e-12)
     assert points[2] == pytest.approx(np.repeat(S, count, axis=0), rel=1e-12)
@@ -277,10 +277,9 @@ def test_station_load_is_work_conjugate_and_its_tangent_right(order, links):
         retract(e.r, e.q, x.reshape(e.m, 6), r, q)
         external = np.zeros((e.m, 6))
         blocks = np.zeros((e.m * e.m, 6, 6))
-        loading.add_station_load(
-            e.nodes[0], e.links[0], e.link_r, e.link_q, shape[0], dead, following, r, q, tangent, external, blocks,
-            slots,
-        )  # fmt: skip
+        own = ElementNodes(e.nodes[0], e.links[0], e.link_r, e.link_q)
+        wrench = PointWrench(shape[0], dead, following)
+        loading.add_station_load(own, wrench, r, q, tangent, external, blocks, slots)
         return external.ravel(), blocks
 
     force, blocks = load(np.zeros(6 * e.m), True)

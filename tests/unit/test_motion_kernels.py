@@ -7,16 +7,15 @@ import pytest
 from scipy.linalg import expm
 
 from helpers.kernel_parts import from_python
+from viscorod.mechanics.rotations.exponential_map import versine_coefficients, versine_slopes
 from viscorod.mechanics.rotations.nodal_motion import (
     coordinate_rates,
     coordinates,
     extrapolate,
     place,
-    versine_slopes,
 )
-from viscorod.mechanics.rotations.pose_interpolation import hermite, interpolate
+from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, hermite, interpolate
 from viscorod.mechanics.rotations.quaternion import matrices
-from viscorod.mechanics.rotations.rotation import versine_coefficients
 
 ANGLES = [0.0, 1e-9, 1e-3, 0.19, 0.21, 1.0, 2.5]
 
@@ -170,10 +169,9 @@ def test_interpolation_follows_a_steady_screw(smooth):
     parts = np.array([0.0, 0.35, 1.0])
     r, q, x = np.empty((3, 1, 3)), np.empty((3, 1, 4)), np.empty((3, 1, 6))
     for k, part in enumerate(parts):
-        interpolate(
-            parts, h, r0[None], q0[None], twist[None], still, r1[None], q1[None], twist[None], still, np.zeros(1),
-            smooth, r, q, x,
-        )  # fmt: skip
+        start = MovingPoses(r0[None], q0[None], twist[None], still)
+        end = MovingPoses(r1[None], q1[None], twist[None], still)
+        interpolate(parts, h, start, end, np.zeros(1), smooth, r, q, x)
         expected = placed(r0, q0, part * h * twist, twist, False)
         for found, value in zip((r[k, 0], q[k, 0], x[k, 0]), expected, strict=True):
             assert found == pytest.approx(value, abs=1e-8 if smooth else 1e-13)
@@ -196,9 +194,9 @@ def test_order_of_interpolation(smooth, order, split):
 
     steps, errors = np.array([0.4, 0.2, 0.1]), []
     for h in steps:
-        ends = [(*(v[None] for v in motion(t)), rate(t)[None]) for t in (0.1, 0.1 + h)]
+        ends = [MovingPoses(*(v[None] for v in motion(t)), rate(t)[None]) for t in (0.1, 0.1 + h)]
         r, q, x = np.empty((1, 1, 3)), np.empty((1, 1, 4)), np.empty((1, 1, 6))
-        interpolate(np.array([0.45]), h, *ends[0], *ends[1], np.array([float(split)]), smooth, r, q, x)
+        interpolate(np.array([0.45]), h, *ends, np.array([float(split)]), smooth, r, q, x)
         exact = motion(0.1 + 0.45 * h)
         errors.append(max(np.abs(r[0, 0] - exact[0]).max(), np.abs(q[0, 0] - exact[1]).max()))
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.6)

@@ -85,13 +85,9 @@ def test_supports_replace_rows_consistently():
     reaction = s.reaction.copy()
 
     def directions(state, k):
-        node = s.set.nodes[k]
-        value, G, Z, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)
-        pose = state.r[node], state.q[node]
-        kernels.support_directions(
-            s.set.axes[k], s.r0[k], s.q0[k], s.set.fixed[k], s.target[k], *pose, value, G, Z, psi
-        )
-        return value, G, Z
+        value, found = np.empty(6), kernels.Directions.of(1)
+        kernels.support_directions(s.nodes, k, s.target, state.r, state.q, value, 0, found)
+        return value, found.G[0], found.Z[0]
 
     frozen = [directions(new, k)[2] for k in range(len(s.set.nodes))]
     for k, Z in enumerate(frozen):

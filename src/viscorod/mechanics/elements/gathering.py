@@ -11,17 +11,18 @@ import numpy as np
 
 from viscorod.mechanics.compilation.compiled import lane_kernel
 from viscorod.mechanics.elements.lanes import AT_Q, AT_R, AT_TWIST
-from viscorod.mechanics.nodes.attached_poses import attached_twist, attached_wrench, shared_wrench
+from viscorod.mechanics.nodes.attached_poses import (
+    attached_pose,
+    attached_twist,
+    attached_wrench,
+    shared_wrench,
+)
 from viscorod.mechanics.rotations.vectors import (
     Quaternion,
     Vector,
-    dot,
     load,
-    plus,
-    product,
     quaternion,
-    rotated,
-    scaled,
+    same_hemisphere,
     store,
     store4,
     vector,
@@ -52,12 +53,9 @@ def gather_nodes(
             v, w = vector(twist, n, 0), vector(twist, n, 3)
             if link >= 0:
                 d, own = vector(link_positions, link, 0), quaternion(link_quaternions, link)
-                place = plus(place, 1.0, rotated(turn, d))
-                turn = product(turn, own)
+                place, turn = attached_pose(d, own, place, turn)
                 v, w = attached_twist(d, own, v, w)
-            if before[0] * turn[0] + dot(before[1], turn[1]) < 0.0:
-                turn = -turn[0], scaled(-1.0, turn[1])
-            before = turn
+            before = turn = same_hemisphere(before, turn)
             store(node, k, AT_R, lane, place)
             store4(node, k, AT_Q, lane, turn)
             store(node, k, AT_TWIST, lane, v)

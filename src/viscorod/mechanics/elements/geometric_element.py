@@ -7,6 +7,8 @@ and ``tangent_lanes`` run on whole vector registers; only the functions of ``gat
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel
@@ -56,24 +58,83 @@ from viscorod.mechanics.rotations.vectors import (
 from viscorod.typing import Floats, Integers
 
 
+class EqualElements(NamedTuple):
+    """Elements of one order, which have m nodes and points Gauss points each.
+
+    Attributes:
+        nodes, links: ``(elements, m)``, shared node and attachment (or -1) of every element node.
+        slots: ``(elements, m, m)``, number of the block in the row of node k and the column of node j.
+        link_positions, link_quaternions: constant relative poses of the attachments.
+        shapes, slopes: basis and its derivative in xi at the Gauss points ``(points, m)``; weights ``(points,)``.
+        half_lengths: half the reference arc length of each element [m].
+        section: index of the section at every Gauss point ``(elements, points)``.
+        stiffness, damping: section matrices C and D ``(sections, 6, 6)``; ``coupled`` False takes them as diagonal,
+            ``damped`` False skips D.
+        held: marks strains whose section force is the stress ``(sections, 6)``; ``constrained`` False: there are none.
+        reference: strains of the unstressed shape ``(elements, points, 6)``.
+        prestress: section forces in addition to C eps + D eps_t, likewise; no elements if there are none.
+    """
+
+    nodes: Integers
+    links: Integers
+    slots: Integers
+    link_positions: Floats
+    link_quaternions: Floats
+    shapes: Floats
+    slopes: Floats
+    weights: Floats
+    half_lengths: Floats
+    section: Integers
+    stiffness: Floats
+    damping: Floats
+    held: Floats
+    coupled: bool
+    damped: bool
+    constrained: bool
+    reference: Floats
+    prestress: Floats
+
+
+class PointArrays(NamedTuple):
+    """Fields at the Gauss points of equal-order elements ``(elements, points, 6)``.
+
+    Attributes:
+        stress: section force used in the geometric stiffness (the mixed iterate), the only input.
+        strain, strain_rate, section_force: (V, U) - reference, its rate, C eps + D eps_t + prestress.
+        operator: change of the section force per nodal increment ``(batches, m, 6, 6, LANES)`` (column, row).
+        strain_operator: change of the strain, laid out like ``operator``; no batches if it is not wanted.
+    """
+
+    stress: Floats
+    strain: Floats
+    strain_rate: Floats
+    section_force: Floats
+    operator: Floats
+    strain_operator: Floats
+
+
+class Assembled(NamedTuple):
+    """Where elements are added to.
+
+    Attributes:
+        force: ``(n, 6)``, internal forces in body frames.
+        blocks: of the matrix ``(b, 6, 6)``, entry (i, j) of block s at ``blocks[s, j, i]``.
+        rate_blocks: the derivative by the twists alone, laid out like ``blocks``; none if it is not wanted.
+    """
+
+    force: Floats
+    blocks: Floats
+    rate_blocks: Floats
+
+
 @kernel
-def strains(
-    nodes: Integers,
-    links: Integers,
-    link_positions: Floats,
-    link_quaternions: Floats,
-    shapes: Floats,
-    slopes: Floats,
-    half_lengths: Floats,
-    r: Floats,
-    q: Floats,
-    out: Floats,
-    frames: Floats,
-) -> None:
+def strains(elements: EqualElements, r: Floats, q: Floats, out: Floats, frames: Floats) -> None:
     """Evaluate ``(V, U)`` at every Gauss point of equal-order elements into ``out`` (elements, points, 6).
 
     ``frames`` (elements, points, 4) receives the unit quaternions of the sections.
     """
+    nodes, links, _, link_positions, link_quaternions, shapes, slopes = elements[:7]
+    half_lengths = elements.half_lengths
     m = nodes.shape[1]
     re = np.empty((m, 3))
     qe = np.empty((m, 4))
@@ -89,68 +150,31 @@ def strains(
 
 @kernel
 def assemble(
-    nodes: Integers,
-    links: Integers,
-    slots: Integers,
-    link_positions: Floats,
-    link_quaternions: Floats,
-    shapes: Floats,
-    slopes: Floats,
-    weights: Floats,
-    half_lengths: Floats,
-    section: Integers,
-    stiffness: Floats,
-    damping: Floats,
-    held: Floats,
-    coupled: bool,
-    damped: bool,
-    constrained: bool,
-    reference: Floats,
-    prestress: Floats,
-    stress: Floats,
+    elements: EqualElements,
+    fields: PointArrays,
     r: Floats,
     q: Floats,
     twist: Floats,
     moving: bool,
     rate_map: Floats,
     with_tangent: bool,
-    force: Floats,
-    blocks: Floats,
-    rate_blocks: Floats,
-    strain: Floats,
-    strain_rate: Floats,
-    section_force: Floats,
-    operator: Floats,
-    strain_operator: Floats,
+    out: Assembled,
 ) -> None:
     """Add the internal forces of equal-order elements, and their tangent, in one pass over the Gauss points.
 
     Args:
-        nodes, links: ``(elements, m)``, shared node and attachment (or -1) of every element node.
-        slots: ``(elements, m, m)``, number of the block in the row of node k and the column of node j.
-        link_positions, link_quaternions: constant relative poses of the attachments.
-        shapes, slopes: basis and its derivative in xi at the Gauss points ``(points, m)``; ``weights`` ``(points,)``.
-        half_lengths: half the reference arc length of each element [m].
-        section: index of the section at every Gauss point ``(elements, points)``.
-        stiffness, damping: section matrices C and D ``(sections, 6, 6)``; ``coupled`` False takes them as diagonal,
-            ``damped`` False skips D.
-        held: marks strains whose section force is the stress ``(sections, 6)``; ``constrained`` False: there are none.
-        reference: strains of the unstressed shape ``(elements, points, 6)``.
-        prestress: section forces in addition to C eps + D eps_t, likewise; no elements if there are none.
-        stress: section force used in the geometric stiffness (the mixed iterate) ``(elements, points, 6)``.
+        fields: the stress is read, the others are written; operators with the tangent only.
         r, q, twist: nodal positions, unit quaternions and body twists; ``moving`` False means that all twists vanish.
-        rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``; read only if ``damped and moving``.
-        force: ``(n, 6)``, internal force in body frames is added.
-        blocks: of the matrix ``(b, 6, 6)``, entry (i, j) of block s at ``blocks[s, j, i]``, added to.
-        rate_blocks: the derivative by the twists alone, laid out like ``blocks``; none if it is not wanted.
-        strain, strain_rate, section_force: outputs ``(elements, points, 6)``: (V, U) - reference, its rate, C eps
-            + D eps_t + prestress.
-        operator: output ``(batches, m, 6, 6, LANES)``, change of the section force per nodal increment (column, row;
-            with the tangent).
-        strain_operator: output, change of the strain, laid out like ``operator``; no batches if it is not wanted.
+        rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``; read only if sections are damped and ``moving``.
+        out: added to.
 
     model.md section 4: ``f = sum_g w_g B^T (C eps + D eps_t)``.
     """
+    nodes, links, slots, link_positions, link_quaternions, shapes, slopes, weights = elements[:8]
+    half_lengths, section, stiffness, damping, held = elements[8:13]
+    coupled, damped, constrained, reference, prestress = elements[13:]
+    stress, strain, strain_rate, section_force, operator, strain_operator = fields
+    force, blocks, rate_blocks = out
     m = nodes.shape[1]
     points = shapes.shape[0]
     total = nodes.shape[0] * points
@@ -261,20 +285,13 @@ def assemble(
 
 
 @kernel
-def update_stress(
-    nodes: Integers,
-    links: Integers,
-    link_positions: Floats,
-    link_quaternions: Floats,
-    section_force: Floats,
-    operator: Floats,
-    increment: Floats,
-    stress: Floats,
-) -> None:
+def update_stress(elements: EqualElements, fields: PointArrays, increment: Floats, stress: Floats) -> None:
     """Update the section force of the last iterate by the Newton increment: ``stress = S + A dx``.
 
     This is the mixed (stress as an independent iterate) Newton step with the stress eliminated point by point.
     """
+    nodes, links, _, link_positions, link_quaternions = elements[:5]
+    section_force, operator = fields.section_force, fields.operator
     m = nodes.shape[1]
     points = section_force.shape[1]
     total = nodes.shape[0] * points

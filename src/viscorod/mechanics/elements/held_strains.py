@@ -40,26 +40,18 @@ class HeldStrains(NamedTuple):
 
 
 @part
-def give_stress(
-    element: Integers,
-    point: Integers,
-    component: Integers,
-    place: Integers,
-    weight: Floats,
-    multiplier: Floats,
-    stress: Floats,
-) -> None:
+def give_stress(held: HeldStrains, multiplier: Floats, stress: Floats) -> None:
     """Write the multipliers ``(s, places)`` into the stresses ``(s, e, points, 6)`` of some states."""
+    element, point, component, place, weight = held[:5]
     for i in range(stress.shape[0]):
         for h in range(element.shape[0]):
             stress[i, element[h], point[h], component[h]] = multiplier[i, place[h]] / weight[h]
 
 
 @part
-def keep_stress(
-    element: Integers, point: Integers, component: Integers, stress: Floats, section_force: Floats
-) -> None:
+def keep_stress(held: HeldStrains, stress: Floats, section_force: Floats) -> None:
     """Set the section forces of held strains to their stresses, since no law gives them."""
+    element, point, component = held[:3]
     for i in range(stress.shape[0]):
         for h in range(element.shape[0]):
             e, g, c = element[h], point[h], component[h]
@@ -67,10 +59,9 @@ def keep_stress(
 
 
 @part
-def strain_gaps(
-    element: Integers, point: Integers, component: Integers, place: Integers, strain: Floats, gap: Floats
-) -> None:
+def strain_gaps(held: HeldStrains, strain: Floats, gap: Floats) -> None:
     """Write the gaps of the held strains ``(s, e, points, 6)`` that the multipliers must close ``(s, places)``."""
+    element, point, component, place = held[:4]
     for i in range(strain.shape[0]):
         for h in range(element.shape[0]):
             gap[i, place[h]] = strain[i, element[h], point[h], component[h]]

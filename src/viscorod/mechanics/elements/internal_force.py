@@ -1,12 +1,8 @@
 """Internal forces of elements without their tangent, at low cost, for every stage of a step.
 
-The formulas are those of ``strain``, applied instead of assembled: with ``p_k = conj(q~) q_k/|q~|^2`` the strain
-rates are
-
-    V_t = c + 2 V x y        U_t = 2 b - y0 U - 2 z0 y + U x y
-    c = sum N'_k Q_k v_k     (y0, y) = sum N_k p_k (0, w_k)/2     b = vec sum N'_k p_k (0, w_k)/2
-
-and the nodal forces are the transposed maps of the section force and moment.
+The formulas are those of ``variation``, applied instead of assembled: the flat increments of a Gauss point are those
+of the nodal twists, ``c = sum N'_k Q_k v_k``, ``y = sum N_k L_k w_k``, ``b = sum N'_k L_k w_k``, and the nodal forces
+are the transposed maps of the forces conjugate to them.
 """
 
 from __future__ import annotations
@@ -16,8 +12,31 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
-from viscorod.mechanics.nodes.attached_poses import link_map
-from viscorod.mechanics.rotations.rotation import quaternion_product, rotate
+from viscorod.mechanics.elements.variation import (
+    conjugate_forces,
+    first_variation,
+    flat_turn,
+    node_in_section,
+    section_in_node,
+    strain_measures,
+    turning_moment,
+)
+from viscorod.mechanics.nodes.attached_poses import attached_pose, attached_twist, shared_wrench
+from viscorod.mechanics.rotations.vectors import (
+    difference,
+    plus,
+    plus4,
+    product,
+    put,
+    put4,
+    put_stage,
+    quaternion,
+    same_hemisphere,
+    scaled4,
+    stage_quaternion,
+    stage_vector,
+    vector,
+)
 from viscorod.typing import Floats, Integers
 
 
@@ -74,14 +93,13 @@ class GaussStates(NamedTuple):
 
 
 class ElementWork(NamedTuple):
-    """Scratch for one element of the highest order: poses, twists and forces of its nodes, quaternions, one 6x6 map."""
+    """Scratch for one element of the highest order: poses, twists and forces of its nodes, quaternions ``p``."""
 
     r: Floats
     q: Floats
     twist: Floats
     force: Floats
     p: Floats
-    X: Floats
 
     @classmethod
     def of(cls, order: int) -> ElementWork:
@@ -93,7 +111,6 @@ class ElementWork(NamedTuple):
             np.empty((m, 6)),
             np.empty((m, 6)),
             np.empty((m, 4)),
-            np.empty((6, 6)),
         )
 
 
@@ -111,40 +128,27 @@ def gather(
     R: Floats,
     Q: Floats,
     T: Floats,
-    X: Floats,
 ) -> None:
     """Write poses and twists of an element's nodes in state ``i``, attachments applied, in one hemisphere.
 
     Args:
         count: number of nodes; nodes, links: those of the element.
-        r, q, twist: of all nodes in all states ``(s, n, ...)``; R, Q, T: outputs; X: scratch.
+        r, q, twist: of all nodes in all states ``(s, n, ...)``; R, Q, T: outputs.
     """
+    before = (0.0, (0.0, 0.0, 0.0))
     for k in range(count):
         n, link = nodes[k], links[k]
-        if link < 0:
-            for a in range(3):
-                R[k, a] = r[i, n, a]
-            for a in range(4):
-                Q[k, a] = q[i, n, a]
-            for a in range(6):
-                T[k, a] = twist[i, n, a]
-        else:
-            rotate(q[i, n], link_positions[link], R[k])
-            for a in range(3):
-                R[k, a] += r[i, n, a]
-            quaternion_product(q[i, n], link_quaternions[link], Q[k])
-            link_map(link_positions[link], link_quaternions[link], X)
-            for a in range(6):
-                T[k, a] = 0.0
-                for b in range(6):
-                    T[k, a] += X[a, b] * twist[i, n, b]
-        if k > 0:
-            dot = 0.0
-            for a in range(4):
-                dot += Q[k, a] * Q[k - 1, a]
-            if dot < 0.0:
-                for a in range(4):
-                    Q[k, a] = -Q[k, a]
+        place, turn = stage_vector(r, i, n, 0), stage_quaternion(q, i, n)
+        v, w = stage_vector(twist, i, n, 0), stage_vector(twist, i, n, 3)
+        if link >= 0:
+            d, own = vector(link_positions, link, 0), quaternion(link_quaternions, link)
+            place, turn = attached_pose(d, own, place, turn)
+            v, w = attached_twist(d, own, v, w)
+        before = turn = same_hemisphere(before, turn)
+        put(R, k, 0, place)
+        put4(Q, k, turn)
+        put(T, k, 0, v)
+        put(T, k, 3, w)
 
 
 @part
@@ -156,20 +160,16 @@ def scatter(
     link_positions: Floats,
     link_quaternions: Floats,
     F: Floats,
-    X: Floats,
     force: Floats,
 ) -> None:
     """Add the forces ``F`` on an element's nodes to those of all nodes in state ``i``, ``(s, n, 6)``."""
     for k in range(count):
         n, link = nodes[k], links[k]
-        if link < 0:
-            for a in range(6):
-                force[i, n, a] += F[k, a]
-        else:
-            link_map(link_positions[link], link_quaternions[link], X)
-            for a in range(6):
-                for b in range(6):
-                    force[i, n, a] += X[b, a] * F[k, b]
+        f, m = vector(F, k, 0), vector(F, k, 3)
+        if link >= 0:
+            f, m = shared_wrench(vector(link_positions, link, 0), quaternion(link_quaternions, link), f, m)
+        put_stage(force, i, n, 0, plus(stage_vector(force, i, n, 0), 1.0, f))
+        put_stage(force, i, n, 3, plus(stage_vector(force, i, n, 3), 1.0, m))
 
 
 @kernel
@@ -184,9 +184,6 @@ def internal_forces(
 ) -> None:
     """Write the internal forces ``sum_g w_g B^T sigma (s, n, 6)`` of some states, and the state of all Gauss points.
 
-    Indices are written out and intermediate vectors are scalars: views of arrays count references, which takes three
-    times as long as the arithmetic.
-
     Args:
         r, q, twist: poses and body twists of all nodes ``(s, n, ...)``; force: in their frames.
         points: outputs except the stress, which is the input of the forces; it may be the array of the section force.
@@ -194,8 +191,9 @@ def internal_forces(
     """
     orders, nodes, links, link_positions, link_quaternions, shapes, slopes, weights = elements[:8]
     half_lengths, section, stiffness, damping, damped, reference = elements[8:14]
-    R, Q, T, F, p, X = work
+    R, Q, T, F, P = work
     strain, strain_rate, S, sigma = points
+    none = (0.0, (0.0, 0.0, 0.0))
     for at in range(force.shape[0]):
         for n in range(force.shape[1]):
             for i in range(6):
@@ -203,75 +201,33 @@ def internal_forces(
         for e in range(orders.shape[0]):
             order = orders[e]
             m = order + 1
-            gather(at, m, nodes[e], links[e], link_positions, link_quaternions, r, q, twist, R, Q, T, X)
+            gather(at, m, nodes[e], links[e], link_positions, link_quaternions, r, q, twist, R, Q, T)
             for k in range(m):
                 for i in range(6):
                     F[k, i] = 0.0
             half = half_lengths[e]
             for g in range(order):
-                # r', q~ and q~'; slopes sum to zero: differences to the first node lose no digits far from the origin
-                t0 = t1 = t2 = f0 = f1 = f2 = f3 = g0 = g1 = g2 = g3 = 0.0
+                t, f, df = (0.0, 0.0, 0.0), none, none
                 for k in range(m):
-                    s, n = slopes[order, g, k] / half, shapes[order, g, k]
-                    t0 += s * (R[k, 0] - R[0, 0])
-                    t1 += s * (R[k, 1] - R[0, 1])
-                    t2 += s * (R[k, 2] - R[0, 2])
-                    f0 += n * Q[k, 0]
-                    f1 += n * Q[k, 1]
-                    f2 += n * Q[k, 2]
-                    f3 += n * Q[k, 3]
-                    g0 += s * (Q[k, 0] - Q[0, 0])
-                    g1 += s * (Q[k, 1] - Q[0, 1])
-                    g2 += s * (Q[k, 2] - Q[0, 2])
-                    g3 += s * (Q[k, 3] - Q[0, 3])
-                # i = conj(q~)/|q~|^2, z = i q~', U = 2 vec z, V = R^T r'
-                norm2 = f0 * f0 + f1 * f1 + f2 * f2 + f3 * f3
-                i0, i1, i2, i3 = f0 / norm2, -f1 / norm2, -f2 / norm2, -f3 / norm2
-                double = 2.0 * norm2
-                z0 = i0 * g0 - i1 * g1 - i2 * g2 - i3 * g3
-                U0 = 2.0 * (i0 * g1 + i1 * g0 + i2 * g3 - i3 * g2)
-                U1 = 2.0 * (i0 * g2 + i2 * g0 + i3 * g1 - i1 * g3)
-                U2 = 2.0 * (i0 * g3 + i3 * g0 + i1 * g2 - i2 * g1)
-                x0, x1, x2 = i2 * t2 - i3 * t1, i3 * t0 - i1 * t2, i1 * t1 - i2 * t0
-                V0 = t0 + double * (i0 * x0 + i2 * x2 - i3 * x1)
-                V1 = t1 + double * (i0 * x1 + i3 * x0 - i1 * x2)
-                V2 = t2 + double * (i0 * x2 + i1 * x1 - i2 * x0)
-                # c, (y0, y) and b of the nodal twists
-                c0 = c1 = c2 = y0 = y1 = y2 = y3 = b1 = b2 = b3 = 0.0
+                    # slopes sum to zero: differences to the first node lose no digits far from the origin
+                    s = slopes[order, g, k] / half
+                    t = plus(t, s, difference(vector(R, k, 0), vector(R, 0, 0)))
+                    f = plus4(f, shapes[order, g, k], quaternion(Q, k))
+                    df = plus4(df, s, plus4(quaternion(Q, k), -1.0, quaternion(Q, 0)))
+                V, U, z0, inverse = strain_measures(t, f, df)
+                c, y, b = (0.0, 0.0, 0.0), none, none
                 for k in range(m):
-                    a0, a1, a2, a3 = Q[k, 0], Q[k, 1], Q[k, 2], Q[k, 3]
-                    p0 = i0 * a0 - i1 * a1 - i2 * a2 - i3 * a3
-                    p1 = i0 * a1 + i1 * a0 + i2 * a3 - i3 * a2
-                    p2 = i0 * a2 + i2 * a0 + i3 * a1 - i1 * a3
-                    p3 = i0 * a3 + i3 * a0 + i1 * a2 - i2 * a1
-                    p[k, 0], p[k, 1], p[k, 2], p[k, 3] = p0, p1, p2, p3
-                    v0, v1, v2, w0, w1, w2 = T[k, 0], T[k, 1], T[k, 2], T[k, 3], T[k, 4], T[k, 5]
-                    s, n = slopes[order, g, k] / half, 0.5 * shapes[order, g, k]
-                    x0, x1, x2 = p2 * v2 - p3 * v1, p3 * v0 - p1 * v2, p1 * v1 - p2 * v0
-                    c0 += s * (v0 + double * (p0 * x0 + p2 * x2 - p3 * x1))
-                    c1 += s * (v1 + double * (p0 * x1 + p3 * x0 - p1 * x2))
-                    c2 += s * (v2 + double * (p0 * x2 + p1 * x1 - p2 * x0))
-                    l1 = p0 * w0 - p3 * w1 + p2 * w2
-                    l2 = p3 * w0 + p0 * w1 - p1 * w2
-                    l3 = -p2 * w0 + p1 * w1 + p0 * w2
-                    y0 -= n * (p1 * w0 + p2 * w1 + p3 * w2)
-                    y1 += n * l1
-                    y2 += n * l2
-                    y3 += n * l3
-                    b1 += s * l1
-                    b2 += s * l2
-                    b3 += s * l3
-                strain_rate[at, e, g, 0] = c0 + 2.0 * (V1 * y3 - V2 * y2)
-                strain_rate[at, e, g, 1] = c1 + 2.0 * (V2 * y1 - V0 * y3)
-                strain_rate[at, e, g, 2] = c2 + 2.0 * (V0 * y2 - V1 * y1)
-                strain_rate[at, e, g, 3] = b1 - y0 * U0 - 2.0 * z0 * y1 + U1 * y3 - U2 * y2
-                strain_rate[at, e, g, 4] = b2 - y0 * U1 - 2.0 * z0 * y2 + U2 * y1 - U0 * y3
-                strain_rate[at, e, g, 5] = b3 - y0 * U2 - 2.0 * z0 * y3 + U0 * y2 - U1 * y1
-                strain[at, e, g, 0], strain[at, e, g, 1], strain[at, e, g, 2] = V0, V1, V2
-                strain[at, e, g, 3], strain[at, e, g, 4], strain[at, e, g, 5] = U0, U1, U2
+                    p = product(inverse, quaternion(Q, k))
+                    put4(P, k, p)
+                    s, turn = slopes[order, g, k] / half, flat_turn(p, vector(T, k, 3))
+                    c = plus(c, s, node_in_section(p, vector(T, k, 0)))
+                    y, b = plus4(y, shapes[order, g, k], turn), plus4(b, s, turn)
+                V_rate, U_rate = first_variation(V, U, z0, (c, y, b))
                 of = section[e, g]
-                for i in range(6):
-                    strain[at, e, g, i] -= reference[e, g, i]
+                for i in range(3):
+                    strain[at, e, g, i] = V[i] - reference[e, g, i]
+                    strain[at, e, g, 3 + i] = U[i] - reference[e, g, 3 + i]
+                    strain_rate[at, e, g, i], strain_rate[at, e, g, 3 + i] = V_rate[i], U_rate[i]
                 for i in range(6):
                     total = 0.0
                     for j in range(6):
@@ -280,34 +236,16 @@ def internal_forces(
                         for j in range(6):
                             total += damping[of, i, j] * strain_rate[at, e, g, j]
                     S[at, e, g, i] = total
-                # B^T sigma: the transposed maps, N on c, (f0, f) on y and 2 M on b
                 weight = weights[order, g] * half
-                N0, N1, N2 = (
-                    weight * sigma[at, e, g, 0],
-                    weight * sigma[at, e, g, 1],
-                    weight * sigma[at, e, g, 2],
-                )
-                M0, M1, M2 = (
-                    weight * sigma[at, e, g, 3],
-                    weight * sigma[at, e, g, 4],
-                    weight * sigma[at, e, g, 5],
-                )
-                f0 = -(M0 * U0 + M1 * U1 + M2 * U2)
-                f1 = 2.0 * (N1 * V2 - N2 * V1) - 2.0 * z0 * M0 + M1 * U2 - M2 * U1
-                f2 = 2.0 * (N2 * V0 - N0 * V2) - 2.0 * z0 * M1 + M2 * U0 - M0 * U2
-                f3 = 2.0 * (N0 * V1 - N1 * V0) - 2.0 * z0 * M2 + M0 * U1 - M1 * U0
+                N = weight * sigma[at, e, g, 0], weight * sigma[at, e, g, 1], weight * sigma[at, e, g, 2]
+                M = weight * sigma[at, e, g, 3], weight * sigma[at, e, g, 4], weight * sigma[at, e, g, 5]
+                Fc, Fy, Fb = conjugate_forces(V, U, z0, N, M)
                 for k in range(m):
-                    p0, p1, p2, p3 = p[k, 0], p[k, 1], p[k, 2], p[k, 3]
-                    s, n = slopes[order, g, k] / half, 0.5 * shapes[order, g, k]
-                    x0, x1, x2 = p2 * N2 - p3 * N1, p3 * N0 - p1 * N2, p1 * N1 - p2 * N0
-                    F[k, 0] += s * (N0 - double * (p0 * x0 - p2 * x2 + p3 * x1))
-                    F[k, 1] += s * (N1 - double * (p0 * x1 - p3 * x0 + p1 * x2))
-                    F[k, 2] += s * (N2 - double * (p0 * x2 - p1 * x1 + p2 * x0))
-                    g0, g1, g2, g3 = n * f0, n * f1 + s * M0, n * f2 + s * M1, n * f3 + s * M2
-                    F[k, 3] += -p1 * g0 + p0 * g1 + p3 * g2 - p2 * g3
-                    F[k, 4] += -p2 * g0 - p3 * g1 + p0 * g2 + p1 * g3
-                    F[k, 5] += -p3 * g0 + p2 * g1 - p1 * g2 + p0 * g3
-            scatter(at, m, nodes[e], links[e], link_positions, link_quaternions, F, X, force)
+                    p, s = quaternion(P, k), slopes[order, g, k] / half
+                    moment = turning_moment(p, plus4(scaled4(s, Fb), shapes[order, g, k], Fy))
+                    put(F, k, 0, plus(vector(F, k, 0), s, section_in_node(p, Fc)))
+                    put(F, k, 3, plus(vector(F, k, 3), 1.0, moment))
+            scatter(at, m, nodes[e], links[e], link_positions, link_quaternions, F, force)
 
 
 @part

@@ -19,9 +19,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscorod.mechanics.compilation.compiled import kernel, part
-from viscorod.mechanics.elements.internal_force import Elements, scatter
-from viscorod.mechanics.nodes.attached_poses import link_map
+from viscorod.mechanics.compilation.compiled import kernel, lane_kernel, part
+from viscorod.mechanics.elements.internal_force import Elements, GaussStates, scatter
+from viscorod.mechanics.nodes.attached_poses import attached_twist
+from viscorod.mechanics.rotations.vectors import (
+    Vector,
+    cross,
+    difference,
+    entries,
+    plus,
+    put,
+    quaternion,
+    stage_vector,
+    vector,
+)
 from viscorod.typing import Floats, Integers
 
 
@@ -33,7 +44,7 @@ class StrainMotion(NamedTuple):
         start: strains at the start of the step ``(e, points, 6)``.
         twist: body twists at the Gauss points of the stages ``(s, e, points, 6)``.
         linear_rate: ``b``, the strain rate of the unstrained rod, likewise.
-        nodes, forces: scratch of one element ``(m, 6)``; map: ``(6, 6)``; matrix: ``(3 s, 3 s)``; right: ``(3 s,)``.
+        nodes, forces: scratch of one element ``(m, 6)``; matrix: ``(3 s, 3 s)``; right: ``(3 s,)``.
     """
 
     linearised: bool
@@ -42,7 +53,6 @@ class StrainMotion(NamedTuple):
     linear_rate: Floats
     nodes: Floats
     forces: Floats
-    map: Floats
     matrix: Floats
     right: Floats
 
@@ -57,7 +67,6 @@ class StrainMotion(NamedTuple):
             np.zeros((stages, *points)),
             np.zeros((m, 6)),
             np.zeros((m, 6)),
-            np.zeros((6, 6)),
             np.zeros((3 * stages, 3 * stages)),
             np.zeros(3 * stages),
         )
@@ -65,12 +74,12 @@ class StrainMotion(NamedTuple):
 
 @part
 def interpolate_twists(
-    elements: Elements, twist: Floats, T: Floats, X: Floats, at_points: Floats, linear_rate: Floats
+    elements: Elements, twist: Floats, T: Floats, at_points: Floats, linear_rate: Floats
 ) -> None:
     """Write the body twists at all Gauss points, and ``b``, of some states.
 
     Args:
-        twist: of all nodes ``(s, n, 6)``; T, X: scratch ``(m, 6)``, ``(6, 6)``.
+        twist: of all nodes ``(s, n, 6)``; T: scratch ``(m, 6)``.
         at_points, linear_rate: outputs ``(s, e, points, 6)``.
     """
     orders, nodes, links, link_positions, link_quaternions, shapes, slopes = elements[:7]
@@ -78,33 +87,19 @@ def interpolate_twists(
     for s in range(twist.shape[0]):
         for e in range(orders.shape[0]):
             order = orders[e]
-            gather_twists(s, order + 1, nodes[e], links[e], link_positions, link_quaternions, twist, T, X)
+            gather_twists(s, order + 1, nodes[e], links[e], link_positions, link_quaternions, twist, T)
             for g in range(order):
-                v0 = v1 = v2 = w0 = w1 = w2 = b0 = b1 = b2 = b3 = b4 = b5 = 0.0
+                v, w, dv, dw = ((0.0, 0.0, 0.0),) * 4
                 for k in range(order + 1):
                     n, d = shapes[order, g, k], slopes[order, g, k] / half_lengths[e]
-                    v0 += n * T[k, 0]
-                    v1 += n * T[k, 1]
-                    v2 += n * T[k, 2]
-                    w0 += n * T[k, 3]
-                    w1 += n * T[k, 4]
-                    w2 += n * T[k, 5]
-                    b0 += d * (T[k, 0] - T[0, 0])
-                    b1 += d * (T[k, 1] - T[0, 1])
-                    b2 += d * (T[k, 2] - T[0, 2])
-                    b3 += d * (T[k, 3] - T[0, 3])
-                    b4 += d * (T[k, 4] - T[0, 4])
-                    b5 += d * (T[k, 5] - T[0, 5])
-                V0, V1, V2 = reference[e, g, 0], reference[e, g, 1], reference[e, g, 2]
-                U0, U1, U2 = reference[e, g, 3], reference[e, g, 4], reference[e, g, 5]
-                linear_rate[s, e, g, 0] = b0 + U1 * v2 - U2 * v1 + V1 * w2 - V2 * w1
-                linear_rate[s, e, g, 1] = b1 + U2 * v0 - U0 * v2 + V2 * w0 - V0 * w2
-                linear_rate[s, e, g, 2] = b2 + U0 * v1 - U1 * v0 + V0 * w1 - V1 * w0
-                linear_rate[s, e, g, 3] = b3 + U1 * w2 - U2 * w1
-                linear_rate[s, e, g, 4] = b4 + U2 * w0 - U0 * w2
-                linear_rate[s, e, g, 5] = b5 + U0 * w1 - U1 * w0
-                at_points[s, e, g, 0], at_points[s, e, g, 1], at_points[s, e, g, 2] = v0, v1, v2
-                at_points[s, e, g, 3], at_points[s, e, g, 4], at_points[s, e, g, 5] = w0, w1, w2
+                    v, w = plus(v, n, vector(T, k, 0)), plus(w, n, vector(T, k, 3))
+                    dv = plus(dv, d, difference(vector(T, k, 0), vector(T, 0, 0)))
+                    dw = plus(dw, d, difference(vector(T, k, 3), vector(T, 0, 3)))
+                V0, U0 = entries(reference[e, g], 0), entries(reference[e, g], 3)
+                put(linear_rate[s, e], g, 0, plus(plus(dv, 1.0, cross(U0, v)), 1.0, cross(V0, w)))
+                put(linear_rate[s, e], g, 3, plus(dw, 1.0, cross(U0, w)))
+                put(at_points[s, e], g, 0, v)
+                put(at_points[s, e], g, 3, w)
 
 
 @part
@@ -117,20 +112,16 @@ def gather_twists(
     link_quaternions: Floats,
     twist: Floats,
     T: Floats,
-    X: Floats,
 ) -> None:
     """Write the twists of an element's nodes in state ``s``, attachments applied ``(m, 6)``."""
     for k in range(count):
         n, link = nodes[k], links[k]
-        if link < 0:
-            for a in range(6):
-                T[k, a] = twist[s, n, a]
-        else:
-            link_map(link_positions[link], link_quaternions[link], X)
-            for a in range(6):
-                T[k, a] = 0.0
-                for b in range(6):
-                    T[k, a] += X[a, b] * twist[s, n, b]
+        v, w = stage_vector(twist, s, n, 0), stage_vector(twist, s, n, 3)
+        if link >= 0:
+            d, own = vector(link_positions, link, 0), quaternion(link_quaternions, link)
+            v, w = attached_twist(d, own, v, w)
+        put(T, k, 0, v)
+        put(T, k, 3, w)
 
 
 @part
@@ -146,20 +137,11 @@ def viscous_rates(linearised: bool, strain: Floats, twist: Floats, linear_rate: 
                     for i in range(6):
                         out[s, e, g, i] = linear_rate[s, e, g, i]
                     continue
-                for i in range(3):
-                    a, b = (i + 1) % 3, (i + 2) % 3
-                    v_a, v_b = twist[s, e, g, a], twist[s, e, g, b]
-                    w_a, w_b = twist[s, e, g, 3 + a], twist[s, e, g, 3 + b]
-                    gamma_a, gamma_b = strain[s, e, g, a], strain[s, e, g, b]
-                    kappa_a, kappa_b = strain[s, e, g, 3 + a], strain[s, e, g, 3 + b]
-                    out[s, e, g, i] = (
-                        linear_rate[s, e, g, i]
-                        + kappa_a * v_b
-                        - kappa_b * v_a
-                        + gamma_a * w_b
-                        - gamma_b * w_a
-                    )
-                    out[s, e, g, 3 + i] = linear_rate[s, e, g, 3 + i] + kappa_a * w_b - kappa_b * w_a
+                gamma, kappa = vector(strain[s, e], g, 0), vector(strain[s, e], g, 3)
+                v, w = vector(twist[s, e], g, 0), vector(twist[s, e], g, 3)
+                V_rate = plus(vector(linear_rate[s, e], g, 0), 1.0, cross(kappa, v))
+                put(out[s, e], g, 0, plus(V_rate, 1.0, cross(gamma, w)))
+                put(out[s, e], g, 3, plus(vector(linear_rate[s, e], g, 3), 1.0, cross(kappa, w)))
 
 
 @part
@@ -275,7 +257,6 @@ def nodal_forces(
     strain_rate: Floats,
     sigma: Floats,
     F: Floats,
-    X: Floats,
     force: Floats,
 ) -> None:
     """Write the internal forces ``(s, n, 6)`` of section forces ``sigma (s, e, points, 6)``, body components.
@@ -294,43 +275,30 @@ def nodal_forces(
                 for i in range(6):
                     F[k, i] = 0.0
             for g in range(order):
-                V0, V1, V2 = reference[e, g, 0], reference[e, g, 1], reference[e, g, 2]
-                U0, U1, U2 = reference[e, g, 3], reference[e, g, 4], reference[e, g, 5]
-                N0, N1, N2 = sigma[s, e, g, 0], sigma[s, e, g, 1], sigma[s, e, g, 2]
-                M0, M1, M2 = sigma[s, e, g, 3], sigma[s, e, g, 4], sigma[s, e, g, 5]
-                # -(U x N) and -(V x N + U x M): the parts due to the curvature of the reference shape
-                f0, f1, f2 = N1 * U2 - N2 * U1, N2 * U0 - N0 * U2, N0 * U1 - N1 * U0
-                f3 = N1 * V2 - N2 * V1 + M1 * U2 - M2 * U1
-                f4 = N2 * V0 - N0 * V2 + M2 * U0 - M0 * U2
-                f5 = N0 * V1 - N1 * V0 + M0 * U1 - M1 * U0
+                N, M = vector(sigma[s, e], g, 0), vector(sigma[s, e], g, 3)
+                # the parts due to the curvature of the reference shape
+                f, m = curved_forces(vector(reference[e], g, 0), vector(reference[e], g, 3), N, M)
                 if linearised:
                     of = section[e, g]
                     for j in range(6):
                         rate = strain_rate[s, e, g, j]
-                        N0 -= D[of, 0, j] * rate
-                        N1 -= D[of, 1, j] * rate
-                        N2 -= D[of, 2, j] * rate
-                        M0 -= D[of, 3, j] * rate
-                        M1 -= D[of, 4, j] * rate
-                        M2 -= D[of, 5, j] * rate
-                V0, V1, V2 = strain[s, e, g, 0], strain[s, e, g, 1], strain[s, e, g, 2]
-                U0, U1, U2 = strain[s, e, g, 3], strain[s, e, g, 4], strain[s, e, g, 5]
-                f0 += N1 * U2 - N2 * U1
-                f1 += N2 * U0 - N0 * U2
-                f2 += N0 * U1 - N1 * U0
-                f3 += N1 * V2 - N2 * V1 + M1 * U2 - M2 * U1
-                f4 += N2 * V0 - N0 * V2 + M2 * U0 - M0 * U2
-                f5 += N0 * V1 - N1 * V0 + M0 * U1 - M1 * U0
+                        N = plus(N, -rate, (D[of, 0, j], D[of, 1, j], D[of, 2, j]))
+                        M = plus(M, -rate, (D[of, 3, j], D[of, 4, j], D[of, 5, j]))
+                df, dm = curved_forces(vector(strain[s, e], g, 0), vector(strain[s, e], g, 3), N, M)
+                f, m = plus(f, 1.0, df), plus(m, 1.0, dm)
                 weight = weights[order, g] * half_lengths[e]
+                N, M = vector(sigma[s, e], g, 0), vector(sigma[s, e], g, 3)
                 for k in range(order + 1):
                     n, d = weight * shapes[order, g, k], weights[order, g] * slopes[order, g, k]
-                    F[k, 0] += d * sigma[s, e, g, 0] + n * f0
-                    F[k, 1] += d * sigma[s, e, g, 1] + n * f1
-                    F[k, 2] += d * sigma[s, e, g, 2] + n * f2
-                    F[k, 3] += d * sigma[s, e, g, 3] + n * f3
-                    F[k, 4] += d * sigma[s, e, g, 4] + n * f4
-                    F[k, 5] += d * sigma[s, e, g, 5] + n * f5
-            scatter(s, order + 1, nodes[e], links[e], link_positions, link_quaternions, F, X, force)
+                    put(F, k, 0, plus(plus(vector(F, k, 0), d, N), n, f))
+                    put(F, k, 3, plus(plus(vector(F, k, 3), d, M), n, m))
+            scatter(s, order + 1, nodes[e], links[e], link_positions, link_quaternions, F, force)
+
+
+@lane_kernel
+def curved_forces(V: Vector, U: Vector, N: Vector, M: Vector) -> tuple[Vector, Vector]:
+    """Return ``(-U x N, -V x N - U x M)``: forces and moments per length of section forces on a curved rod."""
+    return cross(N, U), plus(cross(N, V), 1.0, cross(M, U))
 
 
 @kernel
@@ -352,41 +320,37 @@ def forces_at(
             ``(e, points, 6)``.
         section_force: output like the strain; force: output ``(1, n, 6)``.
     """
-    linearised, _, at_points, linear_rate, T, F, X, _, _ = motion
-    interpolate_twists(elements, twist, T, X, at_points, linear_rate)
+    linearised, _, at_points, linear_rate, T, F, _, _ = motion
+    interpolate_twists(elements, twist, T, at_points, linear_rate)
     viscous_rates(linearised, strain, at_points, linear_rate, strain_rate)
     section_forces(elements, strain, strain_rate, section_force)
     for e in range(prestress.shape[0]):
         for g in range(prestress.shape[1]):
             for a in range(6):
                 section_force[0, e, g, a] += prestress[e, g, a]
-    nodal_forces(elements, linearised, strain, strain_rate, section_force, F, X, force)
+    nodal_forces(elements, linearised, strain, strain_rate, section_force, F, force)
 
 
 @part
 def stage_forces(
     elements: Elements,
-    linearised: bool,
-    start: Floats,
+    motion: StrainMotion,
     D: Floats,
     h: float,
     twist: Floats,
-    at_points: Floats,
-    linear_rate: Floats,
-    T: Floats,
-    F: Floats,
-    X: Floats,
-    matrix: Floats,
-    right: Floats,
-    strain: Floats,
-    strain_rate: Floats,
-    section_force: Floats,
-    sigma: Floats,
+    points: GaussStates,
     force: Floats,
 ) -> None:
-    """Write strains, the rates of damping, section forces and the forces of ``sigma`` at all stages of a step ``h``."""
-    interpolate_twists(elements, twist, T, X, at_points, linear_rate)
+    """Write strains, the rates of damping, section forces and the forces of the stress at all stages of a step.
+
+    Args:
+        D: derivatives from stage values ``(s, s)``; h: step [s]; twist: of all nodes ``(s, n, 6)``.
+        points: outputs ``(s, e, points, 6)``, but for the stress; force: output ``(s, n, 6)``.
+    """
+    linearised, start, at_points, linear_rate, T, F, matrix, right = motion
+    strain, strain_rate, section_force, sigma = points
+    interpolate_twists(elements, twist, T, at_points, linear_rate)
     advance_strains(elements, D, h, start, at_points, linear_rate, matrix, right, strain)
     viscous_rates(linearised, strain, at_points, linear_rate, strain_rate)
     section_forces(elements, strain, strain_rate, section_force)
-    nodal_forces(elements, linearised, strain, strain_rate, sigma, F, X, force)
+    nodal_forces(elements, linearised, strain, strain_rate, sigma, F, force)

@@ -15,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
+from viscorod.mechanics.elements.geometric_element import EqualElements, PointArrays
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import LANES
 from viscorod.mechanics.nodes.attached_poses import link_map, map_columns
-from viscorod.typing import Floats, Integers
+from viscorod.typing import Floats
 
 
 class Operators(NamedTuple):
@@ -37,29 +38,19 @@ class Operators(NamedTuple):
 
 
 @kernel
-def collect(
-    first: int,
-    nodes: Integers,
-    links: Integers,
-    link_positions: Floats,
-    link_quaternions: Floats,
-    section: Integers,
-    damping: Floats,
-    damped: bool,
-    strain_columns: Floats,
-    force_columns: Floats,
-    B: Floats,
-    A: Floats,
-    P: Floats,
-) -> None:
-    """Write the operators of equal-order elements, which ``assemble`` leaves in lanes, from element ``first`` on.
+def collect(elements: EqualElements, fields: PointArrays, first: int, operators: Operators) -> None:
+    """Write the operators of equal-order elements after an assembly with the tangent.
+
+    Increments of attached nodes are those of their own nodes in the assembly; here they become those of the shared
+    nodes.
 
     Args:
-        nodes, links, link_positions, link_quaternions, section, damping, damped: as in ``geometric_element.assemble``.
-        strain_columns, force_columns: its outputs ``strain_operator`` and ``operator``, by increments of the element's
-            own nodes; here they become those by increments of the shared nodes.
-        B, A, P: outputs, see :class:`Operators`.
+        fields: of the assembly, with the change of the strain; first: number of the first element; operators: outputs.
     """
+    nodes, links, _, link_positions, link_quaternions = elements[:5]
+    section, damping, damped = elements.section, elements.damping, elements.damped
+    strain_columns, force_columns = fields.strain_operator, fields.operator
+    B, A, P = operators
     points = section.shape[1]
     X = np.empty((6, 6))
     for e in range(nodes.shape[0]):

@@ -97,10 +97,9 @@ def remember(
 
 
 @part
-def add_branch_forces(
-    orders: Integers, section: Integers, coupling: Floats, past: Floats, strain: Floats, S: Floats
-) -> None:
+def add_branch_forces(elements: Elements, branches: MaxwellArrays, strain: Floats, S: Floats) -> None:
     """Add the forces of the branches to the section forces ``(s, e, points, 6)`` of the stages."""
+    orders, section, coupling, past = elements.order, elements.section, branches.coupling, branches.past
     stages = strain.shape[0]
     for e in range(orders.shape[0]):
         for g in range(orders[e]):
@@ -116,21 +115,16 @@ def add_branch_forces(
 
 @part
 def carry_branches(
-    orders: Integers,
-    nodes: Integers,
-    section: Integers,
-    coupling: Floats,
-    B: Floats,
-    change: Floats,
-    strain_change: Floats,
-    stress: Floats,
+    elements: Elements, branches: MaxwellArrays, B: Floats, change: Floats, stress: Floats
 ) -> None:
     """Update the stress ``(s, e, points, 6)`` of the branches by a change of all poses (see ``linearised``).
 
     Args:
         B: change of the strains per nodal increment ``(e, 6 points, 6 nodes)``.
-        change: body increments of the nodes at all stages ``(s, n, 6)``; strain_change: scratch ``(s, 6)``.
+        change: body increments of the nodes at all stages ``(s, n, 6)``.
     """
+    orders, nodes, section = elements.order, elements.nodes, elements.section
+    coupling, strain_change = branches.coupling, branches.change
     stages = stress.shape[0]
     for e in range(orders.shape[0]):
         order = orders[e]
@@ -154,8 +148,9 @@ def carry_branches(
 
 
 @part
-def stretch_springs(orders: Integers, factor: Floats, start: Floats, strain: Floats, spring: Floats) -> None:
+def stretch_springs(elements: Elements, branches: MaxwellArrays, strain: Floats) -> None:
     """Write the strains of the springs at the stages, ``beta_j = F_j (eps - alpha_j0)``."""
+    orders, factor, start, spring = elements.order, branches.factor, branches.start, branches.spring
     stages = strain.shape[0]
     for i in range(stages):
         for j in range(start.shape[0]):
@@ -170,12 +165,8 @@ def stretch_springs(orders: Integers, factor: Floats, start: Floats, strain: Flo
 
 @part
 def lacking_work(
-    orders: Integers,
-    section: Integers,
-    times: Floats,
-    branches: Floats,
-    start: Floats,
-    spring: Floats,
+    elements: Elements,
+    arrays: MaxwellArrays,
     strain_rate: Floats,
     start_strain: Floats,
     end_strain: Floats,
@@ -185,10 +176,11 @@ def lacking_work(
     """Write the energy defect of the branches in a step of the midpoint rule: energy stored and lost less work done.
 
     Args:
-        spring: in the middle ``(1, n, e, points, 6)``; strain_rate: likewise ``(1, e, points, 6)``.
-        start_strain, end_strain: at the ends of the step ``(1, e, points, 6)``; h: step [s].
-        lacking: output ``(e, points)`` [J/m].
+        strain_rate: in the middle ``(1, e, points, 6)``; start_strain, end_strain: at the ends of the step, likewise.
+        h: step [s]; lacking: output ``(e, points)`` [J/m].
     """
+    orders, section, times, branches = elements.order, elements.section, arrays.times, arrays.branches
+    start, spring = arrays.start, arrays.spring
     for e in range(orders.shape[0]):
         for g in range(orders[e]):
             of = section[e, g]
@@ -207,19 +199,12 @@ def lacking_work(
 
 
 @part
-def branch_energies(
-    elements: Elements,
-    times: Floats,
-    branches: Floats,
-    spring: Floats,
-    elastic: Floats,
-    dissipated: Floats,
-    power: Floats,
-) -> None:
+def branch_energies(elements: Elements, arrays: MaxwellArrays, elastic: Floats, dissipated: Floats) -> None:
     """Add the energy stored in branches to ``elastic (s,)`` [J] and the power they lose to ``dissipated (s,)`` [W].
 
-    The output ``power (s, n)`` [W] is the power that each branch loses.
+    The power that each branch loses is kept, ``power (s, n)`` [W].
     """
+    times, branches, spring, power = arrays.times, arrays.branches, arrays.spring, arrays.power
     orders, weights, half_lengths, section = elements[0], elements[7], elements[8], elements[9]
     for i in range(spring.shape[0]):
         for j in range(spring.shape[1]):
@@ -240,11 +225,7 @@ def branch_energies(
 @part
 def add_branch_error(
     elements: Elements,
-    times: Floats,
-    branches: Floats,
-    start: Floats,
-    start_strain: Floats,
-    spring: Floats,
+    arrays: MaxwellArrays,
     strain: Floats,
     B: Floats,
     weights: Floats,
@@ -260,6 +241,8 @@ def add_branch_error(
     Args:
         B: change of the strains per nodal increment; weights: ``e`` of the method; mu: its real eigenvalue over ``h``.
     """
+    times, branches, start = arrays.times, arrays.branches, arrays.start
+    start_strain, spring = arrays.start_strain, arrays.spring
     orders, nodes, point_weights, half_lengths, section = (
         elements[0],
         elements[1],

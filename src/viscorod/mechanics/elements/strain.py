@@ -16,10 +16,23 @@ and to second order by quadratic forms in (c, y, b), see ``variation``. Nodal in
 
 from __future__ import annotations
 
-import numpy as np
-
 from viscorod.mechanics.compilation.compiled import part
-from viscorod.mechanics.rotations.rotation import quaternion_product, rotate
+from viscorod.mechanics.elements.variation import strain_measures
+from viscorod.mechanics.nodes.attached_poses import attached_pose
+from viscorod.mechanics.rotations.vectors import (
+    difference,
+    normalised,
+    plus,
+    plus4,
+    product,
+    put,
+    put4,
+    put_entries,
+    put_quaternion,
+    quaternion,
+    same_hemisphere,
+    vector,
+)
 from viscorod.typing import Floats, Integers
 
 
@@ -39,26 +52,17 @@ def element_poses(
     ``links[k] >= 0`` names the constant pose of the element's node in the frame of the shared node (a rigid
     attachment).
     """
-    offset = np.empty(3)
+    before = (0.0, (0.0, 0.0, 0.0))
     for k in range(nodes.shape[0]):
-        n = nodes[k]
-        if links[k] < 0:
-            for i in range(3):
-                re[k, i] = r[n, i]
-            for i in range(4):
-                qe[k, i] = q[n, i]
-        else:
-            rotate(q[n], link_positions[links[k]], offset)
-            for i in range(3):
-                re[k, i] = r[n, i] + offset[i]
-            quaternion_product(q[n], link_quaternions[links[k]], qe[k])
-        if k > 0:
-            dot = 0.0
-            for i in range(4):
-                dot += qe[k, i] * qe[k - 1, i]
-            if dot < 0.0:
-                for i in range(4):
-                    qe[k, i] = -qe[k, i]
+        n, link = nodes[k], links[k]
+        place, turn = vector(r, n, 0), quaternion(q, n)
+        if link >= 0:
+            place, turn = attached_pose(
+                vector(link_positions, link, 0), quaternion(link_quaternions, link), place, turn
+            )
+        before = turn = same_hemisphere(before, turn)
+        put(re, k, 0, place)
+        put4(qe, k, turn)
 
 
 @part
@@ -69,44 +73,18 @@ def gauss_point(
 
     The outputs are ``V, U`` (3), ``p`` (nodes, 4) and the unit quaternion ``frame``; ``z0`` is returned.
     """
-    m = re.shape[0]
-    t0 = t1 = t2 = 0.0
-    f0 = f1 = f2 = f3 = 0.0
-    g0 = g1 = g2 = g3 = 0.0
-    for k in range(m):
-        s = slope[k]
-        n = shape[k]
+    t, f, df = (0.0, 0.0, 0.0), (0.0, (0.0, 0.0, 0.0)), (0.0, (0.0, 0.0, 0.0))
+    for k in range(re.shape[0]):
         # slopes sum to zero: differences to the first node lose no digits far from the origin
-        t0 += s * (re[k, 0] - re[0, 0])
-        t1 += s * (re[k, 1] - re[0, 1])
-        t2 += s * (re[k, 2] - re[0, 2])
-        f0 += n * qe[k, 0]
-        f1 += n * qe[k, 1]
-        f2 += n * qe[k, 2]
-        f3 += n * qe[k, 3]
-        g0 += s * (qe[k, 0] - qe[0, 0])
-        g1 += s * (qe[k, 1] - qe[0, 1])
-        g2 += s * (qe[k, 2] - qe[0, 2])
-        g3 += s * (qe[k, 3] - qe[0, 3])
-    norm2 = f0 * f0 + f1 * f1 + f2 * f2 + f3 * f3
-    i0, i1, i2, i3 = f0 / norm2, -f1 / norm2, -f2 / norm2, -f3 / norm2
-    for k in range(m):
-        a0, a1, a2, a3 = qe[k]
-        p[k, 0] = i0 * a0 - i1 * a1 - i2 * a2 - i3 * a3
-        p[k, 1] = i0 * a1 + i1 * a0 + i2 * a3 - i3 * a2
-        p[k, 2] = i0 * a2 + i2 * a0 + i3 * a1 - i1 * a3
-        p[k, 3] = i0 * a3 + i3 * a0 + i1 * a2 - i2 * a1
-    z0 = i0 * g0 - i1 * g1 - i2 * g2 - i3 * g3
-    U[0] = 2.0 * (i0 * g1 + i1 * g0 + i2 * g3 - i3 * g2)
-    U[1] = 2.0 * (i0 * g2 + i2 * g0 + i3 * g1 - i1 * g3)
-    U[2] = 2.0 * (i0 * g3 + i3 * g0 + i1 * g2 - i2 * g1)
-    scale = 1.0 / np.sqrt(norm2)
-    frame[0], frame[1], frame[2], frame[3] = f0 * scale, f1 * scale, f2 * scale, f3 * scale
-    x, y, z, w = -frame[1], -frame[2], -frame[3], frame[0]
-    c0, c1, c2 = 2 * (y * t2 - z * t1), 2 * (z * t0 - x * t2), 2 * (x * t1 - y * t0)
-    V[0] = t0 + w * c0 + y * c2 - z * c1
-    V[1] = t1 + w * c1 + z * c0 - x * c2
-    V[2] = t2 + w * c2 + x * c1 - y * c0
+        t = plus(t, slope[k], difference(vector(re, k, 0), vector(re, 0, 0)))
+        f = plus4(f, shape[k], quaternion(qe, k))
+        df = plus4(df, slope[k], plus4(quaternion(qe, k), -1.0, quaternion(qe, 0)))
+    stretch, curvature, z0, inverse = strain_measures(t, f, df)
+    for k in range(re.shape[0]):
+        put4(p, k, product(inverse, quaternion(qe, k)))
+    put_entries(V, 0, stretch)
+    put_entries(U, 0, curvature)
+    put_quaternion(frame, normalised(f))
     return z0
 
 

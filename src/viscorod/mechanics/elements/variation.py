@@ -79,3 +79,29 @@ def turned_forces(V: Vector, U: Vector, z0: float, N: Vector, M: Vector, flat: F
     Fy = plus(plus(Fy, -4.0 * dot(N, V) - 2.0 * MU, y), -2.0 * b0, M)
     Fy = plus(plus(Fy, 2.0, cross(M, b)), 2.0, cross(N, c))
     return Fc, (F0, Fy), (-2.0 * My, plus(scaled(-2.0 * y0, M), -2.0, cross(M, y)))
+
+
+@lane_kernel
+def node_in_section(p: Quaternion, a: Vector) -> Vector:
+    """Return ``R^T R_k a``, a vector of node k in the axes of the section, with ``p = conj(q~) q_k/|q~|^2``."""
+    w = cross(p[1], a)
+    return plus(a, 2.0 / (p[0] * p[0] + dot(p[1], p[1])), plus(cross(p[1], w), p[0], w))
+
+
+@lane_kernel
+def section_in_node(p: Quaternion, a: Vector) -> Vector:
+    """Return ``R_k^T R a``, the inverse of :func:`node_in_section`."""
+    w = cross(p[1], a)
+    return plus(a, 2.0 / (p[0] * p[0] + dot(p[1], p[1])), plus(cross(p[1], w), -p[0], w))
+
+
+@lane_kernel
+def flat_turn(p: Quaternion, theta: Vector) -> Quaternion:
+    """Return ``L theta = p (0, theta)/2``: what turns of node k add to (y, b), but for its shape and slope."""
+    return product(p, (0.0, scaled(0.5, theta)))
+
+
+@lane_kernel
+def turning_moment(p: Quaternion, f: Quaternion) -> Vector:
+    """Return ``L^T f``, the moment on node k of forces conjugate to (y, b)."""
+    return scaled(0.5, plus(plus(scaled(p[0], f[1]), -f[0], p[1]), -1.0, cross(p[1], f[1])))

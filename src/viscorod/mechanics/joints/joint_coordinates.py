@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 
 from viscorod.mechanics.compilation.compiled import lane_kernel, part
-from viscorod.mechanics.rotations.rotation import inverse_coefficients
+from viscorod.mechanics.rotations.exponential_map import inverse_coefficients
 from viscorod.mechanics.rotations.vectors import (
     Quaternion,
     Vector,
@@ -29,6 +29,7 @@ from viscorod.mechanics.rotations.vectors import (
     product,
     quaternion,
     rotated,
+    rotated_back,
     scaled,
     vector,
 )
@@ -58,12 +59,6 @@ def place_of(r: Floats, q: Floats, node: int) -> tuple[Vector, Quaternion]:
 def own_axes(geometry: Floats, c: int, at: int) -> Quaternion:
     """Return the quaternion of joint axes in their node."""
     return geometry[c, at], vector(geometry, c, at + 1)
-
-
-@lane_kernel
-def rotated_back(q: Quaternion, a: Vector) -> Vector:
-    """Return ``R(q)^T a``."""
-    return rotated((q[0], scaled(-1.0, q[1])), a)
 
 
 @lane_kernel

@@ -55,21 +55,56 @@ class Joints(NamedTuple):
         )
 
 
+class JointLaws(NamedTuple):
+    """Python functions that give forces: the address of their callback, and what it reads and writes (see ``obey``)."""
+
+    address: int
+    buffer: Floats
+
+
+class JointStates(NamedTuple):
+    """All coordinates in some states (first index), the last of which is kept.
+
+    Attributes:
+        near: values ``(c,)`` that angles are to be near; target: of held coordinates ``(s, c)``.
+        multiplier: ``(s, places)``; carried: forces of springs along an iteration ``(s, c)``.
+        value: output ``(c,)``, of the last state; rate, force: outputs ``(s, c)``.
+        energy, power: outputs ``(s,)``, stored [J] and dissipated [W]; gap: ``(s, places)``, of held coordinates.
+        gradient: scratch ``(12,)``.
+    """
+
+    near: Floats
+    target: Floats
+    multiplier: Floats
+    carried: Floats
+    value: Floats
+    rate: Floats
+    force: Floats
+    energy: Floats
+    power: Floats
+    gap: Floats
+    gradient: Floats
+
+
+class SpringOperators(NamedTuple):
+    """Frozen operators of all coordinates ``(c, 12)``: gradients, and the force's change per increment and rate."""
+
+    gradients: Floats
+    A: Floats
+    P: Floats
+
+    @classmethod
+    def of(cls, count: int) -> SpringOperators:
+        """Allocate for a number of coordinates."""
+        return cls(np.zeros((count, 12)), np.zeros((count, 12)), np.zeros((count, 12)))
+
+
 @part
-def gradient_of(
-    c: int,
-    nodes: Integers,
-    kind: Integers,
-    geometry: Floats,
-    r: Floats,
-    q: Floats,
-    near: float,
-    gradient: Floats,
-) -> float:
+def gradient_of(c: int, joints: Joints, r: Floats, q: Floats, near: float, gradient: Floats) -> float:
     """Return the value of coordinate ``c`` at poses ``r (n, 3), q (n, 4)``; write its gradient ``(12,)``."""
-    ra, qa = place_of(r, q, nodes[c, 0])
-    rb, qb = place_of(r, q, nodes[c, 1])
-    return coordinate(c, kind, geometry, ra, qa, rb, qb, near, gradient)
+    ra, qa = place_of(r, q, joints.nodes[c, 0])
+    rb, qb = place_of(r, q, joints.nodes[c, 1])
+    return coordinate(c, joints.kind, joints.geometry, ra, qa, rb, qb, near, gradient)
 
 
 @part
@@ -96,9 +131,7 @@ def scatter_force(c: int, nodes: Integers, gradient: Floats, force: float, out: 
 
 @kernel
 def measure(
-    nodes: Integers,
-    kind: Integers,
-    geometry: Floats,
+    joints: Joints,
     r: Floats,
     q: Floats,
     twist: Floats,
@@ -112,112 +145,49 @@ def measure(
     Args:
         r, q, twist: of all nodes; near: values ``(c,)`` that angles are to be near.
     """
-    for c in range(kind.shape[0]):
-        gradient = gradients[c]
-        value[c] = gradient_of(c, nodes, kind, geometry, r, q, near[c], gradient)
-        rate[c] = along(c, nodes, gradient, twist)
+    for c in range(joints.kind.shape[0]):
+        value[c] = gradient_of(c, joints, r, q, near[c], gradients[c])
+        rate[c] = along(c, joints.nodes, gradients[c], twist)
 
 
 @kernel
 def joint_forces(
     joints: Joints,
-    address: int,
-    buffer: Floats,
-    near: Floats,
-    target: Floats,
-    multiplier: Floats,
+    laws: JointLaws,
+    states: JointStates,
     r: Floats,
     q: Floats,
     twist: Floats,
-    value: Floats,
-    rate: Floats,
-    force: Floats,
-    energy: Floats,
-    power: Floats,
-    gap: Floats,
     internal: Floats,
 ) -> None:
-    """Call :func:`hold_coordinates` from Python, with the present forces of springs.
-
-    The values are those of the last state.
-    """
-    nodes, kind, geometry, place, stiffness, damping, rest, law, _, _, _ = joints
-    gradient = np.empty(12)
-    hold_coordinates(
-        nodes,
-        kind,
-        geometry,
-        place,
-        stiffness,
-        damping,
-        rest,
-        law,
-        address,
-        buffer,
-        near,
-        target,
-        multiplier,
-        force,
-        True,
-        r,
-        q,
-        twist,
-        gradient,
-        value,
-        rate,
-        force,
-        energy,
-        power,
-        gap,
-        internal,
-    )
+    """Call :func:`hold_coordinates` from Python, with the present forces of springs."""
+    hold_coordinates(joints, laws, states, True, r, q, twist, internal)
 
 
 @part
 def hold_coordinates(
-    nodes: Integers,
-    kind: Integers,
-    geometry: Floats,
-    place: Integers,
-    stiffness: Floats,
-    damping: Floats,
-    rest: Floats,
-    law: Integers,
-    address: int,
-    buffer: Floats,
-    near: Floats,
-    target: Floats,
-    multiplier: Floats,
-    carried: Floats,
+    joints: Joints,
+    laws: JointLaws,
+    states: JointStates,
     final: bool,
     r: Floats,
     q: Floats,
     twist: Floats,
-    gradient: Floats,
-    value: Floats,
-    rate: Floats,
-    force: Floats,
-    energy: Floats,
-    power: Floats,
-    gap: Floats,
     internal: Floats,
 ) -> None:
     """Add the forces of all coordinates to the internal forces of some states, and write the gaps of held ones.
 
     Args:
-        address, buffer: of the Python functions, see :func:`obey`.
-        near: values ``(c,)`` that angles are to be near; target: of held coordinates ``(s, c)``.
-        multiplier: ``(s, places)``; carried: forces of springs updated along the iteration ``(s, c)``.
-        final: use the present forces of springs instead.
-        r, q, twist: ``(s, n, ...)``; gradient: scratch ``(12,)``.
-        value: output ``(c,)``, of the last state.
-        rate, force: outputs ``(s, c)``; energy, power: outputs ``(s,)``, stored [J] and dissipated [W].
-        gap: ``(s, places)``, written for held coordinates; internal: ``(s, n, 6)``, added to.
+        final: use the present forces of springs instead of the carried ones.
+        r, q, twist: ``(s, n, ...)``; internal: ``(s, n, 6)``, added to.
     """
+    nodes, kind, _, place, stiffness, damping, rest, law = joints[:8]
+    address, buffer = laws
+    near, target, multiplier, carried, value, rate, force, energy, power, gap, gradient = states
     for i in range(internal.shape[0]):
         energy[i] = power[i] = 0.0
         for c in range(kind.shape[0]):
-            at = gradient_of(c, nodes, kind, geometry, r[i], q[i], near[c], gradient)
+            at = gradient_of(c, joints, r[i], q[i], near[c], gradient)
             value[c] = at
             rate[i, c] = along(c, nodes, gradient, twist[i])
             if place[c] >= 0:
@@ -241,37 +211,28 @@ def hold_coordinates(
 
 @part
 def add_frozen_springs(
-    nodes: Integers,
-    place: Integers,
-    gradients: Floats,
-    force: Floats,
-    carried: Floats,
-    internal: Floats,
+    joints: Joints, operators: SpringOperators, states: JointStates, internal: Floats
 ) -> None:
-    """Add the difference of the springs' forces from the carried ones, along frozen ``gradients (c, 12)``."""
+    """Add the difference of the springs' forces from the carried ones, along the frozen gradients."""
+    nodes, place, force, carried = joints.nodes, joints.place, states.force, states.carried
     for i in range(internal.shape[0]):
         for c in range(place.shape[0]):
             if place[c] < 0 and force[i, c] != carried[i, c]:
-                scatter_force(c, nodes, gradients[c], force[i, c] - carried[i, c], internal[i])
+                excess = force[i, c] - carried[i, c]
+                scatter_force(c, nodes, operators.gradients[c], excess, internal[i])
 
 
 @part
 def carry_springs(
-    nodes: Integers,
-    place: Integers,
-    A: Floats,
-    P: Floats,
-    change: Floats,
-    rate: Floats,
-    force: Floats,
-    carried: Floats,
+    joints: Joints, operators: SpringOperators, change: Floats, rate: Floats, states: JointStates
 ) -> None:
     """Update the forces of springs by increments ``change (s, n, 6)`` and their rates, with frozen operators."""
-    for i in range(carried.shape[0]):
+    nodes, place = joints.nodes, joints.place
+    for i in range(change.shape[0]):
         for c in range(place.shape[0]):
             if place[c] < 0:
-                moved = along(c, nodes, A[c], change[i]) + along(c, nodes, P[c], rate[i])
-                carried[i, c] = force[i, c] + moved
+                moved = along(c, nodes, operators.A[c], change[i]) + along(c, nodes, operators.P[c], rate[i])
+                states.carried[i, c] = states.force[i, c] + moved
 
 
 @part

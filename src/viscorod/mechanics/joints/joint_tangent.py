@@ -2,12 +2,28 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.joints.joint_coordinates import add_gradient_change, place_of
-from viscorod.mechanics.joints.joint_forces import Joints, gradient_of
+from viscorod.mechanics.joints.joint_forces import Joints, SpringOperators, gradient_of
 from viscorod.typing import Floats, Integers
+
+
+class JointSlopes(NamedTuple):
+    """Forces of all coordinates and their derivatives, ``(c,)``.
+
+    Attributes:
+        near: values that angles are to be near; force: of all coordinates.
+        stiffness, damping: derivatives of the force of free ones by value and rate.
+    """
+
+    near: Floats
+    force: Floats
+    stiffness: Floats
+    damping: Floats
 
 
 @kernel
@@ -16,36 +32,32 @@ def add_joint_tangent(
     r: Floats,
     q: Floats,
     twist: Floats,
-    near: Floats,
-    force: Floats,
-    stiffness: Floats,
-    damping: Floats,
-    moving: bool,
+    slopes: JointSlopes,
     rate_map: Floats,
     stiff: float,
     length: float,
     scale: Floats,
     K: Floats,
     C: Floats,
-    gradients: Floats,
-    A: Floats,
-    P: Floats,
+    operators: SpringOperators,
 ) -> None:
     """Add the derivative of the forces of joints, and the rows and columns of multipliers, to a matrix.
 
     Args:
-        force: of all coordinates ``(c,)``; stiffness, damping: derivatives of the free ones by value and rate ``(c,)``.
-        moving: dampers act; rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``, read only if ``moving``.
+        rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``; no nodes: dampers do not act.
         stiff, length: see :func:`scale_of`; scale: output, of all multipliers.
         K: blocks of the matrix ``(b, 6, 6)``; C: of its derivative by twists alone, no blocks if it is not wanted.
-        gradients: output ``(c, 12)``; A, P: outputs ``(c, 12)``, change of the force per increment and per its rate.
+        operators: output.
     """
+    near, force, stiffness, damping = slopes
+    gradients, A, P = operators
+    moving = rate_map.shape[0] > 0
     nodes, kind, geometry, place, _, _, _, _, slots, up, down = joints
     scratch = np.empty((2, 12))
     turning = np.empty((12, 12))
     for c in range(kind.shape[0]):
         gradient = gradients[c]
-        gradient_of(c, nodes, kind, geometry, r, q, near[c], gradient)
+        gradient_of(c, joints, r, q, near[c], gradient)
         for i in range(12):
             A[c, i] = P[c, i] = 0.0
             for j in range(12):

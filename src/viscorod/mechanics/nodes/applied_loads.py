@@ -6,7 +6,7 @@ import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.elements.strain import element_poses, gauss_point, half_products
-from viscorod.mechanics.nodes.attached_poses import link_map, map_columns, map_rows
+from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench, link_map, map_columns, map_rows
 from viscorod.mechanics.rotations.rotation import add_skew, rotate_back, rotation_matrix
 from viscorod.typing import Floats, Integers
 
@@ -93,13 +93,8 @@ def add_nodal_loads(
 
 @kernel
 def add_station_load(
-    nodes: Integers,
-    links: Integers,
-    link_positions: Floats,
-    link_quaternions: Floats,
-    shape: Floats,
-    dead: Floats,
-    following: Floats,
+    own: ElementNodes,
+    load: PointWrench,
     r: Floats,
     q: Floats,
     with_tangent: bool,
@@ -110,10 +105,11 @@ def add_station_load(
     """Add one concentrated wrench inside an element to ``external`` and subtract its derivative from the matrix.
 
     The nodal forces are work-conjugate to the interpolated displacement and to the body rotation of the interpolated
-    frame, ``sum N_k A_k theta_k`` with ``A_k = 2 L_k`` (vector rows, see ``strain``). Arguments are those
-    of ``geometric_element.assemble``; ``dead`` (6) is in global axes, ``following`` (6) in the section's axes, and
-    ``slots (m, m)`` are those of the element.
+    frame, ``sum N_k A_k theta_k`` with ``A_k = 2 L_k`` (vector rows, see ``strain``); ``slots (m, m)`` are those of the
+    element.
     """
+    nodes, links, link_positions, link_quaternions = own
+    shape, dead, following = load
     n = nodes.shape[0]
     re = np.empty((n, 3))
     qe = np.empty((n, 4))

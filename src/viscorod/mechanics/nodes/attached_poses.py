@@ -2,12 +2,43 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, lane_kernel, part
 from viscorod.mechanics.rotations.rotation import rotation_matrix
-from viscorod.mechanics.rotations.vectors import Quaternion, Vector, cross, plus, rotated, scaled
-from viscorod.typing import Floats
+from viscorod.mechanics.rotations.vectors import (
+    Quaternion,
+    Vector,
+    cross,
+    plus,
+    product,
+    rotated,
+    rotated_back,
+)
+from viscorod.typing import Floats, Integers
+
+
+class ElementNodes(NamedTuple):
+    """Nodes of one element: shared node and attachment (or -1) of each, and the poses of all attachments."""
+
+    nodes: Integers
+    links: Integers
+    link_positions: Floats
+    link_quaternions: Floats
+
+
+class PointWrench(NamedTuple):
+    """A wrench inside an element, where the basis has the values ``shape (m,)``.
+
+    Attributes:
+        dead: in global axes ``(6,)`` [N, N m]; following: in the section's axes.
+    """
+
+    shape: Floats
+    dead: Floats
+    following: Floats
 
 
 @kernel
@@ -53,10 +84,15 @@ def map_rows(A: Floats, first: int, X: Floats) -> None:
 
 
 @lane_kernel
+def attached_pose(d: Vector, own: Quaternion, r: Vector, q: Quaternion) -> tuple[Vector, Quaternion]:
+    """Return the pose at offset ``d`` and quaternion ``own`` in the frame of the shared node."""
+    return plus(r, 1.0, rotated(q, d)), product(q, own)
+
+
+@lane_kernel
 def attached_twist(d: Vector, own: Quaternion, v: Vector, w: Vector) -> tuple[Vector, Vector]:
     """Return ``X (v, w)``: twist or increment at a pose attached with offset ``d`` and quaternion ``own``."""
-    back = own[0], scaled(-1.0, own[1])
-    return rotated(back, plus(v, 1.0, cross(w, d))), rotated(back, w)
+    return rotated_back(own, plus(v, 1.0, cross(w, d))), rotated_back(own, w)
 
 
 @lane_kernel
@@ -69,5 +105,4 @@ def shared_wrench(d: Vector, own: Quaternion, f: Vector, m: Vector) -> tuple[Vec
 @lane_kernel
 def attached_wrench(d: Vector, own: Quaternion, f: Vector, m: Vector) -> tuple[Vector, Vector]:
     """Return ``X^-T (f, m)``, the inverse of :func:`shared_wrench`."""
-    back = own[0], scaled(-1.0, own[1])
-    return rotated(back, f), rotated(back, plus(m, -1.0, cross(d, f)))
+    return rotated_back(own, f), rotated_back(own, plus(m, -1.0, cross(d, f)))

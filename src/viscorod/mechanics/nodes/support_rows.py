@@ -15,14 +15,15 @@ position to measure, and the target is the error of the velocities, integrated o
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.nodes.prescribed_motion import step_to_target
+from viscorod.mechanics.rotations.exponential_map import inverse_coefficients
 from viscorod.mechanics.rotations.rotation import (
     add_skew,
-    cross,
-    inverse_coefficients,
     inverse_rotation_tangent,
     relative_rotation,
     rotate,
@@ -30,9 +31,39 @@ from viscorod.mechanics.rotations.rotation import (
     rotation_tangent,
     turned,
 )
+from viscorod.mechanics.rotations.vectors import cross, entries
 from viscorod.typing import Floats, Integers
 
 ROUND_OFF = 1e-9
+
+
+class SupportedNodes(NamedTuple):
+    """Supports of ``m`` nodes.
+
+    Attributes:
+        nodes: ``(m,)``; fixed: 1.0 where a component is fixed or prescribed ``(m, 6)``.
+        axes: ``(m, 3, 3)`` columns, global; all zero: those of the moving section.
+        r0, q0: reference poses ``(m, 3)`` [m], ``(m, 4)``.
+    """
+
+    nodes: Integers
+    fixed: Floats
+    axes: Floats
+    r0: Floats
+    q0: Floats
+
+
+class Directions(NamedTuple):
+    """Directions of supports: derivatives ``G`` and duals ``Z (m, 6, 6)``, and the free rotations ``psi (m, 3)``."""
+
+    G: Floats
+    Z: Floats
+    psi: Floats
+
+    @classmethod
+    def of(cls, count: int) -> Directions:
+        """Allocate for a number of supports."""
+        return cls(np.zeros((count, 6, 6)), np.zeros((count, 6, 6)), np.zeros((count, 3)))
 
 
 @part
@@ -60,19 +91,22 @@ def target_frame(axes: Floats, q0: Floats, fixed: Floats, target: Floats, out: F
 
 @kernel
 def support_directions(
-    axes: Floats,
-    r0: Floats,
-    q0: Floats,
-    fixed: Floats,
+    supports: SupportedNodes,
+    s: int,
     target: Floats,
     r: Floats,
     q: Floats,
     value: Floats,
-    G: Floats,
-    Z: Floats,
-    psi: Floats,
+    to: int,
+    directions: Directions,
 ) -> None:
-    """Write the measured components ``value``, their derivative ``G`` (rows) and dual directions ``Z`` (columns)."""
+    """Write the measured components ``value`` of support ``s`` and its directions, as number ``to`` of them.
+
+    Args:
+        target: prescribed values of all supports ``(m, 6)`` [m, rad]; r, q: poses of all nodes.
+    """
+    node, fixed, axes, r0 = supports.nodes[s], supports.fixed[s], supports.axes[s], supports.r0[s]
+    G, Z, psi = directions.G[to], directions.Z[to], directions.psi[to]
     if in_body(axes):
         for i in range(6):
             value[i] = 0.0
@@ -86,10 +120,10 @@ def support_directions(
     T = np.empty((3, 3))
     Ti = np.empty((3, 3))
     qt = np.empty(4)
-    target_frame(axes, q0, fixed, target, qt)
-    rotation_matrix(q, R)
+    target_frame(axes, supports.q0[s], fixed, target[s], qt)
+    rotation_matrix(q[node], R)
     rotation_matrix(qt, Rt)
-    relative_rotation(qt, q, psi)
+    relative_rotation(qt, q[node], psi)
     rotation_tangent(psi, T)
     inverse_rotation_tangent(psi, Ti)
     for i in range(6):
@@ -97,9 +131,9 @@ def support_directions(
             G[i, j] = Z[i, j] = 0.0
     for i in range(3):
         value[i] = 0.0
-        value[3 + i] = fixed[3 + i] * target[3 + i]
+        value[3 + i] = fixed[3 + i] * target[s, 3 + i]
         for a in range(3):
-            value[i] += axes[a, i] * (r[a] - r0[a])
+            value[i] += axes[a, i] * (r[node, a] - r0[a])
             e = 0.0  # component a of axis i in the frame of the target
             for b in range(3):
                 e += Rt[b, a] * axes[b, i]
@@ -131,10 +165,9 @@ def reaction_stiffness(G: Floats, psi: Floats, reaction: Floats, out: Floats) ->
             for j in range(3):
                 m[i] += T[j, i] * G[3 + a, 3 + j] * reaction[3 + a]
     c, slope = inverse_coefficients(psi[0] ** 2 + psi[1] ** 2 + psi[2] ** 2)
-    once = np.empty(3)
-    twice = np.empty(3)
-    cross(psi, m, once)
-    cross(psi, once, twice)
+    turn = entries(psi, 0)
+    once = cross(turn, entries(m, 0))
+    twice = cross(turn, once)
     add_skew(m, 0.5, D)
     add_skew(once, -c, D)
     for i in range(3):
@@ -153,34 +186,28 @@ def reaction_stiffness(G: Floats, psi: Floats, reaction: Floats, out: Floats) ->
 
 @kernel
 def impose(
-    nodes: Integers,
-    fixed: Floats,
-    axes: Floats,
-    r0: Floats,
-    q0: Floats,
+    supports: SupportedNodes,
     target: Floats,
     r: Floats,
     q: Floats,
     residual: Floats,
     reaction: Floats,
-    G: Floats,
-    Z: Floats,
-    psi: Floats,
+    directions: Directions,
 ) -> None:
     """Replace the rows of supported nodes in the residual.
 
     Args:
-        nodes: supported nodes ``(m,)``; fixed: 1.0 where a component is fixed or prescribed ``(m, 6)``.
-        axes: ``(m, 3, 3)`` columns; r0, q0: reference poses; target: prescribed values ``(m, 6)`` [m, rad].
-        r, q: present poses of all nodes.
+        target: prescribed values ``(m, 6)`` [m, rad]; r, q: present poses of all nodes.
         residual: ``(n, 6)``; on return free rows hold the projected balance, fixed rows the gap to be closed.
         reaction: output ``(m, 6)``, force and moment components along the axes that the support exerts.
-        G, Z, psi: outputs of :func:`support_directions`, ``(m, 6, 6), (m, 6, 6), (m, 3)``.
+        directions: output of :func:`support_directions` for all.
     """
+    nodes, fixed, axes, r0, q0 = supports
+    Z = directions.Z
     value = np.empty(6)
     for s in range(nodes.shape[0]):
         k = nodes[s]
-        support_directions(axes[s], r0[s], q0[s], fixed[s], target[s], r[k], q[k], value, G[s], Z[s], psi[s])
+        support_directions(supports, s, target, r, q, value, s, directions)
         complete = not in_body(axes[s])
         for i in range(6):
             reaction[s, i] = 0.0
@@ -203,12 +230,8 @@ def impose(
 
 @kernel
 def impose_tangent(
-    nodes: Integers,
-    fixed: Floats,
-    axes: Floats,
-    G: Floats,
-    Z: Floats,
-    psi: Floats,
+    supports: SupportedNodes,
+    directions: Directions,
     reaction: Floats,
     residual: Floats,
     blocks: Floats,
@@ -219,11 +242,13 @@ def impose_tangent(
     """Replace the rows of supported nodes in the matrix, after :func:`impose`; held rows of both are weighted.
 
     Args:
-        nodes, fixed, axes, G, Z, psi, reaction: as :func:`impose` left them.
+        directions, reaction: as :func:`impose` left them.
         residual: ``(n, 6)``; blocks: of the matrix ``(b, 6, 6)`` (see ``geometric_element.assemble``).
         starts, across, diagonal: numbers of the blocks: column k has those from ``starts[k]`` to ``starts[k + 1]``,
             row k those that are ``across`` from them, and both have the block ``diagonal[k]``.
     """
+    nodes, fixed, axes = supports[:3]
+    G, Z, psi = directions
     old = np.empty((6, 6))
     block = np.empty((6, 6))
     weight = np.empty(6)
@@ -281,45 +306,37 @@ def impose_tangent(
 
 @kernel
 def reaction_wrenches(
-    nodes: Integers,
-    fixed: Floats,
-    axes: Floats,
-    r0: Floats,
-    q0: Floats,
+    supports: SupportedNodes,
     target: Floats,
     r: Floats,
     q: Floats,
     reaction: Floats,
+    directions: Directions,
     out: Floats,
 ) -> None:
     """Write the forces and moments (global axes) of the reaction components of :func:`impose`.
 
     Several states are handled at once: the first index of ``target``, ``r``, ``q``, ``reaction`` and
-    ``out (states, m, 6)``.
+    ``out (states, m, 6)``; ``directions`` of one support are scratch.
     """
+    nodes, fixed, G = supports.nodes, supports.fixed, directions.G
     value = np.empty(6)
-    G = np.empty((6, 6))
-    Z = np.empty((6, 6))
-    psi = np.empty(3)
     wrench = np.empty(6)
     for state in range(r.shape[0]):
         for s in range(nodes.shape[0]):
-            k = nodes[s]
-            rk, qk = r[state, k], q[state, k]
-            support_directions(axes[s], r0[s], q0[s], fixed[s], target[state, s], rk, qk, value, G, Z, psi)
+            qk = q[state, nodes[s]]
+            support_directions(supports, s, target[state], r[state], q[state], value, 0, directions)
             for j in range(6):
                 wrench[j] = 0.0
                 for i in range(6):
-                    wrench[j] += G[i, j] * fixed[s, i] * reaction[state, s, i]
+                    wrench[j] += G[0, i, j] * fixed[s, i] * reaction[state, s, i]
             rotate(qk, wrench[0:3], out[state, s, 0:3])
             rotate(qk, wrench[3:6], out[state, s, 3:6])
 
 
 @part
 def lacking_motion(
-    nodes: Integers,
-    fixed: Floats,
-    axes: Floats,
+    supports: SupportedNodes,
     weights: Floats,
     h: float,
     rate: Floats,
@@ -329,9 +346,10 @@ def lacking_motion(
     """Write the targets of supports in body axes: the error of their velocities, integrated up to every stage.
 
     Args:
-        nodes, fixed, axes: as in :func:`impose`; weights: of the stages in the integrals ``(s, s)``; h: step [s].
+        weights: of the stages in the integrals ``(s, s)``; h: step [s].
         rate: prescribed velocities ``(s, m, 6)``; twist: of all nodes ``(s, n, 6)``; target: output ``(s, m, 6)``.
     """
+    nodes, fixed, axes = supports[:3]
     for m in range(nodes.shape[0]):
         if in_body(axes[m]):
             for i in range(twist.shape[0]):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
@@ -33,18 +35,21 @@ def hermite(
     return y0 + x * (h * v0 + x * (p + x * q)), v0 + x * (2.0 * p + 3.0 * x * q) / h
 
 
+class MovingPoses(NamedTuple):
+    """Poses ``(n, 3)`` [m], ``(n, 4)``, body twists and their rates ``(n, 6)`` of nodes at one time."""
+
+    r: Floats
+    q: Floats
+    twist: Floats
+    rate: Floats
+
+
 @kernel
 def interpolate(
     parts: Floats,
     h: float,
-    r0: Floats,
-    q0: Floats,
-    twist0: Floats,
-    rate0: Floats,
-    r1: Floats,
-    q1: Floats,
-    twist1: Floats,
-    rate1: Floats,
+    start: MovingPoses,
+    end: MovingPoses,
     split: Floats,
     smooth: bool,
     r: Floats,
@@ -57,7 +62,7 @@ def interpolate(
     less than pi in the interval.
 
     Args:
-        r0, q0, twist0, rate0: poses, twists and their rates at the start; the same with 1 at the end.
+        start, end: poses, twists and their rates at both ends.
         split: per node, whether displacement and rotation are separate coordinates.
         smooth: use the rates (degree 5, error of order 6) or not (degree 3, error of order 4).
         r, q, twist: outputs ``(k, n, 3)``, ``(k, n, 4)``, ``(k, n, 6)``.
@@ -69,26 +74,26 @@ def interpolate(
     other = np.empty(6)
     at = np.empty(6)
     at_rate = np.empty(6)
-    for k in range(r0.shape[0]):
+    for k in range(split.shape[0]):
         apart = split[k] != 0.0
-        coordinates(r0[k], q0[k], r1[k], q1[k], apart, X[1])
-        for end in range(2):
-            xe, ae = (twist0[k], rate0[k]) if end == 0 else (twist1[k], rate1[k])
-            coordinate_rates(X[end], xe, apart, speed[end])
-            coordinate_rates(X[end], ae, apart, acceleration[end])
+        coordinates(start.r[k], start.q[k], end.r[k], end.q[k], apart, X[1])
+        for side in range(2):
+            xe, ae = (start.twist[k], start.rate[k]) if side == 0 else (end.twist[k], end.rate[k])
+            coordinate_rates(X[side], xe, apart, speed[side])
+            coordinate_rates(X[side], ae, apart, acceleration[side])
             # the map itself changes along the motion
             size = 1e-300
             for i in range(6):
-                size = max(size, abs(speed[end, i]))
+                size = max(size, abs(speed[side, i]))
             small = 1e-4 / size
             for i in range(6):
-                at[i] = X[end, i] + small * speed[end, i]
+                at[i] = X[side, i] + small * speed[side, i]
             coordinate_rates(at, xe, apart, one)
             for i in range(6):
-                at[i] = X[end, i] - small * speed[end, i]
+                at[i] = X[side, i] - small * speed[side, i]
             coordinate_rates(at, xe, apart, other)
             for i in range(6):
-                acceleration[end, i] += (one[i] - other[i]) / (2.0 * small)
+                acceleration[side, i] += (one[i] - other[i]) / (2.0 * small)
         for j in range(parts.shape[0]):
             for i in range(6):
                 at[i], at_rate[i] = hermite(
@@ -102,4 +107,4 @@ def interpolate(
                     acceleration[1, i],
                     smooth,
                 )
-            place(r0[k], q0[k], at, at_rate, apart, r[j, k], q[j, k], twist[j, k])
+            place(start.r[k], start.q[k], at, at_rate, apart, r[j, k], q[j, k], twist[j, k])

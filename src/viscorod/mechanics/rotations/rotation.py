@@ -1,4 +1,4 @@
-"""Rotations and rigid motions: quaternions, exponential maps and their tangents.
+"""Rotations and rigid motions of nodes, in arrays: poses that are turned and moved, tangents as matrices.
 
 A pose is a position ``r`` (global) and a unit quaternion ``q = (q0, q1, q2, q3)`` whose matrix ``R`` takes body
 components to global ones. Increments ``(a, theta)`` act from the right, in the body frame: they are logarithms on
@@ -9,23 +9,38 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from viscorod.mechanics.compilation.compiled import kernel, part
-from viscorod.mechanics.rotations.vectors import dot, vector
+from viscorod.mechanics.rotations.exponential_map import (
+    exponential,
+    inverse_coefficients,
+    logarithm,
+    pose_after,
+    screw_translation,
+    versine_coefficients,
+    versine_slopes,
+)
+from viscorod.mechanics.rotations.vectors import (
+    Vector,
+    conjugate,
+    dot,
+    entries,
+    normalised,
+    product,
+    put,
+    put4,
+    put_entries,
+    put_quaternion,
+    quaternion,
+    quaternion_of,
+    rotated,
+    rotated_back,
+    vector,
+)
 from viscorod.typing import Floats
 
 
 @part
-def cross(a: Floats, b: Floats, out: Floats) -> None:
-    """Write ``a x b`` into ``out`` (which must be neither)."""
-    out[0] = a[1] * b[2] - a[2] * b[1]
-    out[1] = a[2] * b[0] - a[0] * b[2]
-    out[2] = a[0] * b[1] - a[1] * b[0]
-
-
-@part
-def add_skew(a: Floats, factor: float, out: Floats) -> None:
+def add_skew(a: Floats | Vector, factor: float, out: Floats) -> None:
     """Add ``factor [a]x`` to the 3x3 ``out``, where ``[a]x b = a x b``."""
     out[0, 1] -= factor * a[2]
     out[0, 2] += factor * a[1]
@@ -50,75 +65,20 @@ def rotation_matrix(q: Floats, out: Floats) -> None:
 @part
 def rotate(q: Floats, a: Floats, out: Floats) -> None:
     """Write ``R(q) a`` into ``out`` for a unit quaternion ``q``."""
-    t0 = 2.0 * (q[2] * a[2] - q[3] * a[1])
-    t1 = 2.0 * (q[3] * a[0] - q[1] * a[2])
-    t2 = 2.0 * (q[1] * a[1] - q[2] * a[0])
-    out[0] = a[0] + q[0] * t0 + q[2] * t2 - q[3] * t1
-    out[1] = a[1] + q[0] * t1 + q[3] * t0 - q[1] * t2
-    out[2] = a[2] + q[0] * t2 + q[1] * t1 - q[2] * t0
+    put_entries(out, 0, rotated(quaternion_of(q), entries(a, 0)))
 
 
 @part
 def rotate_back(q: Floats, a: Floats, out: Floats) -> None:
     """Write ``R(q)^T a`` into ``out`` for a unit quaternion ``q``."""
-    t0 = 2.0 * (q[2] * a[2] - q[3] * a[1])
-    t1 = 2.0 * (q[3] * a[0] - q[1] * a[2])
-    t2 = 2.0 * (q[1] * a[1] - q[2] * a[0])
-    out[0] = a[0] - q[0] * t0 + q[2] * t2 - q[3] * t1
-    out[1] = a[1] - q[0] * t1 + q[3] * t0 - q[1] * t2
-    out[2] = a[2] - q[0] * t2 + q[1] * t1 - q[2] * t0
+    put_entries(out, 0, rotated_back(quaternion_of(q), entries(a, 0)))
 
 
 @kernel
 def rotate_rows(q: Floats, vectors: Floats, out: Floats) -> None:
     """Write ``R(q_k) a_k`` for every row into ``out (n, 3)``."""
     for k in range(q.shape[0]):
-        rotate(q[k], vectors[k], out[k])
-
-
-@part
-def quaternion_product(p: Floats, q: Floats, out: Floats) -> None:
-    """Write the quaternion product ``p q`` into ``out`` (which must be neither)."""
-    out[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3]
-    out[1] = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2]
-    out[2] = p[0] * q[2] + p[2] * q[0] + p[3] * q[1] - p[1] * q[3]
-    out[3] = p[0] * q[3] + p[3] * q[0] + p[1] * q[2] - p[2] * q[1]
-
-
-@part
-def versine_coefficients(phi2: float) -> tuple[float, float]:
-    """Return ``(1 - cos phi)/phi^2`` and ``(phi - sin phi)/phi^3`` for ``phi2 = phi^2``."""
-    if phi2 < 0.04:
-        a = 0.5 - phi2 * (
-            1 / 24 - phi2 * (1 / 720 - phi2 * (1 / 40320 - phi2 * (1 / 3628800 - phi2 / 479001600)))
-        )
-        b = 1 / 6 - phi2 * (
-            1 / 120 - phi2 * (1 / 5040 - phi2 * (1 / 362880 - phi2 * (1 / 39916800 - phi2 / 6227020800)))
-        )
-        return a, b
-    phi = math.sqrt(phi2)
-    half = math.sin(0.5 * phi)
-    return 2.0 * half * half / phi2, (phi - math.sin(phi)) / (phi2 * phi)
-
-
-@part
-def inverse_coefficients(phi2: float) -> tuple[float, float]:
-    """Return ``c = (1 - (phi/2) cot(phi/2))/phi^2`` and ``c'(phi)/phi`` for ``phi2 = phi^2`` (below ``4 pi^2``)."""
-    if phi2 < 0.09:
-        c = 1 / 12 + phi2 * (
-            1 / 720
-            + phi2 * (1 / 30240 + phi2 * (1 / 1209600 + phi2 * (1 / 47900160 + phi2 * 691 / 1307674368000)))
-        )
-        d = 1 / 360 + phi2 * (
-            1 / 7560 + phi2 * (1 / 201600 + phi2 * (1 / 5987520 + phi2 * 691 / 130767436800))
-        )
-        return c, d
-    phi = math.sqrt(phi2)
-    y = 0.5 * phi
-    cot = math.cos(y) / math.sin(y)
-    c = (1.0 - y * cot) / phi2
-    slope = (0.5 * y * (1.0 + cot * cot) - 0.5 * cot) / phi2 - 2.0 * c / phi
-    return c, slope / phi
+        put(out, k, 0, rotated(quaternion(q, k), vector(vectors, k, 0)))
 
 
 @kernel
@@ -130,52 +90,18 @@ def retract(r: Floats, q: Floats, increment: Floats, r_new: Floats, q_new: Float
         increment: ``(n, 6)``, translation [m] and rotation vector [rad] in the body frame (logarithm on SE(3)).
         r_new, q_new: outputs; may be ``r`` and ``q``.
     """
-    u = np.empty(3)
-    g = np.empty(3)
     for k in range(r.shape[0]):
-        a0, a1, a2, t0, t1, t2 = increment[k]
-        phi2 = t0 * t0 + t1 * t1 + t2 * t2
-        a, b = versine_coefficients(phi2)
-        # V(theta) translation = a + A theta x a + B theta x (theta x a)
-        c0, c1, c2 = t1 * a2 - t2 * a1, t2 * a0 - t0 * a2, t0 * a1 - t1 * a0
-        u[0] = a0 + a * c0 + b * (t1 * c2 - t2 * c1)
-        u[1] = a1 + a * c1 + b * (t2 * c0 - t0 * c2)
-        u[2] = a2 + a * c2 + b * (t0 * c1 - t1 * c0)
-        rotate(q[k], u, g)
-        r_new[k, 0] = r[k, 0] + g[0]
-        r_new[k, 1] = r[k, 1] + g[1]
-        r_new[k, 2] = r[k, 2] + g[2]
-        if phi2 < 1e-4:
-            e0 = 1.0 - phi2 / 8 * (1.0 - phi2 / 48)
-            s = 0.5 * (1.0 - phi2 / 24 * (1.0 - phi2 / 80))
-        else:
-            phi = math.sqrt(phi2)
-            e0 = math.cos(0.5 * phi)
-            s = math.sin(0.5 * phi) / phi
-        e1, e2, e3 = s * t0, s * t1, s * t2
-        q0, q1, q2, q3 = q[k]
-        n0 = q0 * e0 - q1 * e1 - q2 * e2 - q3 * e3
-        n1 = q0 * e1 + q1 * e0 + q2 * e3 - q3 * e2
-        n2 = q0 * e2 + q2 * e0 + q3 * e1 - q1 * e3
-        n3 = q0 * e3 + q3 * e0 + q1 * e2 - q2 * e1
-        scale = 1.0 / math.sqrt(n0 * n0 + n1 * n1 + n2 * n2 + n3 * n3)
-        q_new[k, 0], q_new[k, 1], q_new[k, 2], q_new[k, 3] = scale * n0, scale * n1, scale * n2, scale * n3
+        a, theta = vector(increment, k, 0), vector(increment, k, 3)
+        u = screw_translation(a, theta)
+        here, turn = pose_after(vector(r, k, 0), quaternion(q, k), u, exponential(theta))
+        put(r_new, k, 0, here)
+        put4(q_new, k, turn)
 
 
 @part
 def turned(q: Floats, theta: Floats, out: Floats) -> None:
-    """Write the unit quaternion ``q exp(theta)`` into ``out`` (which may not be ``q``)."""
-    phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
-    half = 0.5 * math.sqrt(phi2)
-    s = 0.5 * (1.0 - phi2 / 24 * (1.0 - phi2 / 80)) if phi2 < 1e-4 else math.sin(half) / (2.0 * half)
-    e0, e1, e2, e3 = math.cos(half), s * theta[0], s * theta[1], s * theta[2]
-    out[0] = q[0] * e0 - q[1] * e1 - q[2] * e2 - q[3] * e3
-    out[1] = q[0] * e1 + q[1] * e0 + q[2] * e3 - q[3] * e2
-    out[2] = q[0] * e2 + q[2] * e0 + q[3] * e1 - q[1] * e3
-    out[3] = q[0] * e3 + q[3] * e0 + q[1] * e2 - q[2] * e1
-    scale = 1.0 / math.sqrt(out[0] ** 2 + out[1] ** 2 + out[2] ** 2 + out[3] ** 2)
-    for i in range(4):
-        out[i] *= scale
+    """Write the unit quaternion ``q exp(theta)`` into ``out``."""
+    put_quaternion(out, normalised(product(quaternion_of(q), exponential(entries(theta, 0)))))
 
 
 @part
@@ -195,12 +121,7 @@ def rotation_tangent_rate(theta: Floats, rate: Floats, out: Floats) -> None:
     """Write the directional derivative of ``T(theta)`` along ``rate`` into ``out``."""
     phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
     a, b = versine_coefficients(phi2)
-    if phi2 < 0.04:
-        a1 = -1 / 12 + phi2 * (1 / 180 - phi2 * (1 / 6720 - phi2 / 453600))
-        b1 = -1 / 60 + phi2 * (1 / 1260 - phi2 * (1 / 60480 - phi2 / 4989600))
-    else:
-        a1 = (1.0 - b * phi2 - 2.0 * a) / phi2
-        b1 = (a - 3.0 * b) / phi2
+    a1, b1 = versine_slopes(phi2, a, b)
     t = theta[0] * rate[0] + theta[1] * rate[1] + theta[2] * rate[2]
     for i in range(3):
         for j in range(3):
@@ -290,19 +211,10 @@ def increment_size(increment: Floats, length: float) -> float:
 @part
 def rotation_vector(q: Floats, out: Floats) -> None:
     """Write the rotation vector of the unit quaternion ``q`` (the shorter way round, |out| <= pi) into ``out``."""
-    sign = 1.0 if q[0] >= 0.0 else -1.0
-    s = math.sqrt(q[1] ** 2 + q[2] ** 2 + q[3] ** 2)
-    factor = 2.0 * sign if s < 1e-8 else 2.0 * math.atan2(s, sign * q[0]) * sign / s
-    for i in range(3):
-        out[i] = factor * q[1 + i]
+    put_entries(out, 0, logarithm(quaternion_of(q)))
 
 
 @part
 def relative_rotation(q0: Floats, q: Floats, out: Floats) -> None:
     """Write the rotation vector of ``conj(q0) q`` into ``out``."""
-    d = np.empty(4)
-    d[0] = q0[0] * q[0] + q0[1] * q[1] + q0[2] * q[2] + q0[3] * q[3]
-    d[1] = q0[0] * q[1] - q0[1] * q[0] - q0[2] * q[3] + q0[3] * q[2]
-    d[2] = q0[0] * q[2] - q0[2] * q[0] - q0[3] * q[1] + q0[1] * q[3]
-    d[3] = q0[0] * q[3] - q0[3] * q[0] - q0[1] * q[2] + q0[2] * q[1]
-    rotation_vector(d, out)
+    put_entries(out, 0, logarithm(product(conjugate(quaternion_of(q0)), quaternion_of(q))))

@@ -13,8 +13,8 @@ from viscorod.errors import InputError
 from viscorod.mechanics.elements.held_strains import add_held_strains
 from viscorod.mechanics.elements.internal_force import Elements, ElementWork, GaussStates, internal_forces
 from viscorod.mechanics.joints.joint_coordinates import ANGLE, DISTANCE, ROTATION, TRANSLATION
-from viscorod.mechanics.joints.joint_forces import joint_forces
-from viscorod.mechanics.joints.joint_tangent import add_joint_tangent
+from viscorod.mechanics.joints.joint_forces import JointLaws, JointStates, SpringOperators, joint_forces
+from viscorod.mechanics.joints.joint_tangent import JointSlopes, add_joint_tangent
 from viscorod.solve.constraints.ball_motors import LARGEST, BallMotors
 from viscorod.solve.linear.matrix import unit_of
 from viscorod.solve.problem.law_callbacks import NUMBERS, LawCallbacks
@@ -66,11 +66,11 @@ class Constraints:
         self.pace = 0.0
         self._elements = elements
         self.laws = LawCallbacks(self.joints.laws)
-        self.buffer = np.zeros(NUMBERS)
+        self.functions = JointLaws(self.laws.callback.address, np.zeros(NUMBERS))
         self.near, self.target, self.target_rate = np.zeros(c), np.zeros(c), np.zeros(c)
         self.driven = np.zeros(c)
         self.gap, self.scale = np.zeros(places), np.ones(places)
-        self.gradients, self.A, self.P = np.zeros((c, 12)), np.zeros((c, 12)), np.zeros((c, 12))
+        self.operators = SpringOperators.of(c)
         self.force, self.rate, self.value = np.zeros(c), np.zeros(c), np.zeros(c)
         self.energy = 0.0
         self._stiffness, self._damping = self.arrays.stiffness.copy(), self.arrays.damping.copy()
@@ -223,25 +223,28 @@ class Constraints:
         """Add the forces of joints and springs in a state to ``internal (n, 6)``; measure all coordinates."""
         if self.joints.count == 0:
             return
-        a = self.arrays
         rate, force = np.zeros((1, self.joints.count)), np.zeros((1, self.joints.count))
         energy, power = np.zeros(1), np.zeros(1)
+        states = JointStates(
+            near=self.near,
+            target=self.target[None],
+            multiplier=state.multiplier[None],
+            carried=force,
+            value=self.value,
+            rate=rate,
+            force=force,
+            energy=energy,
+            power=power,
+            gap=self.gap[None],
+            gradient=np.empty(12),
+        )
         joint_forces(
-            a,
-            self.laws.callback.address,
-            self.buffer,
-            self.near,
-            self.target[None],
-            state.multiplier[None],
+            self.arrays,
+            self.functions,
+            states,
             state.r[None],
             state.q[None],
             state.twist[None],
-            self.value,
-            rate,
-            force,
-            energy,
-            power,
-            self.gap[None],
             internal[None],
         )
         self.laws.callback.check()
@@ -279,22 +282,19 @@ class Constraints:
             self._stiffness[c], self._damping[c] = self.laws.slopes(
                 law, float(self.value[c]), float(self.rate[c])
             )
-        stiff = self._stiffest(K)
-        self._add(state, self.force, self._stiffness, self._damping, moving, rate_map, stiff, K, C, held)
+        slopes = JointSlopes(self.near, self.force, self._stiffness, self._damping)
+        self._add(state, slopes, rate_map if moving else rate_map[:0], self._stiffest(K), K, C, held)
 
     def add_rows(self, state: State, K: Floats, held: tuple[Integers, Floats] | None) -> None:
         """Add the rows and columns of multipliers, and nothing else, to the blocks ``K``."""
-        none, still = np.zeros(self.joints.count), np.zeros((self.problem.size, 6, 6))
-        stiff = self._largest(K)
-        self._add(state, none, none, none, False, still, stiff, K, np.zeros((0, 6, 6)), held)
+        none, no_blocks = np.zeros(self.joints.count), np.zeros((0, 6, 6))
+        slopes = JointSlopes(self.near, none, none, none)
+        self._add(state, slopes, no_blocks, self._largest(K), K, no_blocks, held)
 
     def _add(
         self,
         state: State,
-        force: Floats,
-        stiffness: Floats,
-        damping: Floats,
-        moving: bool,
+        slopes: JointSlopes,
         rate_map: Floats,
         stiff: float,
         K: Floats,
@@ -310,20 +310,14 @@ class Constraints:
                 state.r,
                 state.q,
                 state.twist,
-                self.near,
-                force,
-                stiffness,
-                damping,
-                moving,
+                slopes,
                 rate_map,
                 stiff,
                 length,
                 self.scale,
                 K,
                 C,
-                self.gradients,
-                self.A,
-                self.P,
+                self.operators,
             )
         if held is not None:
             orders, B = held

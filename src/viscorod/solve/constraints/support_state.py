@@ -30,7 +30,8 @@ class SupportState:
         self.acceleration: Floats = np.zeros((m, 6))
         self.reaction: Floats = np.zeros((m, 6))
         self.weights: Floats = np.ones((problem.size, 6))
-        self._directions_now = np.zeros((m, 6, 6)), np.zeros((m, 6, 6)), np.zeros((m, 3))
+        self.nodes = supports.SupportedNodes(s.nodes, s.fixed, s.axes, self.r0, self.q0)
+        self._directions_now = supports.Directions.of(m)
         self.complete = s.complete
         self.partial = s.partial
         self.moving = bool(s.motions)
@@ -104,25 +105,13 @@ class SupportState:
         With the ``tangent`` held rows of both are multiplied by ``weights``.
         """
         supports.impose(
-            self.set.nodes,
-            self.set.fixed,
-            self.set.axes,
-            self.r0,
-            self.q0,
-            self.target,
-            state.r,
-            state.q,
-            residual,
-            self.reaction,
-            *self._directions_now,
+            self.nodes, self.target, state.r, state.q, residual, self.reaction, self._directions_now
         )
         if tangent:
             self.weights = np.ones_like(residual)
             supports.impose_tangent(
-                self.set.nodes,
-                self.set.fixed,
-                self.set.axes,
-                *self._directions_now,
+                self.nodes,
+                self._directions_now,
                 self.reaction,
                 self.weights,
                 matrix.blocks,
@@ -144,7 +133,7 @@ class SupportState:
         How fast rotations change follows from the twists: the reaction's moment acts about the axes in space.
         """
         speeds = self.rate.copy()
-        directions = self._directions_now[0][:, 3:, 3:]
+        directions = self._directions_now.G[:, 3:, 3:]
         turning = np.einsum("mij,mj->mi", directions, state.twist[self.set.nodes, 3:])
         speeds[~self.set.in_body, 3:] = turning[~self.set.in_body]
         return float(np.sum(self.set.fixed * self.reaction * speeds))
@@ -157,15 +146,12 @@ class SupportState:
         """
         out = np.empty((1, len(self.set.nodes), 6))
         supports.reaction_wrenches(
-            self.set.nodes,
-            self.set.fixed,
-            self.set.axes,
-            self.r0,
-            self.q0,
+            self.nodes,
             self.target[None],
             state.r[None],
             state.q[None],
             self.reaction[None],
+            supports.Directions.of(1),
             out,
         )
         wrenches: Floats = out[0]
@@ -173,22 +159,9 @@ class SupportState:
 
     def _directions(self, k: int, state: State) -> tuple[Floats, Floats, Floats, Floats]:
         """Return the components of a support's motion, their derivative G, dual directions Z, and psi."""
-        value, G, Z, psi = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty(3)
-        node = self.set.nodes[k]
-        supports.support_directions(
-            self.set.axes[k],
-            self.r0[k],
-            self.q0[k],
-            self.set.fixed[k],
-            self.target[k],
-            state.r[node],
-            state.q[node],
-            value,
-            G,
-            Z,
-            psi,
-        )
-        return value, G, Z, psi
+        value, found = np.empty(6), supports.Directions.of(1)
+        supports.support_directions(self.nodes, k, self.target, state.r, state.q, value, 0, found)
+        return value, found.G[0], found.Z[0], found.psi[0]
 
     def measured(self, state: State) -> Floats:
         """Return the motions of all supports in a state ``(m, 6)``, rotations nearest to the present targets."""

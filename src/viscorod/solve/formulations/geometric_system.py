@@ -13,6 +13,7 @@ from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import LANES
 from viscorod.mechanics.elements.linearised import Operators, collect
 from viscorod.mechanics.nodes import applied_loads as loading
+from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.solve.constraints.constraint_rows import gradients_of_gaps
 from viscorod.solve.constraints.constraints import Constraints
 from viscorod.solve.formulations.dashpot_memory import DashpotMemory
@@ -36,6 +37,7 @@ class _Part:
 
     def __init__(self, problem: Problem, elements: ElementSet) -> None:
         self.elements = elements
+        self.problem = problem
         shape = (*elements.section.shape, 6)
         self.strain = np.zeros(shape)
         self.earlier = np.zeros(shape)
@@ -47,27 +49,47 @@ class _Part:
         self.reference = np.zeros(shape)
         self.stiffness = elements.stiffness
         self.prestress = np.zeros((0, 1, 6))
-        geometric.strains(
-            elements.nodes,
-            elements.links,
-            problem.link_positions,
-            problem.link_quaternions,
-            elements.shapes,
-            elements.slopes,
-            elements.half_lengths,
-            problem.positions,
-            problem.quaternions,
-            self.reference,
-            np.zeros((*elements.section.shape, 4)),
-        )
-        self.unstressed = self.reference.copy()
-        self.rest = rest_strains(problem, elements)
         self.damped = elements.damped
         self.coupled = elements.coupled
-        self.points = elements.section.shape[1]
         self.constrained = bool(elements.held.any())
+        frames = np.zeros((*elements.section.shape, 4))
+        geometric.strains(self.arrays, problem.positions, problem.quaternions, self.reference, frames)
+        self.unstressed = self.reference.copy()
+        self.rest = rest_strains(problem, elements)
+        self.points = elements.section.shape[1]
         self.held_at = tuple(np.zeros(0, dtype=np.int64) for _ in range(3))  # elements, points, components
         self.place, self.weight = np.zeros(0, dtype=np.int64), np.zeros(0)
+
+    @property
+    def arrays(self) -> geometric.EqualElements:
+        """The elements as kernels take them, with the present sections."""
+        e, problem = self.elements, self.problem
+        return geometric.EqualElements(
+            e.nodes,
+            e.links,
+            e.slots,
+            problem.link_positions,
+            problem.link_quaternions,
+            e.shapes,
+            e.slopes,
+            e.weights,
+            e.half_lengths,
+            e.section,
+            self.stiffness,
+            e.damping,
+            e.held,
+            self.coupled,
+            self.damped,
+            self.constrained,
+            self.reference,
+            self.prestress,
+        )
+
+    def fields(self, stress: Floats, strain_operator: Floats) -> geometric.PointArrays:
+        """Return what an assembly with a stress iterate reads and writes at the Gauss points."""
+        return geometric.PointArrays(
+            stress, self.strain, self.strain_rate, self.section_force, self.operator, strain_operator
+        )
 
     def impose_rest(self, part: float) -> None:
         """Measure strains from the reference shape with a part of the rest strains."""
@@ -155,13 +177,13 @@ class GeometricSystem:
         for load in loads.stations:
             e = self.parts[load.part].elements
             loading.add_station_load(
-                e.nodes[load.element],
-                e.links[load.element],
-                problem.link_positions,
-                problem.link_quaternions,
-                load.shape,
-                load.dead,
-                load.following,
+                ElementNodes(
+                    e.nodes[load.element],
+                    e.links[load.element],
+                    problem.link_positions,
+                    problem.link_quaternions,
+                ),
+                PointWrench(load.shape, load.dead, load.following),
                 state.r,
                 state.q,
                 tangent,
@@ -259,41 +281,16 @@ class GeometricSystem:
         strain_operator: Floats,
     ) -> None:
         """Add the forces of one element set to ``internal`` and its tangent to the blocks."""
-        problem, e = self.problem, part.elements
         geometric.assemble(
-            e.nodes,
-            e.links,
-            e.slots,
-            problem.link_positions,
-            problem.link_quaternions,
-            e.shapes,
-            e.slopes,
-            e.weights,
-            e.half_lengths,
-            e.section,
-            part.stiffness,
-            e.damping,
-            e.held,
-            part.coupled,
-            part.damped,
-            part.constrained,
-            part.reference,
-            part.prestress,
-            stress,
+            part.arrays,
+            part.fields(stress, strain_operator),
             state.r,
             state.q,
             state.twist,
             moving,
             rate_map,
             tangent,
-            self.internal,
-            blocks,
-            rate_blocks,
-            part.strain,
-            part.strain_rate,
-            part.section_force,
-            part.operator,
-            strain_operator,
+            geometric.Assembled(self.internal, blocks, rate_blocks),
         )
 
     def linearise(
@@ -322,34 +319,13 @@ class GeometricSystem:
 
     def _collect(self, part: _Part, first: int, strain_operator: Floats, operators: Operators) -> None:
         """Write the operators of one element set, whose elements count from ``first`` on."""
-        e = part.elements
-        collect(
-            first,
-            e.nodes,
-            e.links,
-            self.problem.link_positions,
-            self.problem.link_quaternions,
-            e.section,
-            e.damping,
-            part.damped,
-            strain_operator,
-            part.operator,
-            *operators,
-        )
+        collect(part.arrays, part.fields(part.stress, strain_operator), first, operators)
 
     def carry_stress(self, increment: Floats) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         for part in self.parts:
-            geometric.update_stress(
-                part.elements.nodes,
-                part.elements.links,
-                self.problem.link_positions,
-                self.problem.link_quaternions,
-                part.section_force,
-                part.operator,
-                increment,
-                part.stress,
-            )
+            fields = part.fields(part.stress, self._no_operator)
+            geometric.update_stress(part.arrays, fields, increment, part.stress)
 
     def reset_stress(self) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""

@@ -87,7 +87,7 @@ class JointSet:
         """Return values and rates ``(c,)`` and gradients ``(c, 12)`` of all coordinates; see ``joints.measure``."""
         value, rate, gradients = np.zeros(self.count), np.zeros(self.count), np.zeros((self.count, 12))
         known = np.zeros(self.count) if near is None else near
-        measure(*self.arrays[:3], r, q, twist, known, value, rate, gradients)
+        measure(self.arrays, r, q, twist, known, value, rate, gradients)
         return value, rate, gradients
 
     def label(self, coordinate: int) -> str:

@@ -16,6 +16,8 @@ import numpy as np
 from viscorod.mechanics.compilation.callback import Callback
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.mechanics.joints.joint_forces import JointLaws, Joints
+from viscorod.mechanics.nodes.support_rows import SupportedNodes
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
@@ -39,7 +41,8 @@ MADE: dict[str, type[Any]] = {kind.__name__: kind for kind in (State, Snapshot, 
 
 UNCHANGED = (
     Problem, ElementSet, SupportSet, Elements, Discretisation, Pattern, Plan, Tableau, HeldStrains, JointSet,
-    LawCallbacks, StepContent, Callback, DirectSolver, ExternalLoads, LoadState, Coefficients, Relation, Solution,
+    LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads, LoadState,
+    Coefficients, Relation, Solution,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 

@@ -27,7 +27,17 @@ from viscorod.solve.transient.integrators.predictor import Predictor
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
 from viscorod.solve.transient.integrators.stage_dashpots import StageDashpots
-from viscorod.solve.transient.integrators.stage_data import Discretisation, Ends, Matrices, Stages, Work
+from viscorod.solve.transient.integrators.stage_data import (
+    Discretisation,
+    Ends,
+    IterationLimits,
+    Matrices,
+    Stages,
+    StepAccount,
+    StepParts,
+    StepStart,
+    Work,
+)
 from viscorod.solve.transient.integrators.stage_systems import StageSystems
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.solve.transient.integrators.step_recorder import StepRecorder
@@ -91,7 +101,7 @@ class Collocation:
         self.systems = StageSystems(body, system.matrix.scales, tableau, problem.plan, self.dashpots)
         self.recorder = StepRecorder(
             body,
-            self.actions.given,
+            self.actions.motion,
             self.stages,
             tableau,
             supports,
@@ -108,10 +118,8 @@ class Collocation:
         self._force = np.zeros((problem.size, 6))  # what accelerates the nodes at t
         self._end_rate = np.zeros((problem.size, 6))  # of the twists at t
         self._ad = np.zeros((problem.size, 6, 6))
-        self._powers = np.zeros((2, stages))
-        self._reaction = np.zeros((len(body.nodes), 6))  # of the supports at t, along their axes
-        self._error = np.zeros((problem.size, 6))
-        self._elastic = np.zeros(stages)
+        self.account = StepAccount.of(problem.size, stages)
+        self._reaction = np.zeros((len(body.complete), 6))  # of the supports at t, along their axes
         self._have_jacobian = self._fresh_jacobian = False
         self._factor_step = self._end = self._step = 0.0
         self._rate = 1.0
@@ -177,35 +185,28 @@ class Collocation:
         state = self.state
         return (
             self.body,
-            self.actions.given,
-            state.r,
-            state.q,
-            state.twist,
-            self._force,
-            h,
             self.tableau,
-            self.systems.factors,
-            self.matrices,
-            self.stages,
+            StepStart(state.r, state.q, state.twist, self._force),
+            h,
+            self.actions.motion,
+            self.actions.stage_loads,
+            StepParts(self.systems.factors, self.matrices, self.stages, self.account, self.scratch),
+            IterationLimits(self.newton_tolerance, self.iterations, self._rate),
             self.ends,
-            self.scratch,
             self.forces.motion,
             None if self.stage_constraints is None else self.stage_constraints.arrays,
             None if self.dashpots is None else self.dashpots.step,
-            self.newton_tolerance,
-            self.iterations,
-            self._rate,
-            self._powers,
-            self._elastic,
-            self._error,
         )
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         weights = self.tableau.weights
         h = self._end - self.t
-        self.elastic = float(self._elastic[self._last])
-        self.work, self.loss = h * float(weights @ self._powers[0]), h * float(weights @ self._powers[1])
+        self.elastic = float(self.account.elastic[self._last])
+        self.work, self.loss = (
+            h * float(weights @ self.account.powers[0]),
+            h * float(weights @ self.account.powers[1]),
+        )
         self.recorder.keep_start(self.state)
         self.predictor.keep(self.state, self._stress, h)
         if self.dashpots is not None:
@@ -240,7 +241,7 @@ class Collocation:
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         records = self.recorder.between(
-            parts, self.t, self._step, self.state, self._end_rate, self._powers, self.loss
+            parts, self.t, self._step, self.state, self._end_rate, self.account.powers, self.loss
         )
         if self.dashpots is None:
             return records
@@ -392,23 +393,16 @@ class Collocation:
         )
         self.actions.move_supports(self.t, before=False)
         jacobian.project(
-            body.nodes,
-            body.fixed,
-            body.axes,
-            body.r0,
-            body.q0,
+            body.supports,
             self.supports.target,
             self._reaction,
             state.r,
             state.q,
-            body.pattern.starts,
-            body.pattern.across,
-            body.pattern.diagonal,
+            body.pattern,
             matrices.K,
             matrices.C,
             matrices.mass,
-            matrices.G,
-            matrices.Z,
+            matrices.directions,
         )
         self._have_jacobian = self._fresh_jacobian = True
         self._factor_step = 0.0

@@ -1,4 +1,14 @@
-"""A collocation step in one compiled call, with its powers, energies and estimated error."""
+"""A collocation step in one compiled call: place, respond, hold, load, balance, solve, move, judge, estimate, account.
+
+The stages of a step are coupled (see ``stage_kernels`` for their equations). An iteration places all nodes, lets the
+material respond, holds joints, loads, and balances; the imbalance goes through the two linear systems of the method
+into changes of all stages, which move the nodes and carry the stresses along (simplified Newton iteration, Hairer and
+Wanner 1996, IV.8; stresses as iterates of their own, see ``collocation``). The last evaluation, with the stresses that
+belong to the poses, is the step.
+
+Parts that a model may lack are None, and the compiled code has nothing of them then: ``ends`` of the midpoint rule,
+``strains`` of the intrinsic formulation, ``links`` (joints, springs and held strains), ``branches`` (Maxwell).
+"""
 
 from __future__ import annotations
 
@@ -8,7 +18,13 @@ import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.elements.held_strains import give_stress, keep_stress, strain_gaps
-from viscorod.mechanics.elements.internal_force import GaussStates, conserve_energy, energies, internal_forces
+from viscorod.mechanics.elements.internal_force import (
+    Elements,
+    GaussStates,
+    conserve_energy,
+    energies,
+    internal_forces,
+)
 from viscorod.mechanics.elements.intrinsic_element import StrainMotion, stage_forces
 from viscorod.mechanics.elements.linearised import add_frozen_forces, carry_stress
 from viscorod.mechanics.elements.maxwell_branches import (
@@ -25,7 +41,6 @@ from viscorod.mechanics.nodes.inertia import balance
 from viscorod.mechanics.nodes.support_rows import in_body, lacking_motion, support_directions
 from viscorod.mechanics.rotations.nodal_motion import move_stages, place_stages
 from viscorod.solve.linear.substitution import solve
-from viscorod.solve.transient.integrators import stage_kernels
 from viscorod.solve.transient.integrators.constraint_arrays import (
     GAP,
     ConstraintArrays,
@@ -40,11 +55,28 @@ from viscorod.solve.transient.integrators.midpoint_end import hold_ends, place_e
 from viscorod.solve.transient.integrators.stage_data import (
     Discretisation,
     Ends,
+    IterationLimits,
     Matrices,
     StageFactors,
-    StageInputs,
+    StageLoads,
     Stages,
+    StepAccount,
+    StepParts,
+    StepStart,
+    SupportMotion,
     Work,
+)
+from viscorod.solve.transient.integrators.stage_kernels import (
+    add,
+    clear,
+    clear_held,
+    differentiate,
+    evaluate_loads,
+    held_power,
+    impose,
+    place_held_nodes,
+    to_changes,
+    to_modes,
 )
 from viscorod.solve.transient.integrators.step_error import (
     estimate_error,
@@ -53,54 +85,7 @@ from viscorod.solve.transient.integrators.step_error import (
     scale_free,
 )
 from viscorod.solve.transient.integrators.tableau import Tableau
-from viscorod.typing import Floats, Integers
-
-
-@part
-def add_powers(
-    nodes: Integers,
-    fixed: Floats,
-    axes: Floats,
-    r0: Floats,
-    q0: Floats,
-    complete: Floats,
-    target: Floats,
-    r: Floats,
-    q: Floats,
-    external: Floats,
-    twist: Floats,
-    held_power: Floats,
-    reaction: Floats,
-    rate: Floats,
-    G: Floats,
-    Z: Floats,
-    power: Floats,
-) -> None:
-    """Write the powers ``(s,)`` [W] of loads ``external (s, n, 6)`` and of supports at all stages.
-
-    Supports: ``held_power (s,)`` of completely held nodes; of the others ``reaction (s, m, 6)`` and, of displacements,
-    ``rate (s, m, 6)``. How fast their rotations change follows from the twists; ``G, Z (m, 6, 6)`` are scratch.
-    """
-    value = np.empty(6)
-    psi = np.empty(3)
-    for i in range(twist.shape[0]):
-        power[i] = held_power[i]
-        for k in range(twist.shape[1]):
-            for a in range(6):
-                power[i] += external[i, k, a] * twist[i, k, a]
-        for m in range(nodes.shape[0]):
-            if complete[m] == 0.0:
-                k = nodes[m]
-                support_directions(
-                    axes[m], r0[m], q0[m], fixed[m], target[i, m], r[i, k], q[i, k], value, G[m], Z[m], psi
-                )
-                for a in range(6):
-                    speed = rate[i, m, a]
-                    if a >= 3 and not in_body(axes[m]):
-                        speed = 0.0
-                        for b in range(3, 6):
-                            speed += G[m, a, b] * twist[i, k, b]
-                    power[i] += fixed[m, a] * reaction[i, m, a] * speed
+from viscorod.typing import Floats
 
 
 @kernel
@@ -117,370 +102,398 @@ def largest_turn(X: Floats) -> tuple[float, int]:
 @kernel
 def try_step(
     body: Discretisation,
-    given: StageInputs,
-    r0: Floats,
-    q0: Floats,
-    twist0: Floats,
-    force0: Floats,
+    method: Tableau,
+    start: StepStart,
     h: float,
-    tableau: Tableau,
-    factors: StageFactors,
-    matrices: Matrices,
-    stages: Stages,
+    motion: SupportMotion,
+    loads: StageLoads,
+    parts: StepParts,
+    limits: IterationLimits,
     ends: Ends | None,
-    work: Work,
-    motion: StrainMotion | None,
+    strains: StrainMotion | None,
     links: ConstraintArrays | None,
-    relaxing: MaxwellArrays | None,
-    tolerance: float,
-    limit: int,
-    known_rate: float,
-    powers: Floats,
-    elastic: Floats,
-    error: Floats,
+    branches: MaxwellArrays | None,
 ) -> tuple[int, int, float, float, int, float, int]:
-    """Iterate until the estimated error of the stage coordinates is below ``tolerance``; evaluate the result.
+    """Iterate until the estimated error of the stage coordinates is small enough; evaluate the result.
 
     If that succeeds, estimate the error and take account of the energy.
 
     Args:
-        ends: for the midpoint rule; None for the others, whose compiled code leaves this part out.
-        motion: strains as states of their own (intrinsic formulation); None: they follow from the poses.
-        links: joints, springs and held strains; relaxing: Maxwell branches; None: there are none.
-        r0, q0, twist0: start of the step; force0: what accelerates the nodes there ``(n, 6)``; h: step [s].
-        tolerance: displacement over length, or rotation [rad]; limit: allowed iterations.
-        known_rate: convergence rate of the last step, trusted in the first iteration (1 if unknown).
-        powers: output, of loads and viscosity at all stages ``(2, s)`` [W]; elastic: energies there ``(s,)`` [J].
-        error: output, the estimated error ``(n, 6)``.
+        h: step [s]; motion, loads: of supports and loads at its stages.
+        parts: state of the stages, matrices and their factors, the account of the step, and scratch.
 
     Returns:
         code, iterations, size of the last change, convergence rate, unknown of the largest change, size and unknown
         of the largest error.
     """
-    # all tuples are unpacked here: reading a member further down copies the whole tuple
-    (
-        elements,
-        mass,
-        held,
-        split,
-        nodes,
-        fixed,
-        axes,
-        support_r,
-        support_q,
-        complete,
-        partly,
-        loaded,
-        length,
-        pattern,
-    ) = body
-    block_rows, block_columns, diagonal = pattern[0], pattern[1], pattern[4]
-    target, rate_target, given_r, given_q, given_twist, given_rate = given[:6]
-    acting, dead, following, gravity, levers, at_element, shape, point_dead, point_following = given[6:15]
-    end_r, end_q = given[15:]
-    X, r, q, twist, acceleration, internal, external, force, residual, reaction = stages[:10]
-    strain, strain_rate, S, sigma, held_power = stages[10:]
-    A_tableau, D, T, T_inverse, eigenvalue, weights = (
-        tableau[2],
-        tableau[3],
-        tableau[4],
-        tableau[5],
-        tableau[6],
-        tableau[8],
-    )
-    real_factors, pair_factors, real_rows, pair_rows, scales = factors
-    C, adjoint, free_directions = matrices[1], matrices[3], matrices[5]
-    B, A, P = matrices[6]
-    scratch, right, pair_right, rates, rate, vector, change, end_reaction, G, Z, psi, no_blocks = work
-    order, element_nodes, element_links, link_positions, link_quaternions = elements[:5]
-    section, slots = elements[9], elements[14]
-    points = GaussStates(strain, strain_rate, S, sigma)
-    several = X.shape[0] > 1
-    count_nodes = mass.shape[0]
-    if links is not None:
-        joint_nodes, kind, geometry, place, stiffness, damping, rest, law = links[:8]
-        at_strain, at_point, at_component, strain_place, point_weight = links[8:13]
-        address, buffer, near, gradients, joint_A, joint_P, link_scale, unit = links[13:21]
-        link_target, link_rate_target, link_end, multiplier, carried = links[21:26]
-        link_value, link_rate, link_force, link_energy, link_power, gap, gradient = links[26:]
-    if relaxing is not None:
-        times, branches, factor, coupling, dashpot, past, start_strain, spring, lost, strain_change = relaxing
+    factors, matrices, stages, account, work = parts
+    points = GaussStates(stages.strain, stages.strain_rate, stages.section_force, stages.stress)
     last = size = 0.0
-    convergence = known_rate**0.8  # trusted less with every step that does not confirm it
+    rate = limits.rate**0.8  # trusted less with every step that does not confirm it
     unknown = count = 0
     code = GOING
     while True:
         final = code == CONVERGED
-        place_stages(r0, q0, twist0, X, D, h, split, held, r, q, twist, acceleration)
-        lacking_motion(nodes, fixed, axes, A_tableau, h, rate_target, twist, target)
-        stage_kernels.place_held_nodes(
-            nodes, complete, given_r, given_q, given_twist, given_rate, r, q, twist, acceleration
+        place(body, method, start, h, motion, stages, work, ends)
+        respond(body.elements, method, h, stages, points, work, ends, strains, links, branches)
+        hold(links, ends, stages, points, final)
+        evaluate_loads(
+            body.loaded,
+            body.mass,
+            body.pattern.diagonal,
+            body.elements,
+            loads,
+            stages.r,
+            stages.q,
+            stages.external,
+            work.no_blocks,
         )
-        if ends is not None:
-            r1, q1, twist1, strain1, strain_rate1, S1, strain0, force1, defect = ends
-            place_end(
-                r0, q0, X, split, held, nodes, complete, end_r, end_q, change[0], rate[0], r1, q1, twist1
-            )
-        if links is not None:
-            give_stress(at_strain, at_point, at_component, strain_place, point_weight, multiplier, sigma)
-        if motion is None:
-            internal_forces(elements, r, q, twist, points, scratch, internal)
-            if relaxing is not None:
-                add_branch_forces(order, section, coupling, past, strain, S)
-            if ends is not None:
-                points1 = GaussStates(strain1, strain_rate1, S1, S1)
-                internal_forces(elements, r1, q1, twist1, points1, scratch, force1)
-                if relaxing is not None:
-                    stretch_springs(order, factor, dashpot, strain, spring)
-                    lacking_work(
-                        order,
-                        section,
-                        times,
-                        branches,
-                        dashpot,
-                        spring,
-                        strain_rate,
-                        strain0,
-                        strain1,
-                        h,
-                        defect,
-                    )
-                conserve_energy(elements, strain, strain_rate, strain0, strain1, h, defect, S)
-        else:
-            linearised, start, at_points, linear_rate, T_e, F_e, X_e, matrix, side = motion
-            stage_forces(
-                elements,
-                linearised,
-                start,
-                D,
-                h,
-                twist,
-                at_points,
-                linear_rate,
-                T_e,
-                F_e,
-                X_e,
-                matrix,
-                side,
-                strain,
-                strain_rate,
-                S,
-                sigma,
-                internal,
-            )
-            if relaxing is not None:
-                add_branch_forces(order, section, coupling, past, strain, S)
-        if links is not None:
-            keep_stress(at_strain, at_point, at_component, sigma, S)
-            strain_gaps(at_strain, at_point, at_component, strain_place, strain, gap)
-            hold_coordinates(
-                joint_nodes,
-                kind,
-                geometry,
-                place,
-                stiffness,
-                damping,
-                rest,
-                law,
-                address,
-                buffer,
-                near,
-                link_target,
-                multiplier,
-                carried,
-                final,
-                r,
-                q,
-                twist,
-                gradient,
-                link_value,
-                link_rate,
-                link_force,
-                link_energy,
-                link_power,
-                gap,
-                internal,
-            )
-            if ends is not None:
-                end_gaps(
-                    joint_nodes,
-                    kind,
-                    geometry,
-                    place,
-                    at_strain,
-                    at_point,
-                    at_component,
-                    strain_place,
-                    near,
-                    link_end,
-                    r1,
-                    q1,
-                    strain1,
-                    gradient,
-                    gap,
-                )
-        stage_kernels.evaluate_loads(
-            loaded,
-            mass,
-            acting,
-            dead,
-            following,
-            gravity,
-            levers,
-            at_element,
-            shape,
-            point_dead,
-            point_following,
-            order,
-            element_nodes,
-            element_links,
-            link_positions,
-            link_quaternions,
-            r,
-            q,
-            external,
-            diagonal,
-            slots,
-            no_blocks,
+        balance(
+            body.mass,
+            stages.twist,
+            stages.acceleration,
+            stages.internal,
+            stages.external,
+            stages.force,
+            stages.residual,
         )
-        balance(mass, twist, acceleration, internal, external, force, residual)
-        if links is not None:
-            # by the midpoint rule half of what is defect at the end is defect in the middle
-            add_gaps(gap, link_scale, 1.0 if ends is None else 0.5, count_nodes, residual)
-            if final and count < limit and largest_gap(gap, unit) > GAP:
-                code, final = GOING, False
-        if final:
-            stage_kernels.held_power(nodes, complete, residual, twist, held_power)
-        if final or partly:
-            stage_kernels.impose(
-                nodes, fixed, axes, support_r, support_q, target, r, q, residual, reaction, G, Z, psi
-            )
+        if final and gaps_are_open(links, count, limits):
+            code, final = GOING, False
+        support(body, motion, stages, work, links, ends, final)
         if not final:
-            # projected as the Jacobian is: what stiff sections add here dwarfs all other forces
-            stage_kernels.clear(internal)
-            add_frozen_forces(elements, B, S, sigma, internal)
-            if links is not None:
-                add_frozen_springs(joint_nodes, place, gradients, link_force, carried, internal)
-            if partly:
-                for i in range(internal.shape[0]):
-                    project_free(nodes, fixed, free_directions, vector, internal[i])
-            stage_kernels.add(internal, residual)
-        stage_kernels.clear_held(held, residual)
+            freeze(body, matrices, stages, points, work, links)
+        clear_held(body.held, stages.residual)
         if ends is not None:
             hold_ends(
-                nodes,
-                fixed,
-                axes,
-                support_r,
-                support_q,
-                target,
-                r1,
-                q1,
-                vector,
-                end_reaction,
-                G,
-                Z,
-                psi,
-                residual,
+                body.supports,
+                motion.target,
+                ends,
+                work.vector,
+                work.reaction,
+                work.directions,
+                stages.residual,
             )
-        if final or count == limit:
+        if final or count == limits.iterations:
             break
-        stage_kernels.to_modes(residual, T_inverse, real_rows, pair_rows, right, pair_right)
-        solve(real_factors, right)
-        if several:
-            solve(pair_factors, pair_right)
-        # the residual is not needed any more: its place is taken by the changes
-        size, unknown = stage_kernels.to_changes(right, pair_right, T, scales, held, length, residual)
+        size, unknown = solve_stages(body, method, factors, stages, work)
         count += 1
-        code, convergence = judge(count, limit, size, last, convergence, tolerance)
+        code, rate = judge(count, limits.iterations, size, last, rate, limits.tolerance)
         if code not in (CONVERGED, GOING):
             break
-        move_stages(X, residual, split, held)
-        stage_kernels.differentiate(D, h, residual, rates)
-        carry_stress(elements, A, P, residual, rates, S, sigma)
-        if relaxing is not None:
-            carry_branches(order, element_nodes, section, coupling, B, residual, strain_change, sigma)
-        if links is not None:
-            move_multipliers(residual, link_scale, count_nodes, multiplier)
-            carry_springs(joint_nodes, place, joint_A, joint_P, residual, rates, link_force, carried)
+        move(body, method, h, matrices, stages, points, work, links, branches)
         last = size
     largest, worst = 0.0, 0
     if code == CONVERGED:
-        if relaxing is not None:
-            stretch_springs(order, factor, dashpot, strain, spring)
-        if several:
-            estimate_error(
-                X,
-                twist,
-                twist0,
-                force0,
-                h,
-                eigenvalue,
-                weights,
-                held,
-                mass,
-                adjoint,
-                nodes,
-                fixed,
-                free_directions,
-                block_rows,
-                block_columns,
-                C,
-                rate,
-                vector,
-                change,
-                error,
-            )
-            if relaxing is not None:
-                stage_kernels.clear(internal)
-                add_branch_error(
-                    elements,
-                    times,
-                    branches,
-                    dashpot,
-                    start_strain,
-                    spring,
-                    strain,
-                    B,
-                    weights,
-                    eigenvalue / h,
-                    h,
-                    internal[0],
-                )
-                project_free(nodes, fixed, free_directions, change, internal[0])
-                for k in range(count_nodes):
-                    for i in range(6):
-                        error[k, i] += internal[0, k, i]
-            scale_free(nodes, fixed, real_rows, error, right)
-            solve(real_factors, right)
-            largest, worst = largest_error(scales, right, length, error)
-        add_powers(
-            nodes,
-            fixed,
-            axes,
-            support_r,
-            support_q,
-            complete,
-            target,
-            r,
-            q,
-            external,
-            twist,
-            held_power,
-            reaction,
-            rate_target,
-            G,
-            Z,
-            powers[0],
-        )
-        energies(elements, strain, strain_rate, elastic, powers[1])
-        if relaxing is not None:
-            branch_energies(elements, times, branches, spring, elastic, powers[1], lost)
-        if links is not None:
-            add_motors(place, link_force, link_rate_target, powers[0])
-            for i in range(elastic.shape[0]):
-                elastic[i] += link_energy[i]
-                powers[1, i] += link_power[i]
+        if branches is not None:
+            stretch_springs(body.elements, branches, stages.strain)
+        largest, worst = estimate(body, method, start, h, matrices, factors, stages, account, work, branches)
+        take_account(body, motion, stages, account, work, links, branches)
     elif code == GOING:
         code = SLOW
-    return code, count, size, convergence, unknown, largest, worst
+    return code, count, size, rate, unknown, largest, worst
+
+
+@part
+def place(
+    body: Discretisation,
+    method: Tableau,
+    start: StepStart,
+    h: float,
+    motion: SupportMotion,
+    stages: Stages,
+    work: Work,
+    ends: Ends | None,
+) -> None:
+    """Put all nodes where their coordinates and the supports say, at all stages."""
+    X, r, q, twist, acceleration = stages[:5]
+    nodes = body.supports.nodes
+    place_stages(
+        start.r,
+        start.q,
+        start.twist,
+        X,
+        method.derivative,
+        h,
+        body.split,
+        body.held,
+        r,
+        q,
+        twist,
+        acceleration,
+    )
+    lacking_motion(body.supports, method.matrix, h, motion.rate, twist, motion.target)
+    place_held_nodes(nodes, body.complete, motion, r, q, twist, acceleration)
+    if ends is not None:
+        place_end(body, motion, start, X, work.change[0], work.rate[0], ends)
+
+
+@part
+def respond(
+    elements: Elements,
+    method: Tableau,
+    h: float,
+    stages: Stages,
+    points: GaussStates,
+    work: Work,
+    ends: Ends | None,
+    strains: StrainMotion | None,
+    links: ConstraintArrays | None,
+    branches: MaxwellArrays | None,
+) -> None:
+    """Evaluate strains and section forces at all stages, and the nodal forces of the stresses."""
+    if links is not None:
+        give_stress(links.held, links.states.multiplier, points.stress)
+    if strains is None:
+        internal_forces(elements, stages.r, stages.q, stages.twist, points, work.element, stages.internal)
+    else:
+        stage_forces(elements, strains, method.derivative, h, stages.twist, points, stages.internal)
+    if branches is not None:
+        add_branch_forces(elements, branches, points.strain, points.section_force)
+    if ends is not None and strains is None:
+        conserve(elements, h, points, work, ends, branches)
+    if links is not None:
+        keep_stress(links.held, points.stress, points.section_force)
+
+
+@part
+def conserve(
+    elements: Elements,
+    h: float,
+    points: GaussStates,
+    work: Work,
+    ends: Ends,
+    branches: MaxwellArrays | None,
+) -> None:
+    """Let the section forces do the work that elastic energy changes by from one end of the step to the other."""
+    end_points = GaussStates(ends.strain, ends.strain_rate, ends.section_force, ends.section_force)
+    internal_forces(elements, ends.r, ends.q, ends.twist, end_points, work.element, ends.force)
+    if branches is not None:
+        stretch_springs(elements, branches, points.strain)
+        lacking_work(elements, branches, points.strain_rate, ends.start_strain, ends.strain, h, ends.defect)
+    conserve_energy(
+        elements,
+        points.strain,
+        points.strain_rate,
+        ends.start_strain,
+        ends.strain,
+        h,
+        ends.defect,
+        points.section_force,
+    )
+
+
+@part
+def hold(
+    links: ConstraintArrays | None, ends: Ends | None, stages: Stages, points: GaussStates, final: bool
+) -> None:
+    """Add the forces of joints and springs, and measure what is to be held."""
+    if links is not None:
+        strain_gaps(links.held, points.strain, links.states.gap)
+        hold_coordinates(
+            links.joints, links.laws, links.states, final, stages.r, stages.q, stages.twist, stages.internal
+        )
+        if ends is not None:
+            end_gaps(links, ends.r, ends.q, ends.strain)
+
+
+@part
+def gaps_are_open(links: ConstraintArrays | None, count: int, limits: IterationLimits) -> bool:
+    """Return whether anything that is held is too far off, and there are iterations left."""
+    if links is not None:
+        return count < limits.iterations and largest_gap(links.states.gap, links.unit) > GAP
+    return False
+
+
+@part
+def support(
+    body: Discretisation,
+    motion: SupportMotion,
+    stages: Stages,
+    work: Work,
+    links: ConstraintArrays | None,
+    ends: Ends | None,
+    final: bool,
+) -> None:
+    """Put the conditions of supports and links into their rows of the residuals; keep reactions."""
+    nodes = body.supports.nodes
+    if links is not None:
+        # by the midpoint rule half of what is defect at the end is defect in the middle
+        factor = 1.0 if ends is None else 0.5
+        add_gaps(links.states.gap, links.scale, factor, body.mass.shape[0], stages.residual)
+    if final:
+        held_power(nodes, body.complete, stages.residual, stages.twist, stages.held_power)
+    if final or body.partly:
+        impose(
+            body.supports,
+            motion.target,
+            stages.r,
+            stages.q,
+            stages.residual,
+            stages.reaction,
+            work.directions,
+        )
+
+
+@part
+def freeze(
+    body: Discretisation,
+    matrices: Matrices,
+    stages: Stages,
+    points: GaussStates,
+    work: Work,
+    links: ConstraintArrays | None,
+) -> None:
+    """Add what section forces and springs differ from their iterates by, through the frozen operators.
+
+    It is projected as the Jacobian is: what stiff sections add here dwarfs all other forces.
+    """
+    internal = stages.internal
+    clear(internal)
+    add_frozen_forces(body.elements, matrices.operators.strain, points.section_force, points.stress, internal)
+    if links is not None:
+        add_frozen_springs(links.joints, links.operators, links.states, internal)
+    if body.partly:
+        for i in range(internal.shape[0]):
+            project_free(body.supports, matrices.directions.Z, work.vector, internal[i])
+    add(internal, stages.residual)
+
+
+@part
+def solve_stages(
+    body: Discretisation, method: Tableau, factors: StageFactors, stages: Stages, work: Work
+) -> tuple[float, int]:
+    """Solve for the changes of all stages, which take the place of the residual; return the largest and its unknown."""
+    residual = stages.residual
+    to_modes(residual, method.to_modes, factors.real_rows, factors.complex_rows, work.real, work.complex)
+    solve(factors.real, work.real)
+    if stages.X.shape[0] > 1:
+        solve(factors.complex, work.complex)
+    return to_changes(
+        work.real, work.complex, method.to_stages, factors.scales, body.held, body.length, residual
+    )
+
+
+@part
+def move(
+    body: Discretisation,
+    method: Tableau,
+    h: float,
+    matrices: Matrices,
+    stages: Stages,
+    points: GaussStates,
+    work: Work,
+    links: ConstraintArrays | None,
+    branches: MaxwellArrays | None,
+) -> None:
+    """Move the nodes by the changes, and carry stresses, springs and multipliers along."""
+    change, rates, operators = stages.residual, work.rates, matrices.operators
+    move_stages(stages.X, change, body.split, body.held)
+    differentiate(method.derivative, h, change, rates)
+    carry_stress(
+        body.elements,
+        operators.force,
+        operators.viscous,
+        change,
+        rates,
+        points.section_force,
+        points.stress,
+    )
+    if branches is not None:
+        carry_branches(body.elements, branches, operators.strain, change, points.stress)
+    if links is not None:
+        move_multipliers(change, links.scale, body.mass.shape[0], links.states.multiplier)
+        carry_springs(links.joints, links.operators, change, rates, links.states)
+
+
+@part
+def estimate(
+    body: Discretisation,
+    method: Tableau,
+    start: StepStart,
+    h: float,
+    matrices: Matrices,
+    factors: StageFactors,
+    stages: Stages,
+    account: StepAccount,
+    work: Work,
+    branches: MaxwellArrays | None,
+) -> tuple[float, int]:
+    """Estimate the error of the step by the embedded method; return its size and the unknown where it is largest."""
+    if stages.X.shape[0] == 1:
+        return 0.0, 0
+    error, internal = account.error, stages.internal
+    estimate_error(body, start, h, method, matrices, stages, work, error)
+    if branches is not None:
+        clear(internal)
+        add_branch_error(
+            body.elements,
+            branches,
+            stages.strain,
+            matrices.operators.strain,
+            method.error,
+            method.real / h,
+            h,
+            internal[0],
+        )
+        project_free(body.supports, matrices.directions.Z, work.change, internal[0])
+        for k in range(error.shape[0]):
+            for i in range(6):
+                error[k, i] += internal[0, k, i]
+    scale_free(body.supports.nodes, body.supports.fixed, factors.real_rows, error, work.real)
+    solve(factors.real, work.real)
+    return largest_error(factors.scales, work.real, body.length, error)
+
+
+@part
+def take_account(
+    body: Discretisation,
+    motion: SupportMotion,
+    stages: Stages,
+    account: StepAccount,
+    work: Work,
+    links: ConstraintArrays | None,
+    branches: MaxwellArrays | None,
+) -> None:
+    """Write the powers of loads, supports, motors and viscosity, and the elastic energy, at all stages."""
+    powers, elastic = account.powers, account.elastic
+    add_powers(body, motion, stages, work, powers[0])
+    energies(body.elements, stages.strain, stages.strain_rate, elastic, powers[1])
+    if branches is not None:
+        branch_energies(body.elements, branches, elastic, powers[1])
+    if links is not None:
+        add_motors(links, powers[0])
+        for i in range(elastic.shape[0]):
+            elastic[i] += links.states.energy[i]
+            powers[1, i] += links.states.power[i]
+
+
+@part
+def add_powers(
+    body: Discretisation, motion: SupportMotion, stages: Stages, work: Work, power: Floats
+) -> None:
+    """Write the powers ``(s,)`` [W] of loads and of supports at all stages.
+
+    Supports: those of completely held nodes are known; of the others, reactions times rates of displacements. How fast
+    their rotations change follows from the twists.
+    """
+    supports, directions = body.supports, work.directions
+    nodes, fixed, axes = supports[:3]
+    twist, external, reaction = stages.twist, stages.external, stages.reaction
+    value = np.empty(6)
+    for i in range(twist.shape[0]):
+        power[i] = stages.held_power[i]
+        for k in range(twist.shape[1]):
+            for a in range(6):
+                power[i] += external[i, k, a] * twist[i, k, a]
+        for m in range(nodes.shape[0]):
+            if body.complete[m] == 0.0:
+                k = nodes[m]
+                target = motion.target[i]
+                support_directions(supports, m, target, stages.r[i], stages.q[i], value, m, directions)
+                for a in range(6):
+                    speed = motion.rate[i, m, a]
+                    if a >= 3 and not in_body(axes[m]):
+                        speed = 0.0
+                        for b in range(3, 6):
+                            speed += directions.G[m, a, b] * twist[i, k, b]
+                    power[i] += fixed[m, a] * reaction[i, m, a] * speed

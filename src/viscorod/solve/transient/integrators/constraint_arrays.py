@@ -12,10 +12,16 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import part
-from viscorod.mechanics.elements.held_strains import strain_gaps
-from viscorod.mechanics.joints.joint_forces import gradient_of
+from viscorod.mechanics.elements.held_strains import HeldStrains, strain_gaps
+from viscorod.mechanics.joints.joint_forces import (
+    JointLaws,
+    Joints,
+    JointStates,
+    SpringOperators,
+    gradient_of,
+)
 from viscorod.solve.constraints.constraints import Constraints
-from viscorod.typing import Floats, Integers
+from viscorod.typing import Floats
 
 GAP = 1e-10
 """Gap of a joint over the length (or in rad), or held strain, that a step may leave."""
@@ -25,74 +31,29 @@ class ConstraintArrays(NamedTuple):
     """Joints and held strains, and their state at the stages (first index of some arrays).
 
     Attributes:
-        nodes to law: as in ``mechanics.joints.joint_forces.Joints``; element to weight: as in
-            ``mechanics.elements.held_strains``.
-        address, buffer: of Python functions; near: values that angles are to be near ``(c,)``.
-        gradients, A, P: frozen operators of the coordinates ``(c, 12)``; scale: of multipliers ``(places,)``.
-        unit: of the gaps ``(places,)``.
-        target, target_rate: of held coordinates ``(s, c)``; end_target: at the end of the step, if that is not a stage.
-        multiplier: ``(s, places)``; carried: forces of springs along the iteration ``(s, c)``.
-        value: of the last stage ``(c,)``; rate, force: ``(s, c)``; energy, power: ``(s,)``; gap: ``(s, places)``.
-        gradient: scratch ``(12,)``.
+        joints, held: what they are; laws: Python functions that give forces; operators: frozen, of springs.
+        states: of all coordinates at the stages.
+        scale: of multipliers ``(places,)``; unit: of the gaps ``(places,)``.
+        target_rate: of held coordinates ``(s, c)``; end_target: at the end of the step, if that is not a stage.
     """
 
-    nodes: Integers
-    kind: Integers
-    geometry: Floats
-    place: Integers
-    stiffness: Floats
-    damping: Floats
-    rest: Floats
-    law: Integers
-    element: Integers
-    point: Integers
-    component: Integers
-    held_place: Integers
-    weight: Floats
-    address: int
-    buffer: Floats
-    near: Floats
-    gradients: Floats
-    A: Floats
-    P: Floats
+    joints: Joints
+    held: HeldStrains
+    laws: JointLaws
+    operators: SpringOperators
+    states: JointStates
     scale: Floats
     unit: Floats
-    target: Floats
     target_rate: Floats
     end_target: Floats
-    multiplier: Floats
-    carried: Floats
-    value: Floats
-    rate: Floats
-    force: Floats
-    energy: Floats
-    power: Floats
-    gap: Floats
-    gradient: Floats
 
     @classmethod
     def of(cls, constraints: Constraints, stages: int) -> ConstraintArrays:
         """Allocate; what ``constraints`` keeps (near, operators, scale) is shared with it."""
-        joints, held = constraints.arrays, constraints.held
         c, places = constraints.joints.count, len(constraints.gap)
-        return cls(
-            *joints[:8],
-            held.element,
-            held.point,
-            held.component,
-            held.place,
-            held.weight,
-            constraints.laws.callback.address,
-            constraints.buffer,
-            constraints.near,
-            constraints.gradients,
-            constraints.A,
-            constraints.P,
-            constraints.scale,
-            constraints.unit,
+        states = JointStates(
+            near=constraints.near,
             target=np.zeros((stages, c)),
-            target_rate=np.zeros((stages, c)),
-            end_target=np.zeros(c),
             multiplier=np.zeros((stages, places)),
             carried=np.zeros((stages, c)),
             value=np.zeros(c),
@@ -102,6 +63,17 @@ class ConstraintArrays(NamedTuple):
             power=np.zeros(stages),
             gap=np.zeros((stages, places)),
             gradient=np.zeros(12),
+        )
+        return cls(
+            constraints.arrays,
+            constraints.held,
+            constraints.functions,
+            constraints.operators,
+            states,
+            constraints.scale,
+            constraints.unit,
+            target_rate=np.zeros((stages, c)),
+            end_target=np.zeros(c),
         )
 
 
@@ -132,35 +104,20 @@ def move_multipliers(change: Floats, scale: Floats, n: int, multiplier: Floats) 
 
 
 @part
-def end_gaps(
-    nodes: Integers,
-    kind: Integers,
-    geometry: Floats,
-    place: Integers,
-    element: Integers,
-    point: Integers,
-    component: Integers,
-    held_place: Integers,
-    near: Floats,
-    target: Floats,
-    r: Floats,
-    q: Floats,
-    strain: Floats,
-    gradient: Floats,
-    gap: Floats,
-) -> None:
+def end_gaps(links: ConstraintArrays, r: Floats, q: Floats, strain: Floats) -> None:
     """Write the gaps ``(1, places)`` at the end of a step: poses ``(1, n, ...)``, strains ``(1, e, points, 6)``."""
-    for c in range(kind.shape[0]):
+    joints, place, states = links.joints, links.joints.place, links.states
+    for c in range(place.shape[0]):
         if place[c] >= 0:
-            gap[0, place[c]] = (
-                gradient_of(c, nodes, kind, geometry, r[0], q[0], near[c], gradient) - target[c]
-            )
-    strain_gaps(element, point, component, held_place, strain, gap)
+            value = gradient_of(c, joints, r[0], q[0], states.near[c], states.gradient)
+            states.gap[0, place[c]] = value - links.end_target[c]
+    strain_gaps(links.held, strain, states.gap)
 
 
 @part
-def add_motors(place: Integers, force: Floats, target_rate: Floats, power: Floats) -> None:
+def add_motors(links: ConstraintArrays, power: Floats) -> None:
     """Add the power of motors to that of loads and supports ``(s,)`` [W]."""
+    place, force, target_rate = links.joints.place, links.states.force, links.target_rate
     for i in range(power.shape[0]):
         for c in range(place.shape[0]):
             if place[c] >= 0:

@@ -5,7 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
-from viscorod.mechanics.nodes.support_rows import in_body, reaction_stiffness, support_directions
+from viscorod.mechanics.nodes.support_rows import (
+    Directions,
+    SupportedNodes,
+    in_body,
+    reaction_stiffness,
+    support_directions,
+)
+from viscorod.solve.linear.pattern import Pattern
 from viscorod.typing import Floats, Integers
 
 
@@ -86,15 +93,15 @@ def add_inertia(
 @part
 def project_rows(
     s: int,
-    k: int,
-    fixed: Floats,
-    Z: Floats,
+    supports: SupportedNodes,
+    directions: Directions,
     starts: Integers,
     across: Integers,
     blocks: Floats,
     old: Floats,
 ) -> None:
-    """Project the rows of node ``k``, which support ``s`` holds, on its free directions; ``old (6,)`` is scratch."""
+    """Project the rows of the node that support ``s`` holds on its free directions; ``old (6,)`` is scratch."""
+    k, fixed, Z = supports.nodes[s], supports.fixed, directions.Z
     for transposed in range(starts[k], starts[k + 1]):
         slot = across[transposed]
         for j in range(6):
@@ -109,51 +116,44 @@ def project_rows(
 
 @kernel
 def project_blocks(
-    nodes: Integers,
-    fixed: Floats,
-    Z: Floats,
+    supports: SupportedNodes,
+    directions: Directions,
     starts: Integers,
     across: Integers,
     blocks: Floats,
     old: Floats,
 ) -> None:
-    """Do what :func:`project` does to the matrices to one more, real or complex, with its directions ``Z``."""
-    for s in range(nodes.shape[0]):
-        project_rows(s, nodes[s], fixed, Z, starts, across, blocks, old)
+    """Do what :func:`project` does to the matrices to one more, real or complex, with its ``directions``."""
+    for s in range(supports.nodes.shape[0]):
+        project_rows(s, supports, directions, starts, across, blocks, old)
 
 
 @kernel
 def project(
-    nodes: Integers,
-    fixed: Floats,
-    axes: Floats,
-    r0: Floats,
-    q0: Floats,
+    supports: SupportedNodes,
     target: Floats,
     reaction: Floats,
     r: Floats,
     q: Floats,
-    starts: Integers,
-    across: Integers,
-    diagonal: Integers,
+    pattern: Pattern,
     K: Floats,
     C: Floats,
     mass: Floats,
-    G: Floats,
-    Z: Floats,
+    directions: Directions,
 ) -> None:
-    """Project the rows of supported nodes on their free directions, clear the held ones; write directions ``G, Z``.
+    """Project the rows of supported nodes on their free directions, clear the held ones; write the ``directions``.
 
-    Reactions ``(m, 6)`` turn with their nodes: their derivative is subtracted from ``K`` first. ``starts, across,
-    diagonal`` are those of the pattern: block row k has the blocks that those of column k are ``across``.
+    Reactions ``(m, 6)`` turn with their nodes: their derivative is subtracted from ``K`` first.
     """
+    nodes, fixed, axes = supports[:3]
+    starts, across, diagonal = pattern.starts, pattern.across, pattern.diagonal
+    G, Z, psi = directions
     value = np.empty(6)
-    psi = np.empty(3)
     old = np.empty(6)
     turned = np.empty((6, 6))
     for s in range(nodes.shape[0]):
         k = nodes[s]
-        support_directions(axes[s], r0[s], q0[s], fixed[s], target[s], r[k], q[k], value, G[s], Z[s], psi)
+        support_directions(supports, s, target, r, q, value, s, directions)
         complete = True
         for i in range(6):
             if fixed[s, i] == 0.0:
@@ -163,12 +163,12 @@ def project(
                 for j in range(6):
                     G[s, i, j] = 1.0 if i == j else 0.0
         elif not in_body(axes[s]):
-            reaction_stiffness(G[s], psi, reaction[s], turned)
+            reaction_stiffness(G[s], psi[s], reaction[s], turned)
             for i in range(6):
                 for j in range(6):
                     K[diagonal[k], j, i] -= turned[i, j]
-        project_rows(s, k, fixed, Z, starts, across, K, old)
-        project_rows(s, k, fixed, Z, starts, across, C, old)
+        project_rows(s, supports, directions, starts, across, K, old)
+        project_rows(s, supports, directions, starts, across, C, old)
         for j in range(6):
             for i in range(6):
                 old[i] = mass[k, i, j]
@@ -185,13 +185,9 @@ def combine(
     C: Floats,
     mass: Floats,
     mu: complex,
-    nodes: Integers,
-    fixed: Floats,
-    G: Floats,
-    block_rows: Integers,
-    block_columns: Integers,
-    starts: Integers,
-    diagonal: Integers,
+    supports: SupportedNodes,
+    directions: Directions,
+    pattern: Pattern,
     scales: Floats,
     row_scales: Floats,
     out: Floats,
@@ -200,9 +196,16 @@ def combine(
 
     Args:
         mu: eigenvalue over the step [1/s], real or complex like ``out``.
-        block_rows, block_columns, starts, diagonal: of the pattern with N block rows.
+        pattern: with N block rows.
         scales: of the unknowns ``(6 N,)`` (also of the balance rows); row_scales: output, those of all rows.
     """
+    nodes, fixed, G = supports.nodes, supports.fixed, directions.G
+    block_rows, block_columns, starts, diagonal = (
+        pattern.rows,
+        pattern.columns,
+        pattern.starts,
+        pattern.diagonal,
+    )
     for i in range(scales.shape[0]):
         row_scales[i] = scales[i]
     for s in range(out.shape[0]):

@@ -52,7 +52,7 @@ class Midpoint(Collocation):
 
     def _prepare_step(self, end: float, before: bool) -> None:
         h = end - self.t
-        given, supports = self.actions.given, self.supports
+        motion, supports = self.actions.motion, self.supports
         self.actions.look_within(self.t, end)
         self.actions.prepare(0, self.t + 0.5 * h, before=False)
         if self.stage_constraints is not None:
@@ -62,15 +62,15 @@ class Midpoint(Collocation):
         supports.update(self.t, False)
         start, start_rate = supports.target.copy(), supports.rate.copy()
         supports.update(end, before)
-        given.target[0], given.rate[0] = supports.target, (supports.target - start) / h
+        motion.target[0], motion.rate[0] = supports.target, (supports.target - start) / h
         moving_axes = supports.set.in_body
-        given.rate[0, moving_axes] = 0.5 * (start_rate + supports.rate)[moving_axes]
+        motion.rate[0, moving_axes] = 0.5 * (start_rate + supports.rate)[moving_axes]
         c = supports.complete
         if len(c) == 0:
             return
         nodes = supports.set.nodes[c]
         r, q, twist, _ = supports.complete_motion()
-        given.end_r[c], given.end_q[c] = r, q
+        motion.end_r[c], motion.end_q[c] = r, q
         old = self.state
         X, still, unused = np.empty(6), np.zeros(6), np.empty(6)
         for k, support, node in zip(range(len(c)), c, nodes, strict=True):
@@ -81,12 +81,12 @@ class Midpoint(Collocation):
                 0.5 * X,
                 still,
                 False,
-                given.r[0, support],
-                given.q[0, support],
+                motion.r[0, support],
+                motion.q[0, support],
                 unused,
             )
-            given.twist[0, support] = 0.5 * (old.twist[node] + twist[k])
-            given.twist_rate[0, support] = (twist[k] - old.twist[node]) / h
+            motion.twist[0, support] = 0.5 * (old.twist[node] + twist[k])
+            motion.twist_rate[0, support] = (twist[k] - old.twist[node]) / h
         self._end_twist = twist
 
     def _end_step(self) -> None:

@@ -3,79 +3,67 @@
 from __future__ import annotations
 
 from viscorod.mechanics.compilation.compiled import part
-from viscorod.mechanics.nodes import support_rows as supports
+from viscorod.mechanics.nodes.support_rows import Directions, SupportedNodes, impose, in_body
 from viscorod.mechanics.rotations.nodal_motion import place
-from viscorod.typing import Floats, Integers
+from viscorod.solve.transient.integrators.stage_data import Discretisation, Ends, StepStart, SupportMotion
+from viscorod.typing import Floats
 
 
 @part
 def place_end(
-    r0: Floats,
-    q0: Floats,
+    body: Discretisation,
+    motion: SupportMotion,
+    start: StepStart,
     X: Floats,
-    split: Floats,
-    held: Floats,
-    nodes: Integers,
-    complete: Floats,
-    given_r: Floats,
-    given_q: Floats,
     double: Floats,
     still: Floats,
-    r: Floats,
-    q: Floats,
-    twist: Floats,
+    ends: Ends,
 ) -> None:
     """Write the poses at the end of a step of the midpoint rule, where the coordinates are ``2 X``.
 
     Args:
-        r0, q0: poses at the start ``(n, ...)``; X: coordinates in the middle ``(1, n, 6)``.
-        given_r, given_q: poses of completely held supports at the end ``(m, ...)``.
-        double, still: scratch ``(6,)``; r, q, twist: outputs ``(1, n, ...)``; the twists are not used.
+        X: coordinates in the middle ``(1, n, 6)``; double, still: scratch ``(6,)``.
     """
+    nodes, complete = body.supports.nodes, body.complete
     for k in range(X.shape[1]):
         for a in range(6):
             double[a] = 2.0 * X[0, k, a]
             still[a] = 0.0
-        if held[k] == 0.0:
-            place(r0[k], q0[k], double, still, split[k] != 0.0, r[0, k], q[0, k], twist[0, k])
+        if body.held[k] == 0.0:
+            apart = body.split[k] != 0.0
+            place(start.r[k], start.q[k], double, still, apart, ends.r[0, k], ends.q[0, k], ends.twist[0, k])
     for m in range(nodes.shape[0]):
         if complete[m] != 0.0:
             k = nodes[m]
             for a in range(3):
-                r[0, k, a] = given_r[m, a]
+                ends.r[0, k, a] = motion.end_r[m, a]
             for a in range(4):
-                q[0, k, a] = given_q[m, a]
+                ends.q[0, k, a] = motion.end_q[m, a]
 
 
 @part
 def hold_ends(
-    nodes: Integers,
-    fixed: Floats,
-    axes: Floats,
-    r0: Floats,
-    q0: Floats,
+    supports: SupportedNodes,
     target: Floats,
-    r: Floats,
-    q: Floats,
+    ends: Ends,
     gap: Floats,
     reaction: Floats,
-    G: Floats,
-    Z: Floats,
-    psi: Floats,
+    directions: Directions,
     residual: Floats,
 ) -> None:
     """Hold nodes at their targets at the end of the step rather than in its middle.
 
     Args:
-        target: ``(1, m, 6)``; r, q: poses at the end ``(1, n, ...)``; gap: scratch ``(n, 6)``.
-        residual: of the middle ``(1, n, 6)``, held components are replaced; the rest as in ``supports.impose``.
+        target: ``(1, m, 6)``; gap: scratch ``(n, 6)``; reaction, directions: scratch.
+        residual: of the middle ``(1, n, 6)``, held components are replaced.
     """
+    nodes, fixed, axes = supports[:3]
     for m in range(nodes.shape[0]):
         for a in range(6):
             gap[nodes[m], a] = 0.0
-    supports.impose(nodes, fixed, axes, r0, q0, target[0], r[0], q[0], gap, reaction, G, Z, psi)
+    impose(supports, target[0], ends.r[0], ends.q[0], gap, reaction, directions)
     for m in range(nodes.shape[0]):
         for a in range(6):
             # velocities along moving axes are held in the middle
-            if fixed[m, a] != 0.0 and not supports.in_body(axes[m]):
+            if fixed[m, a] != 0.0 and not in_body(axes[m]):
                 residual[0, nodes[m], a] = 0.5 * gap[nodes[m], a]

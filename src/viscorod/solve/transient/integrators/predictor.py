@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel
@@ -60,17 +62,10 @@ class Predictor:
             stages.stress[:] = stress
             return
         extrapolate_step(
-            tableau.nodes,
-            h / self._step,
-            tableau.values,
+            tableau,
             self._gap,
-            tableau.start_derivative,
-            self._step,
-            old.r,
-            old.q,
-            old.twist,
-            self._X,
-            self._stress,
+            LastStep(self._step, old.r, old.q, old.twist, self._X, self._stress),
+            h,
             state.r,
             state.q,
             body.split,
@@ -80,19 +75,28 @@ class Predictor:
         )
 
 
+class LastStep(NamedTuple):
+    """The step that goes on.
+
+    Attributes:
+        h: step [s]; r, q, twist: its start; X: its coordinates ``(s, n, 6)``.
+        stress: at its start and stages ``(s + 1, numbers)``.
+    """
+
+    h: float
+    r: Floats
+    q: Floats
+    twist: Floats
+    X: Floats
+    stress: Floats
+
+
 @kernel
 def extrapolate_step(
-    nodes: Floats,
-    ratio: float,
-    values: Floats,
+    method: Tableau,
     gap: Floats,
-    start_derivative: Floats,
+    last: LastStep,
     h: float,
-    r0: Floats,
-    q0: Floats,
-    twist0: Floats,
-    X: Floats,
-    stress: Floats,
     r1: Floats,
     q1: Floats,
     split: Floats,
@@ -103,14 +107,12 @@ def extrapolate_step(
     """Continue coordinates and stresses of a step into the next one.
 
     Args:
-        nodes: of the method; ratio: new step over the old one; values, start_derivative: as in ``Tableau``.
         gap: coefficients of the powers 1 to s + 1 of the place in the step, of a coordinate whose rate is one at the
             start and zero at the stages.
-        h: old step [s]; r0, q0, twist0: its start; X: its coordinates ``(s, n, 6)``; stress: at its start and stages
-            ``(s + 1, numbers)``.
-        r1, q1: start of the new step; split, held: as in ``motion.extrapolate``.
+        h: new step [s]; r1, q1: start of the new step; split, held: as in ``motion.extrapolate``.
         new_X, new_stress: outputs ``(s, n, 6)``, ``(s, numbers)``.
     """
+    nodes, values, stress, ratio = method.nodes, method.values, last.stress, h / last.h
     s = nodes.shape[0]
     weights = np.empty((s, s + 1))
     for i in range(s):
@@ -137,6 +139,6 @@ def extrapolate_step(
             correction += gap[k] * power
             power *= place
         for j in range(s):
-            weights[i, j] -= correction * start_derivative[j]
-        weights[i, s] = correction * h
-    extrapolate(r0, q0, twist0, X, weights, r1, q1, split, held, new_X)
+            weights[i, j] -= correction * method.start_derivative[j]
+        weights[i, s] = correction * last.h
+    extrapolate(last.r, last.q, last.twist, last.X, weights, r1, q1, split, held, new_X)

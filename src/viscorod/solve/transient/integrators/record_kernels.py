@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from viscorod.mechanics.compilation.compiled import kernel
 from viscorod.mechanics.nodes.inertia import kinetic_energy
+from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
 
@@ -36,40 +39,55 @@ def read_end(
     return kinetic_energy(mass, twist), largest
 
 
+class StageFields(NamedTuple):
+    """Fields at the stages of a step ``(s, ...)``.
+
+    Attributes:
+        strain, rate, force: at the Gauss points ``(s, e, points, 6)``; reactions: of the supports ``(s, m, 6)``.
+        powers: of loads and viscosity ``(2, s)`` [W].
+    """
+
+    strain: Floats
+    rate: Floats
+    force: Floats
+    reactions: Floats
+    powers: Floats
+
+
+class ResultFields(NamedTuple):
+    """Strains, their rates and section forces ``(3, ..., m, 6)`` in the order of results; reactions ``(..., m, 6)``."""
+
+    points: Floats
+    reactions: Floats
+
+
 @kernel
 def read_between(
     parts: Floats,
     h: float,
-    values: Floats,
-    integrals: Floats,
-    start: Floats,
-    strain: Floats,
-    rate: Floats,
-    force: Floats,
+    method: Tableau,
+    begin: ResultFields,
+    stage_fields: StageFields,
     places: Integers,
-    start_reaction: Floats,
-    reactions: Floats,
-    powers: Floats,
     whole_loss: float,
     mass: Floats,
     twist: Floats,
-    out: Floats,
-    reaction: Floats,
+    found: ResultFields,
     energies: Floats,
 ) -> None:
     """Interpolate between the stages of a step by their polynomials.
 
     Args:
         parts: places in the step ``(k,)``, 0 to 1, ascending; h: step [s].
-        values, integrals: as in ``Tableau``.
-        start: strains, strain rates and section forces at the start ``(3, m, 6)``, in the order of results; strain,
-            rate, force: at the stages ``(s, e, points, 6)``; places: as in :func:`read_end`.
-        start_reaction, reactions: of the supports at the start and at the stages ``(m, 6)``, ``(s, m, 6)``.
-        powers: of loads and viscosity at the stages ``(2, s)`` [W]; whole_loss: viscous loss of the step [J].
+        begin: at the start of the step; places: as in :func:`read_end`; whole_loss: viscous loss of the step [J].
         mass: ``(n, 6, 6)``; twist: of the nodes at the parts ``(k, n, 6)``.
-        out: ``(3, k, m, 6)``; reaction: output ``(k, m, 6)``.
+        found: output at the parts, ``(3, k, m, 6)``, ``(k, m, 6)``.
         energies: output ``(3, k)`` [J]: kinetic; work and viscous loss since the start of the step.
     """
+    values, integrals = method.values, method.integrals
+    start, start_reaction = begin
+    strain, rate, force, reactions, powers = stage_fields
+    out, reaction = found
     top, stages = strain.shape[2], strain.shape[0]
     loss = 0.0
     for k in range(parts.shape[0]):

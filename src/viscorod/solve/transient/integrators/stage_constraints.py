@@ -44,7 +44,7 @@ class StageConstraints:
         """Evaluate motors at stage ``i``, at time ``t`` [s]."""
         constraints, arrays = self.constraints, self.arrays
         constraints.update(t, before)
-        arrays.target[i], arrays.target_rate[i] = constraints.target, constraints.target_rate
+        arrays.states.target[i], arrays.target_rate[i] = constraints.target, constraints.target_rate
 
     def prepare_end(self, t: float, end: float, *, before: bool) -> None:
         """Evaluate motors at the end of a step of the midpoint rule, and their mean rates."""
@@ -61,16 +61,16 @@ class StageConstraints:
 
     def predict(self, h: float) -> None:
         """Write multipliers and spring forces of a step of ``h`` [s]: the last step's polynomials go on."""
-        arrays = self.arrays
+        states = self.arrays.states
         now = np.concatenate([self._multiplier, self._force])
         if self._past is None:
-            stages = np.broadcast_to(now, (len(arrays.multiplier), len(now)))
+            stages = np.broadcast_to(now, (len(states.multiplier), len(now)))
         else:
             known, length = self._past
             weights = self.tableau.polynomials(1.0 + self.tableau.nodes * (h / length))
             stages = known[0] + weights @ (known[1:] - known[0])
-        places = arrays.multiplier.shape[1]
-        arrays.multiplier[:], arrays.carried[:] = stages[:, :places], stages[:, places:]
+        places = states.multiplier.shape[1]
+        states.multiplier[:], states.carried[:] = stages[:, :places], stages[:, places:]
 
     def begin(self, state: State) -> None:
         """Take over a state for which joint coordinates have just been evaluated."""
@@ -99,17 +99,17 @@ class StageConstraints:
             state: at the end, whose multipliers are completed.
             stage: the end is the last stage, whose multipliers are known; else they are those of the middle.
         """
-        constraints, arrays = self.constraints, self.arrays
+        constraints, states = self.constraints, self.arrays.states
         now = np.concatenate([self._multiplier, self._force])
         if len(self.tableau.nodes) > 1:
-            stages = np.concatenate([arrays.multiplier, arrays.force], axis=1)
+            stages = np.concatenate([states.multiplier, states.force], axis=1)
             self._past = np.concatenate([now[None], stages]), h
-        state.multiplier = arrays.multiplier[-1].copy()
-        position = float((np.abs(arrays.gap[-1]) / constraints.unit).max(initial=0.0))
+        state.multiplier = states.multiplier[-1].copy()
+        position = float((np.abs(states.gap[-1]) / constraints.unit).max(initial=0.0))
         self.drift = max(self.drift[0], position), self.drift[1]
         if stage:
-            constraints.value, constraints.rate = arrays.value.copy(), arrays.rate[-1].copy()
-            constraints.force = arrays.force[-1].copy()
+            constraints.value, constraints.rate = states.value.copy(), states.rate[-1].copy()
+            constraints.force = states.force[-1].copy()
             self.begin(state)
         return constraints.function_energy()
 
@@ -137,11 +137,9 @@ class StageConstraints:
             before: at the start of the last step; parts, times: of the step, and the times [s] of the states.
             solve: with the real matrix of the step.
         """
-        constraints, arrays = self.constraints, self.arrays
+        constraints, exerted = self.constraints, self.arrays.states.force
         weights = self.tableau.polynomials(parts)
-        forces = before.force - weights @ (
-            arrays.force + before.force
-        )  # what joints exert has the other sign
+        forces = before.force - weights @ (exerted + before.force)  # what joints exert has the other sign
         found = []
         for state, force, t in zip(states, forces, times, strict=True):
             constraints.update(t)

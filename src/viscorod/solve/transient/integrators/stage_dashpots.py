@@ -48,7 +48,7 @@ class StageDashpots:
         add_section_stiffness(body.elements, modulus, matrices.operators.strain, blocks)
         old = np.zeros(6, dtype=modulus.dtype)
         pattern = body.pattern
-        project_blocks(body.nodes, body.fixed, matrices.Z, pattern.starts, pattern.across, blocks, old)
+        project_blocks(body.supports, matrices.directions, pattern.starts, pattern.across, blocks, old)
         return np.asarray(matrices.K + blocks)
 
     def end_step(self, strain: Floats) -> None:

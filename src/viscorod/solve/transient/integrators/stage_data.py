@@ -11,6 +11,7 @@ import numpy as np
 
 from viscorod.mechanics.elements.internal_force import Elements, ElementWork
 from viscorod.mechanics.elements.linearised import Operators
+from viscorod.mechanics.nodes.support_rows import Directions, SupportedNodes
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.linear.factors import Factors as MatrixFactors
 from viscorod.solve.linear.pattern import Pattern
@@ -21,20 +22,17 @@ from viscorod.typing import Floats, Integers
 class Discretisation(NamedTuple):
     """Elements, inertia and supports, which do not change in a run.
 
-    ``mass (n, 6, 6)``; ``held``, ``split (n,)`` mark nodes whose pose is prescribed / held in part; ``nodes, fixed,
-    axes, r0, q0, complete`` describe the supports as in ``mechanics.nodes.support_rows.impose``, ``partly``: any of
-    them leaves motions free; ``loaded`` lists the nodes that loads act on; ``pattern`` is that of all matrices.
+    Attributes:
+        mass: ``(n, 6, 6)``; held, split: mark nodes ``(n,)`` whose pose is prescribed / held in part.
+        supports: of ``m`` nodes; complete: marks those that hold everything ``(m,)``; partly: any leaves motions free.
+        loaded: the nodes that loads act on; length: of the model [m]; pattern: of all matrices.
     """
 
     elements: Elements
     mass: Floats
     held: Floats
     split: Floats
-    nodes: Integers
-    fixed: Floats
-    axes: Floats
-    r0: Floats
-    q0: Floats
+    supports: SupportedNodes
     complete: Floats
     partly: bool
     loaded: Integers
@@ -59,11 +57,7 @@ class Discretisation(NamedTuple):
             problem.mass,
             held,
             split,
-            supports.set.nodes,
-            supports.set.fixed,
-            supports.set.axes,
-            supports.r0,
-            supports.q0,
+            supports.nodes,
             complete,
             len(supports.partial) > 0,
             np.flatnonzero(loaded).astype(np.int64),
@@ -72,15 +66,12 @@ class Discretisation(NamedTuple):
         )
 
 
-class StageInputs(NamedTuple):
-    """Loads and prescribed motions at the stages (first index).
+class SupportMotion(NamedTuple):
+    """Prescribed motions of supports at the stages (first index).
 
     Attributes:
-        target, rate: prescribed values of the supports and their rates ``(s, m, 6)``.
-        r, q, twist, twist_rate: prescribed motion of completely held supports ``(s, m, ...)``.
-        acting: 1 where nodal loads act; dead, following ``(s, n, 6)``; gravity ``(s, 3)``; levers: of dead forces at
-            arms ``(s, n, 3, 3)``, no nodes if there are none.
-        element: elements with concentrated loads ``(s, loads)``, -1 if none; their basis values ``shape`` and wrenches.
+        target, rate: prescribed values and their rates ``(s, m, 6)``.
+        r, q, twist, twist_rate: motion of completely held supports ``(s, m, ...)``.
         end_r, end_q: poses of completely held supports at the end of the step, if that is not a stage.
     """
 
@@ -90,6 +81,34 @@ class StageInputs(NamedTuple):
     q: Floats
     twist: Floats
     twist_rate: Floats
+    end_r: Floats
+    end_q: Floats
+
+    @classmethod
+    def of(cls, stages: int, body: Discretisation) -> SupportMotion:
+        """Allocate for a number of stages."""
+        s, m, r0, q0 = stages, len(body.complete), body.supports.r0, body.supports.q0
+        return cls(
+            target=np.zeros((s, m, 6)),
+            rate=np.zeros((s, m, 6)),
+            r=np.tile(r0, (s, 1, 1)),
+            q=np.tile(q0, (s, 1, 1)),
+            twist=np.zeros((s, m, 6)),
+            twist_rate=np.zeros((s, m, 6)),
+            end_r=r0.copy(),
+            end_q=q0.copy(),
+        )
+
+
+class StageLoads(NamedTuple):
+    """Loads at the stages (first index).
+
+    Attributes:
+        acting: 1 where nodal loads act; dead, following ``(s, n, 6)``; gravity ``(s, 3)``; levers: of dead forces at
+            arms ``(s, n, 3, 3)``, no nodes if there are none.
+        element: elements with concentrated loads ``(s, loads)``, -1 if none; their basis values ``shape`` and wrenches.
+    """
+
     acting: Floats
     dead: Floats
     following: Floats
@@ -99,20 +118,12 @@ class StageInputs(NamedTuple):
     shape: Floats
     point_dead: Floats
     point_following: Floats
-    end_r: Floats
-    end_q: Floats
 
     @classmethod
-    def of(cls, stages: int, body: Discretisation, loads: int, *, offset: bool) -> StageInputs:
+    def of(cls, stages: int, body: Discretisation, loads: int, *, offset: bool) -> StageLoads:
         """Allocate for a number of stages and of concentrated loads; ``offset``: any dead force acts at an arm."""
-        s, n, m = stages, len(body.mass), len(body.nodes)
+        s, n = stages, len(body.mass)
         return cls(
-            target=np.zeros((s, m, 6)),
-            rate=np.zeros((s, m, 6)),
-            r=np.tile(body.r0, (s, 1, 1)),
-            q=np.tile(body.q0, (s, 1, 1)),
-            twist=np.zeros((s, m, 6)),
-            twist_rate=np.zeros((s, m, 6)),
             acting=np.zeros(s),
             dead=np.zeros((s, n, 6)),
             following=np.zeros((s, n, 6)),
@@ -122,9 +133,47 @@ class StageInputs(NamedTuple):
             shape=np.zeros((s, loads, body.elements.nodes.shape[1])),
             point_dead=np.zeros((s, loads, 6)),
             point_following=np.zeros((s, loads, 6)),
-            end_r=body.r0.copy(),
-            end_q=body.q0.copy(),
         )
+
+
+class StepStart(NamedTuple):
+    """Start of a step: poses and twists ``(n, ...)``, and what accelerates the nodes there, ``force (n, 6)``."""
+
+    r: Floats
+    q: Floats
+    twist: Floats
+    force: Floats
+
+
+class StepAccount(NamedTuple):
+    """What a converged step amounts to.
+
+    Attributes:
+        powers: of loads and of viscosity at all stages ``(2, s)`` [W]; elastic: energies there ``(s,)`` [J].
+        error: estimated, of the poses ``(n, 6)``, body components.
+    """
+
+    powers: Floats
+    elastic: Floats
+    error: Floats
+
+    @classmethod
+    def of(cls, nodes: int, stages: int) -> StepAccount:
+        """Allocate."""
+        return cls(np.zeros((2, stages)), np.zeros(stages), np.zeros((nodes, 6)))
+
+
+class IterationLimits(NamedTuple):
+    """When an iteration ends.
+
+    Attributes:
+        tolerance: of the stage coordinates, displacement over length, or rotation [rad]; iterations: allowed.
+        rate: of convergence of the last step, trusted in the first iteration (1 if unknown).
+    """
+
+    tolerance: float
+    iterations: int
+    rate: float
 
 
 class Stages(NamedTuple):
@@ -161,7 +210,7 @@ class Stages(NamedTuple):
             external=np.zeros((s, n, 6)),
             force=np.zeros((s, n, 6)),
             residual=np.zeros((s, body.pattern.size, 6)),  # of nodes and multipliers
-            reaction=np.zeros((s, len(body.nodes), 6)),
+            reaction=np.zeros((s, len(body.complete), 6)),
             strain=np.zeros(points),
             strain_rate=np.zeros(points),
             section_force=np.zeros(points),
@@ -207,28 +256,26 @@ class Ends(NamedTuple):
 class Matrices(NamedTuple):
     """The frozen Jacobian: blocks ``K`` and ``C (b, 6, 6)``, ``mass (n, 6, 6)``, with supported rows projected.
 
-    ``G, Z (m, 6, 6)`` are the directions of the supports; ``adjoint (n, 6, 6)`` is ``M ad(x)``, which ``C`` contains.
+    ``directions`` are those of the supports; ``adjoint (n, 6, 6)`` is ``M ad(x)``, which ``C`` contains.
     """
 
     K: Floats
     C: Floats
     mass: Floats
     adjoint: Floats
-    G: Floats
-    Z: Floats
+    directions: Directions
     operators: Operators
 
     @classmethod
     def of(cls, body: Discretisation) -> Matrices:
         """Allocate."""
-        b, n, m = len(body.pattern.rows), len(body.mass), len(body.nodes)
+        b, n = len(body.pattern.rows), len(body.mass)
         return cls(
             K=np.zeros((b, 6, 6)),
             C=np.zeros((b, 6, 6)),
             mass=np.zeros((n, 6, 6)),
             adjoint=np.zeros((n, 6, 6)),
-            G=np.zeros((m, 6, 6)),
-            Z=np.zeros((m, 6, 6)),
+            directions=Directions.of(len(body.complete)),
             operators=Operators.of(body.elements),
         )
 
@@ -246,7 +293,7 @@ class StageFactors(NamedTuple):
 class Work(NamedTuple):
     """Scratch: one element; right sides ``(6 N,)``; rates of all stages; nodal vectors ``(n, 6)``; blocks of no matrix.
 
-    ``G, Z (m, 6, 6)`` and ``psi (m, 3)`` are the directions of the supports.
+    ``directions`` are those of the supports.
     """
 
     element: ElementWork
@@ -257,15 +304,13 @@ class Work(NamedTuple):
     vector: Floats
     change: Floats
     reaction: Floats
-    G: Floats
-    Z: Floats
-    psi: Floats
+    directions: Directions
     no_blocks: Floats
 
     @classmethod
     def of(cls, body: Discretisation, stages: int) -> Work:
         """Allocate."""
-        n, m = len(body.mass), len(body.nodes)
+        n, m = len(body.mass), len(body.complete)
         return cls(
             element=ElementWork.of(body.elements.nodes.shape[1] - 1),
             real=np.zeros(6 * body.pattern.size),
@@ -275,8 +320,16 @@ class Work(NamedTuple):
             vector=np.zeros((n, 6)),
             change=np.zeros((n, 6)),
             reaction=np.zeros((m, 6)),
-            G=np.zeros((m, 6, 6)),
-            Z=np.zeros((m, 6, 6)),
-            psi=np.zeros((m, 3)),
+            directions=Directions.of(m),
             no_blocks=np.zeros((0, 6, 6)),
         )
+
+
+class StepParts(NamedTuple):
+    """What a step works on: factors of its systems, the frozen Jacobian, the stages, the account, and scratch."""
+
+    factors: StageFactors
+    matrices: Matrices
+    stages: Stages
+    account: StepAccount
+    work: Work

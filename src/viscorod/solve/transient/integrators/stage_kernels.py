@@ -20,8 +20,12 @@ import math
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import part
-from viscorod.mechanics.nodes import support_rows as supports
+from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.mechanics.nodes import support_rows
 from viscorod.mechanics.nodes.applied_loads import add_nodal_loads, add_station_load
+from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
+from viscorod.mechanics.nodes.support_rows import Directions, SupportedNodes
+from viscorod.solve.transient.integrators.stage_data import StageLoads, SupportMotion
 from viscorod.typing import Floats, Integers
 
 
@@ -29,10 +33,7 @@ from viscorod.typing import Floats, Integers
 def place_held_nodes(
     nodes: Integers,
     complete: Floats,
-    given_r: Floats,
-    given_q: Floats,
-    given_twist: Floats,
-    given_rate: Floats,
+    motion: SupportMotion,
     r: Floats,
     q: Floats,
     twist: Floats,
@@ -44,12 +45,12 @@ def place_held_nodes(
             if complete[m] != 0.0:
                 k = nodes[m]
                 for a in range(3):
-                    r[i, k, a] = given_r[i, m, a]
+                    r[i, k, a] = motion.r[i, m, a]
                 for a in range(4):
-                    q[i, k, a] = given_q[i, m, a]
+                    q[i, k, a] = motion.q[i, m, a]
                 for a in range(6):
-                    twist[i, k, a] = given_twist[i, m, a]
-                    acceleration[i, k, a] = given_rate[i, m, a]
+                    twist[i, k, a] = motion.twist[i, m, a]
+                    acceleration[i, k, a] = motion.twist_rate[i, m, a]
 
 
 @part
@@ -65,25 +66,17 @@ def held_power(nodes: Integers, complete: Floats, residual: Floats, twist: Float
 
 @part
 def impose(
-    nodes: Integers,
-    fixed: Floats,
-    axes: Floats,
-    r0: Floats,
-    q0: Floats,
+    supports: SupportedNodes,
     target: Floats,
     r: Floats,
     q: Floats,
     residual: Floats,
     reaction: Floats,
-    G: Floats,
-    Z: Floats,
-    psi: Floats,
+    directions: Directions,
 ) -> None:
     """Replace the supported rows of the residuals; keeps the reactions (see ``mechanics.nodes.support_rows``)."""
     for i in range(r.shape[0]):
-        supports.impose(
-            nodes, fixed, axes, r0, q0, target[i], r[i], q[i], residual[i], reaction[i], G, Z, psi
-        )
+        support_rows.impose(supports, target[i], r[i], q[i], residual[i], reaction[i], directions)
 
 
 @part
@@ -118,31 +111,22 @@ def add(values: Floats, out: Floats) -> None:
 def evaluate_loads(
     loaded: Integers,
     mass: Floats,
-    acting: Floats,
-    dead: Floats,
-    following: Floats,
-    gravity: Floats,
-    levers: Floats,
-    loaded_element: Integers,
-    given_shape: Floats,
-    point_dead: Floats,
-    point_following: Floats,
-    order: Integers,
-    element_nodes: Integers,
-    element_links: Integers,
-    link_positions: Floats,
-    link_quaternions: Floats,
+    diagonal: Integers,
+    elements: Elements,
+    loads: StageLoads,
     r: Floats,
     q: Floats,
     external: Floats,
-    diagonal: Integers,
-    slots: Integers,
     no_blocks: Floats,
 ) -> None:
-    """Write the external loads of all stages ``(s, n, 6)``, in body components; arguments as in ``StageInputs``.
+    """Write the external loads of all stages ``(s, n, 6)``, in body components.
 
-    ``diagonal`` and ``slots`` are not used: that there are ``no_blocks`` says so.
+    ``diagonal`` is not used: that there are ``no_blocks`` says so.
     """
+    acting, dead, following, gravity, levers, loaded_element, given_shape = loads[:7]
+    point_dead, point_following = loads[7:]
+    order, element_nodes, element_links, link_positions, link_quaternions = elements[:5]
+    slots = elements.slots
     # no constants are handed on: for every constant the load kernels would be compiled again
     tangent = no_blocks.shape[0] > 0
     for i in range(r.shape[0]):
@@ -176,13 +160,8 @@ def evaluate_loads(
                 links[k] = element_links[e, k]
                 shape[k] = given_shape[i, load, k]
             add_station_load(
-                nodes,
-                links,
-                link_positions,
-                link_quaternions,
-                shape,
-                point_dead[i, load],
-                point_following[i, load],
+                ElementNodes(nodes, links, link_positions, link_quaternions),
+                PointWrench(shape, point_dead[i, load], point_following[i, load]),
                 r[i],
                 q[i],
                 tangent,

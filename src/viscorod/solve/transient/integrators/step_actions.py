@@ -7,10 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 
 from viscorod.mechanics.nodes import applied_loads as loading
+from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
-from viscorod.solve.transient.integrators.stage_data import Discretisation, StageInputs
+from viscorod.solve.transient.integrators.stage_data import Discretisation, StageLoads, SupportMotion
 from viscorod.solve.transient.load_content import StepContent
 from viscorod.typing import Floats
 
@@ -23,14 +24,15 @@ class StepActions:
         stages: of the method.
 
     Attributes:
-        given: loads and motions at the stages of the step that is prepared.
+        motion, stage_loads: prescribed motions and loads at the stages of the step that is prepared.
         content: of the steps, where anything has to be looked for.
     """
 
     def __init__(self, system: System, supports: SupportState, body: Discretisation, stages: int) -> None:
         self.system, self.supports, self.body = system, supports, body
         self.loads = ExternalLoads(system.problem)
-        self.given = StageInputs.of(
+        self.motion = SupportMotion.of(stages, body)
+        self.stage_loads = StageLoads.of(
             stages, body, max(1, len(system.problem.station_loads)), offset=self.loads.offset
         )
         self.content: StepContent | None = None
@@ -60,14 +62,19 @@ class StepActions:
 
     def prepare(self, i: int, t: float, *, before: bool) -> None:
         """Evaluate loads and prescribed motions of stage ``i`` at time ``t`` [s]; ``before``: limits from the left."""
-        given, supports = self.given, self.supports
+        motion, given, supports = self.motion, self.stage_loads, self.supports
         if supports.moving:
             supports.update(t, before)
-            given.target[i], given.rate[i] = supports.target, supports.rate
+            motion.target[i], motion.rate[i] = supports.target, supports.rate
             c = supports.complete
             if len(c):
                 r, q, twist, rate = supports.complete_motion()
-                given.r[i, c], given.q[i, c], given.twist[i, c], given.twist_rate[i, c] = r, q, twist, rate
+                motion.r[i, c], motion.q[i, c], motion.twist[i, c], motion.twist_rate[i, c] = (
+                    r,
+                    q,
+                    twist,
+                    rate,
+                )
         loads = self.loads.at(t, before, given=self.means(i))
         if loads is self._written[i]:  # time factors are the same
             return
@@ -84,7 +91,7 @@ class StepActions:
                 given.point_dead[i, k], given.point_following[i, k] = load.dead, load.following
 
     def reset(self) -> None:
-        """Write all loads anew: ``given`` was changed from outside."""
+        """Write all loads anew: ``stage_loads`` were changed from outside."""
         self._written = [None] * len(self._written)
 
     def move_supports(self, t: float, *, before: bool) -> None:
@@ -120,13 +127,13 @@ class StepActions:
             elements, e = body.elements, self.system.element_number(load.part, load.element)
             m = int(elements.order[e]) + 1
             loading.add_station_load(
-                elements.nodes[e, :m],
-                elements.links[e, :m],
-                elements.link_positions,
-                elements.link_quaternions,
-                load.shape,
-                load.dead,
-                load.following,
+                ElementNodes(
+                    elements.nodes[e, :m],
+                    elements.links[e, :m],
+                    elements.link_positions,
+                    elements.link_quaternions,
+                ),
+                PointWrench(load.shape, load.dead, load.following),
                 state.r,
                 state.q,
                 tangent,

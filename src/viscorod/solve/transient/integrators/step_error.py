@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from viscorod.mechanics.compilation.compiled import part
+from viscorod.mechanics.nodes.support_rows import SupportedNodes
+from viscorod.solve.transient.integrators.stage_data import Discretisation, Matrices, Stages, StepStart, Work
+from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
 
 @part
-def project_free(nodes: Integers, fixed: Floats, Z: Floats, free: Floats, out: Floats) -> None:
+def project_free(supports: SupportedNodes, Z: Floats, free: Floats, out: Floats) -> None:
     """Project the forces ``(n, 6)`` on supported nodes on their free directions ``Z``; ``free (n, 6)`` is scratch."""
+    nodes, fixed = supports.nodes, supports.fixed
     for m in range(nodes.shape[0]):
         k = nodes[m]
         for a in range(6):
@@ -22,34 +26,30 @@ def project_free(nodes: Integers, fixed: Floats, Z: Floats, free: Floats, out: F
 
 @part
 def error_sides(
-    X: Floats,
-    twist: Floats,
-    twist0: Floats,
-    force0: Floats,
+    body: Discretisation,
+    start: StepStart,
     h: float,
-    real: float,
-    weights: Floats,
-    held: Floats,
-    mass: Floats,
+    method: Tableau,
+    stages: Stages,
     adjoint: Floats,
-    rate: Floats,
-    v: Floats,
+    work: Work,
     out: Floats,
 ) -> None:
     """Write both right sides of :func:`estimate_error` before the damping matrix joins them ``(n, 6)``.
 
-    ``p = sum e_i X_i/h`` into ``rate`` and ``F + M (sum e_i (x_i - x_0)/h + mu p) - M ad(x) p`` into ``out``.
+    ``p = sum e_i X_i/h`` into ``work.rate`` and ``F + M (sum e_i (x_i - x_0)/h + mu p) - M ad(x) p`` into ``out``.
     """
+    X, twist, mass, weights, rate, v = stages.X, stages.twist, body.mass, method.error, work.rate, work.vector
     for k in range(X.shape[1]):
         for a in range(6):
-            p, d = twist0[k, a], 0.0
+            p, d = start.twist[k, a], 0.0
             for i in range(X.shape[0]):
                 p += weights[i] * X[i, k, a] / h
-                d += weights[i] * (twist[i, k, a] - twist0[k, a]) / h
-            rate[k, a] = 0.0 if held[k] != 0.0 else p
-            v[k, a] = d + real / h * p
+                d += weights[i] * (twist[i, k, a] - start.twist[k, a]) / h
+            rate[k, a] = 0.0 if body.held[k] != 0.0 else p
+            v[k, a] = d + method.real / h * p
         for a in range(6):
-            total = force0[k, a]
+            total = start.force[k, a]
             for b in range(6):
                 total += mass[k, a, b] * v[k, b] - adjoint[k, a, b] * rate[k, b]
             out[k, a] = total
@@ -98,34 +98,20 @@ def largest_error(scales: Floats, solution: Floats, length: float, out: Floats) 
 
 @part
 def estimate_error(
-    stages_X: Floats,
-    stages_twist: Floats,
-    twist0: Floats,
-    force0: Floats,
+    body: Discretisation,
+    start: StepStart,
     h: float,
-    real: float,
-    weights: Floats,
-    held: Floats,
-    mass: Floats,
-    adjoint: Floats,
-    nodes: Integers,
-    fixed: Floats,
-    Z: Floats,
-    rows: Integers,
-    columns: Integers,
-    C: Floats,
-    rate: Floats,
-    vector: Floats,
-    free: Floats,
+    method: Tableau,
+    matrices: Matrices,
+    stages: Stages,
+    work: Work,
     out: Floats,
 ) -> None:
     """Write the right side of the equation of the estimated error of the poses ``(n, 6)`` (body components).
 
     ``(mu M ex + C0 ex + K0 eX, mu eX - ex) = (F + M sum e_i (x_i - x_0)/h, x_0 + sum e_i X_i/h)`` with ``mu = real/h``,
-    reduced to the poses, where the real matrix is factorised already.
+    reduced to the poses, where the real matrix is factorised already (Hairer and Wanner 1996, IV.8.17 to 8.20).
     """
-    error_sides(
-        stages_X, stages_twist, twist0, force0, h, real, weights, held, mass, adjoint, rate, vector, out
-    )
-    project_free(nodes, fixed, Z, free, out)
-    add_damping(rows, columns, C, rate, out)
+    error_sides(body, start, h, method, stages, matrices.adjoint, work, out)
+    project_free(body.supports, matrices.directions.Z, work.change, out)
+    add_damping(body.pattern.rows, body.pattern.columns, matrices.C, work.rate, out)

@@ -8,14 +8,19 @@ import numpy as np
 
 from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.nodes import support_rows as support_kernels
-from viscorod.mechanics.rotations.pose_interpolation import interpolate
+from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
-from viscorod.solve.transient.integrators.record_kernels import read_between, read_end
+from viscorod.solve.transient.integrators.record_kernels import (
+    ResultFields,
+    StageFields,
+    read_between,
+    read_end,
+)
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
-from viscorod.solve.transient.integrators.stage_data import Discretisation, StageInputs, Stages
+from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages, SupportMotion
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
@@ -24,7 +29,7 @@ class StepRecorder:
     """Snapshots at the ends of steps and between.
 
     Args:
-        body, given, stages, tableau: of the method; supports: correct what is interpolated where they hold in part.
+        body, motion, stages, tableau: of the method; supports: correct what is interpolated where they hold in part.
         places: where the Gauss points of the results are in the arrays of the stages, flattened.
         stage_constraints: joints, if there are any; solve_real: with the real matrix of the last step.
 
@@ -37,7 +42,7 @@ class StepRecorder:
     def __init__(
         self,
         body: Discretisation,
-        given: StageInputs,
+        motion: SupportMotion,
         stages: Stages,
         tableau: Tableau,
         supports: SupportState,
@@ -45,7 +50,7 @@ class StepRecorder:
         stage_constraints: StageConstraints | None,
         solve_real: Callable[[Floats], Floats],
     ) -> None:
-        self.body, self.given, self.stages, self.tableau = body, given, stages, tableau
+        self.body, self.motion, self.stages, self.tableau = body, motion, stages, tableau
         self.supports = supports
         self._places = places
         self.stage_constraints, self.solve_real = stage_constraints, solve_real
@@ -53,6 +58,7 @@ class StepRecorder:
         self._fields = np.empty((3, len(places), 6))
         self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
         self._reactions = np.zeros(stages.reaction.shape)
+        self._directions = support_kernels.Directions.of(1)
 
     def record_state(
         self, state: State, points: GaussStates, reaction: Floats, kinetic: float, elastic: float
@@ -70,18 +76,15 @@ class StepRecorder:
         """Keep the ``state`` at the start of an accepted step, and reactions at its stages, for states between."""
         self._start = (state, self._fields, self.snapshot.reaction)
         self._joints = self.snapshot.joints
-        b, stages = self.body, self.stages
+        stages = self.stages
         self._reactions = np.empty(stages.reaction.shape)
         support_kernels.reaction_wrenches(
-            b.nodes,
-            b.fixed,
-            b.axes,
-            b.r0,
-            b.q0,
-            self.given.target,
+            self.body.supports,
+            self.motion.target,
             stages.r,
             stages.q,
             stages.reaction,
+            self._directions,
             self._reactions,
         )
 
@@ -140,21 +143,14 @@ class StepRecorder:
         read_between(
             parts,
             h,
-            tableau.values,
-            tableau.integrals,
-            start,
-            stages.strain,
-            stages.strain_rate,
-            stages.stress,
+            tableau,
+            ResultFields(start, start_reaction),
+            StageFields(stages.strain, stages.strain_rate, stages.stress, self._reactions, powers),
             self._places,
-            start_reaction,
-            self._reactions,
-            powers,
             whole_loss,
             self.body.mass,
             twist,
-            points,
-            reaction,
+            ResultFields(points, reaction),
             energies,
         )
         kinetic, work, loss = energies.tolist()
@@ -187,14 +183,8 @@ def interpolate_states(
     interpolate(
         parts,
         h,
-        old.r,
-        old.q,
-        old.twist,
-        old_rate,
-        new.r,
-        new.q,
-        new.twist,
-        new_rate,
+        MovingPoses(old.r, old.q, old.twist, old_rate),
+        MovingPoses(new.r, new.q, new.twist, new_rate),
         split,
         with_rates,
         r,
