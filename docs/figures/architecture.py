@@ -120,8 +120,8 @@ def draw(rungs: list[list[str]], wings: Counter[tuple[str, str]]) -> None:
             x + 0.12, y + 0.46, wing, fontsize=TEXT + 1, color=INK, weight="bold", va="center", zorder=3
         )
         axes.text(
-            x + width - 0.12, y + 0.46, f"{lines(wing):,} lines".replace(",", " "), fontsize=SMALL - 1,
-            color=GREY, va="center", ha="right", zorder=3,
+            x + width - 0.12, y + 0.46, f"{lines(wing):,}{' lines' if width > 2.0 else ''}".replace(",", " "),
+            fontsize=SMALL - 1, color=GREY, va="center", ha="right", zorder=3,
         )  # fmt: skip
         axes.text(x + 0.12, y + 0.19, WORDS[wing], fontsize=SMALL - 0.5, color=INK, va="center", zorder=3)
     heading = "The house: imports go down, never up"
