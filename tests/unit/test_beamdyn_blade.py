@@ -236,7 +236,7 @@ def test_other_refusals(tmp_path, blade_file, primary):
     with pytest.raises(InputError, match="they must rise from 0 to 1"):
         vd.blade_from_rod(rod, [0.0, 0.5])
     with pytest.raises(InputError, match="cannot be written"):
-        vd.write_beamdyn_blade(rod, tmp_path / "no" / "b.dat")
+        vd.write_beamdyn_blade(rod, blade_file / "b.dat")  # a file is no folder
     (tmp_path / "zero.dat").write_text(blade_text().replace("  1.100000E+09", "  0.000000E+00", 1))
     with pytest.raises(InputError, match=r"station 1 \(eta = 0\), StiffnessSection"):
         vd.rod_from_blade(tmp_path / "zero.dat", [[0, 0, 0], [0, 0, 1]])
