@@ -232,7 +232,7 @@ def test_beams_of_the_other_program_and_of_cases(invoke, tmp_path):
         (("blade", "blade.dat"), "exactly one of --centreline and --length is needed"),
         (("blade", "blade.dat", "--length", 1, "--centreline", "primary.dat"), "exactly one of --centreline"),
         (("blade", "no.dat", "--length", 1), "the file cannot be read"),
-        (("blade", "swing.toml", "-o", "no/x.json"), "cannot be written"),
+        (("blade", "swing.toml", "-o", "swing.toml/x.json"), "cannot be written"),
         (("blade", "swing.toml", "-o", "x.dat"), "BeamDyn's blades run along +Z from root to tip"),
     ],
 )

@@ -22,7 +22,7 @@ from viscorod.typing import Floats
 
 __all__ = ["StepErrors"]
 
-STRAINED = 8
+STRAINED = 4
 """Vibrations whose section forces are evaluated: those whose errors strain most, and those that turn most."""
 SMALL = 1e-4
 """Rotation [rad], and displacement over the length, to which an error is scaled to evaluate its section forces."""
