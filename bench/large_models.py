@@ -221,7 +221,7 @@ def _measure(family: str, analysis: str, size: int, pipe: Any) -> None:
         begin = time.process_time()
         try:
             found = run()
-        except (vr.ViscorodError, MemoryError, AttributeError, TypeError) as error:
+        except (vr.InputError, vr.SolveError, MemoryError) as error:
             pipe.send(
                 (
                     time.process_time() - begin,

@@ -5,6 +5,7 @@ a thousand times for each; here a few times, the same ones each time.
 """
 
 import faulthandler
+from functools import partial
 
 import numpy as np
 import pytest
@@ -50,6 +51,10 @@ def refused_or(path, judge):
     assert len(message) < 3000
 
 
+def require_identical(result, found):
+    assert identical(found, result)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @given(seed=SEEDS)
 @EXAMPLES
@@ -57,11 +62,7 @@ def test_damaged_bytes(kind, files, tmp_path, seed):
     source, result = files[kind]
     path = tmp_path / "damaged.nc"
     path.write_bytes(damage_bytes(source.read_bytes(), np.random.default_rng(seed)))
-
-    def judge(found):
-        assert identical(found, result)
-
-    refused_or(path, judge)
+    refused_or(path, partial(require_identical, result))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -73,11 +74,7 @@ def test_changed_contents(kind, files, tmp_path, seed):
     path = tmp_path / "changed.nc"
     path.write_bytes(source.read_bytes())
     damage_contents(path, np.random.default_rng(seed))
-
-    def judge(found):
-        assert identical(found, result)
-
-    refused_or(path, judge)
+    refused_or(path, partial(require_identical, result))
 
 
 @pytest.mark.parametrize("kind", KINDS)

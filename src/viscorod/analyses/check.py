@@ -15,7 +15,7 @@ from viscorod.model.connections.spring_laws import Laws
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import some_of
 from viscorod.model.rod import Rod
-from viscorod.solve.constraints.rigid_motions import MANY, free_motions, jointed_parts
+from viscorod.solve.constraints.rigid_motions import free_motions, many_parts
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
 from viscorod.solve.problem.problem import Problem
@@ -131,7 +131,7 @@ class _FirstModes(NamedTuple):
 def _first_modes(discrete: DiscreteModel) -> _FirstModes:
     """Return them; none where very many parts are joined: each may have motions of its own without any stiffness."""
     solver, state = discrete.static, State.reference(discrete.problem)
-    if jointed_parts(discrete.problem) > MANY:
+    if many_parts(discrete.problem):
         return _FirstModes(np.zeros(0), np.zeros(0), (), (), [])
     discrete.announce_modes()
     linear = linearise(solver, state, scale=0.0)
@@ -155,7 +155,7 @@ def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
     Motions that nothing holds are among them if the analysis looks for a static equilibrium.
     """
     frequencies = np.zeros(0)
-    if jointed_parts(discrete.problem) <= MANY:
+    if not many_parts(discrete.problem):
         linear = linearise(discrete.static, State.reference(discrete.problem), scale=0.0)
         frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
     flies = isinstance(settings, SimulateSettings) and (
@@ -168,13 +168,13 @@ def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
 def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, settled: bool) -> list[str]:
     """Return doubts about the rods, and about motions of the given frequencies [Hz, increasing]."""
     warnings = [text for name, rod in model.rods.items() for text in _rod_warnings(name, rod)]
-    joined = jointed_parts(problem)
-    if joined > MANY:
+    joined = many_parts(problem)
+    if joined:
         warnings.append(
             f"{joined} parts are joined by joints or springs: motions that nothing holds are not listed, and "
             "frequencies about the reference shape are not computed (modes about the equilibrium may be)"
         )
-    free = free_motions(problem) if settled and joined <= MANY else []
+    free = free_motions(problem) if settled and not joined else []
     if free:
         warnings.append(
             f"nothing holds the model against {named(free)}: loads may hold it, such as the weight of a pendulum, in "

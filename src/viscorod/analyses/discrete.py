@@ -27,10 +27,9 @@ from viscorod.results.dataset import dataset
 from viscorod.results.result_places import ResultPlace, ResultPlaces
 from viscorod.solve.constraints.redundancy import require_independent
 from viscorod.solve.constraints.rigid_motions import (
-    MANY,
     FreeMotion,
     free_motions,
-    jointed_parts,
+    many_parts,
     undetermined,
     undetermined_of_many,
 )
@@ -232,7 +231,7 @@ class DiscreteModel:
         Raises:
             InputError: they do; it names the motion.
         """
-        many = jointed_parts(self.problem) > MANY
+        many = bool(many_parts(self.problem))
         motions = [] if many else free_motions(self.problem)
         if not (many or motions):
             return []

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from viscorod.analyses.discrete import DiscreteModel, named, unheld
-from viscorod.solve.constraints.rigid_motions import MANY, FreeMotion, free_motions, jointed_parts
+from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions, many_parts
 from viscorod.solve.formulations.system import State
 from viscorod.solve.statics.newton import Outcome, interruption
 from viscorod.solve.statics.settling import Settling, SettlingReport
@@ -205,7 +205,7 @@ class Search:
         gaps = discrete.system.constraints.open_joints(1.0 - reached)
         if gaps:
             text += f" Joints that are open in the reference shape could not be closed; still open: {', '.join(gaps)}."
-        free = free_motions(discrete.problem) if jointed_parts(discrete.problem) <= MANY else []
+        free = [] if many_parts(discrete.problem) else free_motions(discrete.problem)
         if free:
             text += f" Free rigid motions: {named(free)}."
         return text.strip()

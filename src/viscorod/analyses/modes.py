@@ -5,7 +5,7 @@ from __future__ import annotations
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium_near, find_initial_equilibrium
 from viscorod.errors import SolveError
-from viscorod.solve.constraints.rigid_motions import MANY, jointed_parts
+from viscorod.solve.constraints.rigid_motions import many_parts
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes import vibrations
 from viscorod.solve.modes.vibrations import Modes
@@ -38,8 +38,8 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
             oscillating=settings.oscillating,
         )
     except SolveError:
-        joined = jointed_parts(discrete.problem)
-        if joined <= MANY:
+        joined = many_parts(discrete.problem)
+        if not joined:
             raise
         raise SolveError(
             f"Small vibrations cannot be computed: joints or springs join {joined} parts, and motions of some of them "

@@ -1,23 +1,23 @@
-"""Motions in time: where they start, how they step, the events they are watched for, what comes out."""
+"""Motions in time: where they start, how they step, what comes out."""
 
 from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
+from viscorod.analyses.motion_events import monitors
 from viscorod.analyses.start_state import StartState
 from viscorod.errors import InputError, SolveError, warn
 from viscorod.mechanics.compilation.compiled import announce_formulation
 from viscorod.mechanics.elements import intrinsic_element as intrinsic
-from viscorod.model.actions.event import Crossing, Decayed
 from viscorod.model.actions.time_table import TimeTable
-from viscorod.results.data_schema import AXES, annotated
+from viscorod.results.data_schema import annotated
 from viscorod.results.dataset import dataset
 from viscorod.results.files.gathered import Gathered
 from viscorod.results.files.storage import read
@@ -28,7 +28,7 @@ from viscorod.results.step_error import motion_doubt
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import History, Snapshot, StationReader
+from viscorod.solve.history import History
 from viscorod.solve.modes.linearisation import Linearisation, linearise
 from viscorod.solve.modes.vibrations import natural_frequencies
 from viscorod.solve.problem.discretise import MANY_ROWS
@@ -37,14 +37,7 @@ from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.settings import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient.events import (
-    CrossingMonitor,
-    EventWatch,
-    FadedMotion,
-    LastingMonitor,
-    Monitor,
-    StillStrains,
-)
+from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
@@ -55,7 +48,6 @@ from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, Step
 from viscorod.solve.transient.step_errors import StepErrors
 from viscorod.solve.transient.time_step import choose_time_step
 from viscorod.solve.transient.transient_solver import Transient
-from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -131,7 +123,7 @@ def _motion(
         history=stream,
         checkpoint=None if begun is None else begun["motion"],
         after_step=after_step,
-        watch=EventWatch(monitors(discrete, settings, state)),
+        watch=EventWatch(monitors(discrete, settings.events, linear)),
     )
     interrupted = result.outcome is Outcome.INTERRUPTED
     if written is not None and written.broken:
@@ -366,67 +358,7 @@ def _halved_steps(
     return HalvedSteps(twin, StartModes.of(linear), discrete.problem, method.order)
 
 
-def _frequencies(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Floats:
-    """Return the lowest undamped angular frequencies [rad/s] about the state that a motion starts from."""
-    return natural_frequencies(small_motions(discrete, settings, state), SEEN)
-
-
 def small_motions(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:
     """Return small motions about the state that a motion starts from."""
     scale = 1.0 if settings.initial == "equilibrium" or settings.start is not None else 0.0
     return linearise(discrete.static, state, scale=scale)
-
-
-# --- events
-
-
-def monitors(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> list[Monitor]:
-    """Return the monitors of the events that a run is watched for."""
-    found: list[Monitor] = []
-    for event in settings.events:
-        if isinstance(event, Crossing):
-            found.append(
-                CrossingMonitor(
-                    event.label,
-                    event.stop,
-                    _quantity(discrete, event),
-                    rising=event.direction != "falling",
-                    falling=event.direction != "rising",
-                )
-            )
-            continue
-        during = event.during or _slowest_period(discrete, settings, state)
-        so: Callable[[Snapshot], bool]
-        if isinstance(event, Decayed):
-            so = FadedMotion(event.amplitude**2)
-        else:
-            so = StillStrains(discrete.system.gauss_positions(), event.change / during)
-        found.append(LastingMonitor(event.label, event.stop, so, during))
-    return found
-
-
-def _quantity(discrete: DiscreteModel, event: Crossing) -> Callable[[Snapshot], float]:
-    """Return the quantity of a crossing, less the value that is crossed."""
-    reader, place = StationReader(discrete.problem), discrete.place(event.at)
-    start = reader.read(
-        discrete.problem.positions, discrete.problem.quaternions, np.zeros((discrete.problem.size, 6))
-    )[0]
-    component = AXES.index(event.quantity[-1])
-    kind = event.quantity[:-1]
-
-    def quantity(snapshot: Snapshot) -> float:
-        state = snapshot.state
-        position, _, velocity, _ = reader.read(state.r, state.q, state.twist)
-        field = velocity if kind == "v" else position - start if kind == "u" else position
-        return float(place.of(field)[component]) - event.value
-
-    return quantity
-
-
-def _slowest_period(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> float:
-    """Return the period [s] of the slowest undamped vibration about the state that a motion starts from."""
-    frequencies = _frequencies(discrete, settings, state)
-    vibrating = frequencies[frequencies > 0.0]
-    if not len(vibrating):
-        raise InputError("events: nothing vibrates, so that there is no period to wait for; give during (s)")
-    return float(2.0 * np.pi / vibrating.min())

@@ -84,6 +84,12 @@ def jointed_parts(problem: Problem) -> int:
     return int(np.bincount(connected_components(graph, directed=False)[1]).max())
 
 
+def many_parts(problem: Problem) -> int:
+    """Return how many parts are joined where these are too many for their free motions to be listed, else 0."""
+    count = jointed_parts(problem)
+    return count if count > MANY else 0
+
+
 def undetermined_of_many(
     problem: Problem, external: Floats, stiffness: sparse.csc_array
 ) -> list[FreeMotion] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -11,8 +11,6 @@ from viscorod.typing import Floats
 
 THRESHOLD = 0.1
 """SuperLU keeps to the diagonal, and so to the ordered fill, where its entry has this share of the largest below."""
-
-Columns = TypeVar("Columns", bound=np.ndarray)
 
 
 class SparseLU:
@@ -49,11 +47,11 @@ class SparseLU:
         odd = _parity(factors.perm_r) * _parity(factors.perm_c) < 0
         return float(np.angle(factors.U.diagonal()).sum() + np.pi * odd)
 
-    def solve(self, b: Columns, *, transposed: bool = False) -> Columns:
+    def solve(self, b: np.ndarray, *, transposed: bool = False) -> np.ndarray:
         """Return the solutions for right sides ``(n,)`` or ``(n, m)``, of the transposed system if that is wanted."""
         scales = self.scales if b.ndim == 1 else self.scales[:, None]
         found = self._factors.solve(scales * b, "T" if transposed else "N")
-        return np.asarray(scales * found)  # type: ignore[return-value]
+        return np.asarray(scales * found)
 
 
 def _scales(matrix: sparse.csc_array) -> Floats:

@@ -17,7 +17,7 @@ from scipy import sparse
 
 from viscorod.errors import SolveError
 from viscorod.solve.constraints.null_space import null_space
-from viscorod.solve.constraints.rigid_motions import MANY, RigidParts, jointed_parts, motions_of_parts
+from viscorod.solve.constraints.rigid_motions import RigidParts, many_parts, motions_of_parts
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
@@ -119,9 +119,7 @@ def linearise(
     damping = sparse.csr_array(basis.T @ damping_matrix.sparse()[:size, :size] @ basis)
     mass = sparse.csr_array(basis.T @ block_diagonal(problem.mass) @ basis)
     whole = Linearisation(tangent.stiffness, damping, mass, basis, tangent.gradients)
-    if (
-        jointed_parts(problem) > MANY
-    ):  # their rigid motions, as coordinates of their own, would fill the matrices
+    if many_parts(problem):  # their rigid motions, as coordinates of their own, would fill the matrices
         return whole
     # what resists rigid motions of parts: loads, reactions, springs and dampers
     bare = _without_elements(solver, t, before, scale)
