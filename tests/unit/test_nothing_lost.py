@@ -406,12 +406,15 @@ def test_ctrl_c_in_python_keeps_the_run(tmp_path):
     runs.whole()
 
     def nagged():
+        begun = time.perf_counter()
+        runs.gone_on(tmp_path / "undisturbed")
+        taken = time.perf_counter() - begun
         signal.signal(signal.SIGALRM, signal.default_int_handler)
         rng, stops = random.Random(4), 0
         for _ in range(60):
-            signal.setitimer(signal.ITIMER_REAL, rng.uniform(0.02, 0.4))
+            signal.setitimer(signal.ITIMER_REAL, rng.uniform(0.1, 0.5) * taken)
             try:
-                run = runs.gone_on(tmp_path)
+                run = runs.gone_on(tmp_path / "nagged")
             except (vr.SolveError, KeyboardInterrupt):
                 stops += 1
                 continue
@@ -419,7 +422,7 @@ def test_ctrl_c_in_python_keeps_the_run(tmp_path):
                 signal.setitimer(signal.ITIMER_REAL, 0.0)
             return stops, sorted(runs.differences(run))
         signal.setitimer(signal.ITIMER_REAL, 0.0)
-        return stops, sorted(runs.differences(runs.gone_on(tmp_path)))
+        return stops, sorted(runs.differences(runs.gone_on(tmp_path / "nagged")))
 
     stops, differing = runs.in_child(nagged)
     assert stops > 0
