@@ -102,7 +102,15 @@ def test_solutions_are_those_of_dense_matrices(model, kind):
             solve_twice(solver.factors, b, c)
             solver.check()
             scale = 1e-16 * np.linalg.cond(dense) * 1e3
-            for found, expected in ((nodal.ravel(), expected_b), (b, expected_b), (c, expected_c)):
+            d = right_side(6 * pattern.size, kind, 5)
+            expected_d = np.linalg.solve(dense.T, d)
+            turned = solver.solve(d.copy(), transposed=True)
+            for found, expected in (
+                (nodal.ravel(), expected_b),
+                (b, expected_b),
+                (c, expected_c),
+                (turned, expected_d),
+            ):
                 np.testing.assert_allclose(found, expected, atol=scale * np.abs(expected).max(), rtol=0)
 
 
