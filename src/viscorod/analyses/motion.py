@@ -78,7 +78,7 @@ def motion(discrete: DiscreteModel, settings: SimulateSettings) -> Run:
     stream = JournalStream(options.folder, build, labels, resume=options.resume)
     try:
         if stream.doubt:
-            warn(stream.doubt)
+            warn(stream.doubt, at_once=True)
         return _motion(discrete, settings, labels, stream)
     finally:
         stream.journal.close()
