@@ -22,7 +22,10 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.modes.vibrations import Modes
 from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES
-from viscorod.solve.settings import Meshed, ModesSettings, SimulateSettings, SteadySettings
+from viscorod.solve.settings.mesh import Meshed
+from viscorod.solve.settings.modes import ModesSettings
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.steady import SteadySettings
 from viscorod.typing import Floats
 
 __all__ = ["frequency_errors", "refined", "refined_modes", "refined_motion"]
