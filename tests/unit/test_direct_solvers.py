@@ -17,6 +17,7 @@ from viscorod.solve.linear.ordering import cuthill_mckee, half_bandwidth
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan, plans
 from viscorod.solve.linear.singular import SingularMatrixError
+from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.linear.substitution import solve
 
 KINDS = [float, complex]
@@ -265,3 +266,16 @@ def test_machine_code_on_disk_calls_the_functions_of_this_process(tmp_path):
 
     assert output().split() == ["1", "1"]
     assert output().split() == ["0", "0"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_sparse_lu_solves_the_transposed_system(kind):
+    """Against a dense matrix that is not symmetric, with conditions that have no diagonal; rows in their own units."""
+    pattern, _, nodes = MODELS["ring with multipliers"]
+    matrix = pattern.sparse(values(pattern, nodes, kind))
+    units = np.repeat(10.0 ** np.random.default_rng(6).integers(-3, 4, size=pattern.size), 6)
+    matrix = matrix * np.outer(units, units)
+    b = np.column_stack([right_side(6 * pattern.size, kind, seed) for seed in (7, 8)])
+    x = SparseLU(matrix).solve(b, transposed=True)
+    size = abs(matrix).T @ np.abs(x) + np.abs(b)
+    assert np.max(np.abs(matrix.T @ x - b) / size) < 1e-12

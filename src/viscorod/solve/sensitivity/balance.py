@@ -24,12 +24,15 @@ class Balance:
     """The balance at one state.
 
     Args:
-        actions: loads and supports of a model without held strains, Maxwell branches and loads that are records.
-        state: poses and twists; acceleration: rates of the body twists ``(n, 6)``.
+        actions: loads and supports of a model without Maxwell branches and loads that are records, on a system that
+            nothing else works with.
+        state: poses, twists and multipliers; acceleration: rates of the body twists ``(n, 6)``.
         t, before: time [s] of the loads, and whether as limits from the left.
 
     Attributes:
-        pose, twist: derivatives ``(6 n, 6 n)`` by body increments of the poses at constant twists, and by the twists.
+        residual: the balance, and scaled gaps of what multipliers hold ``(N, 6)``.
+        blocks: its derivatives by body increments of the poses at constant twists, and by scaled multipliers.
+        pose: the same as a matrix ``(6 N, 6 N)``; twist: derivatives by the twists ``(6 n, 6 n)``.
     """
 
     def __init__(
@@ -40,31 +43,40 @@ class Balance:
         assert isinstance(system, GeometricSystem)
         problem = self.problem = system.problem
         self.elements = elements = system.elements()
-        n, pattern = problem.size, problem.pattern
-        points = GaussStates.of(elements, 1)
-        system.element_forces(elements, 1).evaluate(state, points, np.zeros((n, 6)))
+        constraints, n, pattern = system.constraints, problem.size, problem.pattern
+        constraints.update(t, before)
+        points, internal = GaussStates.of(elements, 1, carried=len(problem.held.place) > 0), np.zeros((n, 6))
+        system.element_forces(elements, 1).evaluate(state, points, internal)
         self.strain, self.strain_rate = points.strain[0].copy(), points.strain_rate[0].copy()
         operators = Operators.of(elements)
-        K, C = np.zeros((2, len(pattern.rows), 6, 6))
+        self.blocks, C = np.zeros((2, len(pattern.rows), 6, 6))
         for part in system.parts:
             part.impose_rest(1.0)
         still = np.zeros((n, 6, 6))  # increments of the twists count by themselves
-        system.linearise(state, still, points.section_force[0], operators, K, C)
+        system.linearise(state, still, points.section_force[0], operators, self.blocks, C)
         self.B = operators.strain
-        actions.add_load_stiffness(t, state, np.zeros((n, 6)), K, before=before)
-        order = elements.order
+        constraints.add_forces(state, internal)
+        held = (elements.order, self.B) if len(problem.held.place) else None
+        constraints.add_tangent(state, still, self.blocks, C, moving=True, held=held)
+        external = np.zeros((n, 6))
+        actions.add_load_stiffness(t, state, external, self.blocks, before=before)
+        at = problem.held
+        constraints.gap[at.place] = self.strain[at.element, at.point, at.component]
+        self.scale = constraints.scale.copy()
         self.weights = np.zeros(elements.section.shape)
-        for e in range(len(order)):
-            p = order[e]
-            self.weights[e, :p] = elements.weights[p, :p] * elements.half_lengths[e]
+        for e, order in enumerate(elements.order):
+            self.weights[e, :order] = elements.weights[order, :order] * elements.half_lengths[e]
         self._fall = acceleration.copy()  # gravity is an acceleration of the whole model the other way
         self._fall[:, :3] -= _turned_back(state.q, actions.loads.at(t, before).gravity)
+        inertia = np.einsum("nij,nj->ni", problem.mass, acceleration) + _coriolis(problem.mass, state.twist)
+        gaps = (self.scale * constraints.gap).reshape(-1, 6)
+        self.residual: Floats = np.concatenate([internal - external + inertia, gaps])
+        self.pose = pattern.sparse(self.blocks)
         size = 6 * n
-        self.pose = pattern.sparse(K)[:size, :size]
         self.twist = pattern.sparse(C)[:size, :size] + block_diagonal(self._gyroscopic())
 
     def force(self, changes: ArrayChanges) -> Floats:
-        """Return the change ``(n, 6)`` of the balance with the arrays, at constant motion."""
+        """Return the change ``(N, 6)`` of :attr:`residual` with the arrays, at constant motion and multipliers."""
         elements = self.elements
         dC, dD, C = (m[elements.section] for m in (changes.stiffness, changes.damping, elements.stiffness))
         stress = np.einsum("egij,egj->egi", dC, self.strain) + np.einsum(
@@ -77,14 +89,17 @@ class Balance:
         np.add.at(found, elements.nodes, nodal.reshape(*elements.nodes.shape, 6))
         x, dM = self.state.twist, changes.mass
         found += np.einsum("nij,nj->ni", dM, self._fall)
-        found -= np.einsum("nji,nj->ni", adjoint_map(x), np.einsum("nij,nj->ni", dM, x))
+        found += _coriolis(dM, x)
         for load in np.flatnonzero(changes.factors):
             found -= changes.factors[load] * self.unit_load(int(load))
-        return np.asarray(found)
+        gaps, held = np.zeros_like(self.scale), self.problem.held
+        gaps[held.place] = -changes.reference[held.element, held.point, held.component]
+        return np.concatenate([found, (self.scale * gaps).reshape(-1, 6)])
 
     def gradient(self, weights: Floats) -> ArrayChanges:
-        """Return the derivatives of ``sum weights . R`` for ``weights (n, 6)`` by the arrays."""
-        elements, problem = self.elements, self.problem
+        """Return the derivatives of the sum of ``weights (N, 6)`` times :attr:`residual` by the arrays."""
+        elements, problem, held = self.elements, self.problem, self.problem.held
+        gaps, weights = self.scale * weights[problem.size :].ravel(), weights[: problem.size]
         found = ArrayChanges.none(problem, elements)
         at_elements: Floats = weights[elements.nodes].reshape(len(elements.nodes), -1)
         virtual = np.einsum("era,ea->er", self.B, at_elements).reshape(self.strain.shape)
@@ -92,6 +107,7 @@ class Balance:
         np.add.at(found.stiffness, elements.section, virtual[..., :, None] * self.strain[..., None, :])
         np.add.at(found.damping, elements.section, virtual[..., :, None] * self.strain_rate[..., None, :])
         found.reference[:] = -np.einsum("egji,egj->egi", elements.stiffness[elements.section], virtual)
+        found.reference[held.element, held.point, held.component] -= gaps[held.place]
         x = self.state.twist
         found.mass[:] = weights[:, :, None] * self._fall[:, None, :]
         found.mass[:] -= np.einsum("nij,nj->ni", adjoint_map(x), weights)[:, :, None] * x[:, None, :]
@@ -114,6 +130,11 @@ class Balance:
         for k, unit in enumerate(np.eye(6)):
             found[:, :, k] -= momentum @ adjoint_map(unit)
         return found
+
+
+def _coriolis(mass: Floats, x: Floats) -> Floats:
+    """Return ``L1(x) M x`` of all nodes ``(n, 6)``, with ``L1(x) = -ad(x)^T``."""
+    return np.asarray(-np.einsum("nji,nj->ni", adjoint_map(x), np.einsum("nij,nj->ni", mass, x)))
 
 
 def adjoint_map(x: Floats) -> Floats:

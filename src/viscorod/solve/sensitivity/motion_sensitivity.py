@@ -13,6 +13,7 @@ import numpy as np
 
 from viscorod.solve.formulations.system import State
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
+from viscorod.solve.sensitivity.equilibrium_sensitivity import actions_of
 from viscorod.solve.sensitivity.step_linearisation import StepLinearisation, require_linearisable
 from viscorod.solve.transient.recorded_steps import RecordedSteps
 from viscorod.typing import Floats
@@ -58,6 +59,7 @@ def forward(
     """
     integrator, count = steps.integrator, len(changes)
     require_linearisable(integrator)
+    actions = actions_of(integrator.system, integrator.supports)
     nodes = integrator.system.problem.size
     pose, twist = np.zeros((2, 6 * nodes, count))
     if start is not None:
@@ -70,7 +72,7 @@ def forward(
     for stretch in range(steps.stretches):
         for step in steps.again(stretch):
             yield here(integrator.t)
-            linear = StepLinearisation(integrator, step.end, before=step.before)
+            linear = StepLinearisation(integrator, actions, step.end, before=step.before)
             pose, twist = linear.forward(pose, twist, changes)
     yield here(integrator.t)
 
@@ -89,6 +91,7 @@ def gradient(steps: RecordedSteps, weights: Weights) -> MotionGradient:
     """
     integrator = steps.integrator
     require_linearisable(integrator)
+    actions = actions_of(integrator.system, integrator.supports)
     size = 6 * integrator.system.problem.size
     pose, twist = np.zeros((2, size, 1))
     total = ArrayChanges.none(integrator.system.problem, integrator.system.elements())
@@ -102,7 +105,7 @@ def gradient(steps: RecordedSteps, weights: Weights) -> MotionGradient:
     for stretch in reversed(range(steps.stretches)):
         passed: list[tuple[int, State, StepLinearisation]] = []
         for step in steps.again(stretch):
-            linear = StepLinearisation(integrator, step.end, before=step.before)
+            linear = StepLinearisation(integrator, actions, step.end, before=step.before)
             passed.append((step.number, integrator.state.copy(), linear))
         ends = [state for _, state, _ in passed[1:]] + [integrator.state.copy()]
         for (number, _, linear), end in zip(reversed(passed), reversed(ends), strict=False):

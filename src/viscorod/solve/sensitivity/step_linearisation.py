@@ -27,6 +27,7 @@ from viscorod.solve.sensitivity.array_changes import ArrayChanges
 from viscorod.solve.sensitivity.balance import Balance, adjoint_map
 from viscorod.solve.sensitivity.equilibrium_sensitivity import require_differentiable
 from viscorod.solve.transient.integrators.collocation import Collocation
+from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
 __all__ = ["StepLinearisation", "require_linearisable"]
@@ -41,36 +42,39 @@ class StepLinearisation:
     """The linearisation of the step that an integrator has attempted, and not accepted yet.
 
     Columns of arrays are independent changes. Rows are those of all nodes, ``6 n``; nodes that supports hold do not
-    change, and their rows are left alone or zero.
+    change. Multipliers of joints and held strains are unknowns of every stage, and no part of the state.
 
     Args:
-        integrator: after an attempt that converged; end: of it [s]; before: whether loads there are limits from the
-            left.
+        integrator: after an attempt that converged; actions: of the same model on a system of its own, see
+            ``actions_of``.
+        end: of the step [s]; before: whether loads there are limits from the left.
 
     Attributes:
         balances: of all stages; mass: of all nodes ``(6 n, 6 n)``.
     """
 
-    def __init__(self, integrator: Collocation, end: float, *, before: bool) -> None:
-        method, stages = integrator.tableau, integrator.stages
+    def __init__(self, integrator: Collocation, actions: StepActions, end: float, *, before: bool) -> None:
+        method, stages, links = integrator.tableau, integrator.stages, integrator.stage_constraints
         h, last = end - integrator.t, len(method.nodes) - 1
         self._rates = method.derivative / h
-        self._free = np.repeat(integrator.body.held == 0.0, 6)
+        nodes = np.repeat(integrator.body.held == 0.0, 6)
+        self._size, multipliers = len(nodes), 6 * integrator.system.problem.multipliers
+        self._moves = nodes[:, None]
+        self._free = np.concatenate([nodes, np.ones(multipliers, dtype=bool)])
         self.mass = block_diagonal(integrator.body.mass)
         times = [integrator.t + c * h for c in method.nodes[:-1]] + [end]
         self.balances: list[Balance] = []
         self._carry: list[sparse.csr_array] = []
         self._T: list[sparse.csr_array] = []
         self._W: list[sparse.csr_array] = []
+        actions.system.constraints.near[:] = integrator.system.constraints.near
         for i, t in enumerate(times):
-            state = State(
-                stages.r[i].copy(), stages.q[i].copy(), stages.twist[i].copy(), integrator.state.multiplier
-            )
+            multiplier = integrator.state.multiplier if links is None else links.arrays.states.multiplier[i]
+            state = State(stages.r[i].copy(), stages.q[i].copy(), stages.twist[i].copy(), multiplier.copy())
             left = before and i == last
-            balance = Balance(integrator.actions, state, stages.acceleration[i].copy(), t, before=left)
-            self.balances.append(balance)
-            carry, tangent, change = _maps(stages.X[i], np.tensordot(self._rates[i], stages.X, axes=1))
-            for known, blocks in ((self._carry, carry), (self._T, tangent), (self._W, change)):
+            self.balances.append(Balance(actions, state, stages.acceleration[i].copy(), t, before=left))
+            maps = _maps(stages.X[i], np.tensordot(self._rates[i], stages.X, axes=1))
+            for known, blocks in zip((self._carry, self._T, self._W), maps, strict=True):
                 known.append(block_diagonal(blocks))
         self._factors = SparseLU(self._stage_jacobian())
 
@@ -87,12 +91,13 @@ class StepLinearisation:
         start = self._rates.sum(axis=1)
         right = []
         for i, balance in enumerate(self.balances):
-            force = balance.pose @ (self._carry[i] @ pose) - start[i] * (self.mass @ twist)
+            force = balance.pose[:, : self._size] @ (self._carry[i] @ pose)
+            force[: self._size] -= start[i] * (self.mass @ twist)
             for k, change in enumerate(changes):
                 if change is not None:
                     force[:, k] += balance.force(change).ravel()
             right.append(-force)
-        found = self._unpacked(self._factors.solve(self._packed(right)))
+        found = [part[: self._size] for part in self._unpacked(self._factors.solve(self._packed(right)))]
         rate = sum(d * x for d, x in zip(self._rates[-1], found, strict=True))
         end_pose = self._carry[-1] @ pose + self._T[-1] @ found[-1]
         return self._only_free(end_pose), self._only_free(self._T[-1] @ rate + self._W[-1] @ found[-1])
@@ -107,12 +112,14 @@ class StepLinearisation:
         by_rate = self._T[-1].T @ twist
         right = [d * by_rate for d in self._rates[-1]]
         right[-1] = right[-1] + self._T[-1].T @ pose + self._W[-1].T @ twist
+        none = np.zeros((len(self._free) - self._size, 1))
+        right = [np.concatenate([part, none]) for part in right]
         forces = self._unpacked(self._factors.solve(self._packed(right), transposed=True))
         start_pose, start_twist = self._carry[-1].T @ pose, np.zeros_like(twist)
         gradient: ArrayChanges | None = None
         for i, (balance, start) in enumerate(zip(self.balances, self._rates.sum(axis=1), strict=True)):
-            start_pose = start_pose - self._carry[i].T @ (balance.pose.T @ forces[i])
-            start_twist += start * (self.mass.T @ forces[i])
+            start_pose = start_pose - self._carry[i].T @ (balance.pose[:, : self._size].T @ forces[i])
+            start_twist += start * (self.mass.T @ forces[i][: self._size])
             by_arrays = balance.gradient(-forces[i].reshape(-1, 6))
             if gradient is None:
                 gradient = by_arrays
@@ -124,6 +131,8 @@ class StepLinearisation:
     def _stage_jacobian(self) -> sparse.csc_array:
         """Return the derivatives of the balances of all stages by all coordinates, of free nodes, node by node."""
         d, stages = self._rates, len(self.balances)
+        multipliers = len(self._free) - self._size
+        none, ones = sparse.csr_array((multipliers, multipliers)), sparse.eye_array(multipliers)
         rows = []
         for i, balance in enumerate(self.balances):
             row = []
@@ -131,7 +140,10 @@ class StepLinearisation:
                 speed = sum(d[i, k] * d[k, j] * self._T[k] for k in range(stages)) + d[i, j] * self._W[j]
                 block = self.mass @ speed + d[i, j] * (balance.twist @ self._T[i])
                 if i == j:
-                    block = block + balance.pose @ self._T[i] + balance.twist @ self._W[i]
+                    block = block + balance.twist @ self._W[i]
+                block = sparse.block_diag([block, none])
+                if i == j:
+                    block = block + balance.pose @ sparse.block_diag([self._T[i], ones])
                 row.append(sparse.csr_array(block)[self._free][:, self._free])
             rows.append(row)
         whole = sparse.csc_array(sparse.block_array(rows))
@@ -153,7 +165,7 @@ class StepLinearisation:
         return found
 
     def _only_free(self, values: Floats) -> Floats:
-        return np.asarray(values * self._free[:, None])
+        return np.asarray(values * self._moves)
 
 
 def require_linearisable(integrator: Collocation) -> None:
@@ -161,12 +173,11 @@ def require_linearisable(integrator: Collocation) -> None:
 
     Raises:
         InputError: it is not a collocation method that ends with its last stage, in the geometric formulation, or the
-            model has joints, springs, supports that hold a part of a node, or what has no derivatives in statics.
+            model has supports that hold a part of a node, or what has no derivatives in statics.
     """
     problem = integrator.system.problem
     require_differentiable(problem)
     parts = {
-        "joints or springs": problem.constrained,
         "supports that leave motions of their place free": len(integrator.supports.partial) > 0,
         "the midpoint rule": integrator.ends is not None,
         "the intrinsic formulation": not isinstance(integrator.system, GeometricSystem)
