@@ -330,3 +330,47 @@ def test_the_adjoint_is_the_forward_derivative(motion):
     ends = list(motion_sensitivity.forward(steps, [none], (start[0], start[1])))
     expected = sum(np.vdot(w[0], ends[at].pose) + np.vdot(w[1], ends[at].twist) for at, w in looked.items())
     assert np.vdot(found.pose, start[0]) + np.vdot(found.twist, start[1]) == pytest.approx(expected, rel=1e-9)
+
+
+def released(stiffer=0.0, dampers=0.0):
+    """A cantilever that hangs in equilibrium under a force, which lets go at t = 0; the state at the given ends."""
+    section = vr.StiffnessSection((1.0 + stiffer) * C, M, damping=0.01 * (1.0 + dampers) * C)
+    model = vr.Model()
+    model.add("beam", vr.Rod.straight((0, 0, 0), (0.5, 0, 0), section=section, elements=2, order=3))
+    model.clamp("beam.start")
+    model.force("beam.end", (0.0, 0.02, 0.01), until=0.0)
+    solver, state = solved(model)
+    method = integrator(model)
+    steps = RecordedSteps(method, every=4)
+    steps.start(0.0, state.copy())
+    tips = []
+    for end in ENDS:
+        assert steps.attempt(end, before=False).converged
+        steps.accept()
+        tips.append(method.state.r[-1].copy())
+    return solver, state, steps, np.array(tips)
+
+
+def test_a_release_from_equilibrium_changes_by_its_start_too():
+    """The tip's history by modulus and viscosity: differences, which find the equilibrium anew; the adjoint as well."""
+    solver, state, steps, _ = released()
+    system = solver.system
+    problem, elements = system.problem, system.elements()
+    start = EquilibriumSensitivity(solver, state)
+    viscous = ArrayChanges.none(problem, elements)
+    viscous.damping[:] = elements.damping
+    changes = [all_stiffer(system), viscous]
+    poses = np.array([start.direct(change) for change in changes])
+    history = list(motion_sensitivity.forward(steps, changes, (poses, np.zeros_like(poses))))[1:]
+    for k, name in enumerate(("stiffer", "dampers")):
+        expected = extrapolated(lambda h, name=name: released(**{name: h})[3])
+        found = np.array([rotation(here.state.q[-1]) @ here.pose[k, -1, :3] for here in history])
+        assert np.abs(expected).max() > 1e-4
+        np.testing.assert_allclose(found, expected, atol=1e-7 * np.abs(expected).max())
+    weights = np.zeros((2, problem.size, 6))
+    weights[0, -1, :3] = rotation(history[-1].state.q[-1])[1]  # the height of the tip at the end
+    gradient = motion_sensitivity.gradient(steps, lambda k, _: weights if k == len(ENDS) else None)
+    gradient.arrays.add(start.adjoint(gradient.pose))
+    for k, change in enumerate(changes):
+        expected = np.vdot(weights[0], history[-1].pose[k])
+        assert gradient.arrays.product(change) == pytest.approx(expected, rel=1e-8)
