@@ -97,7 +97,11 @@ class CoarseMotion:
         return np.asarray(self.spread_all(state, rate[None])[0])
 
     def spread_all(self, state: State, rates: Floats) -> Floats:
-        """Return minus mass times rates of twist ``(k, n, 6)`` on the finer nodes ``(k, n', 6)``.
+        """Return minus mass times rates ``(k, n, 6)`` on the finer nodes ``(k, n', 6)``: see :meth:`fields`."""
+        return np.asarray(-np.einsum("nij,knj->kni", self.finer.problem.mass, self.fields(state, rates)))
+
+    def fields(self, state: State, rates: Floats) -> Floats:
+        """Return twists, or rates of them, ``(k, n, 6)`` on the finer nodes ``(k, n', 6)``.
 
         Rates of displacement are mixed in global axes.
         """
@@ -116,4 +120,4 @@ class CoarseMotion:
         axes = matrices(finer.interpolated(state)[1][own])
         found[:, nodes, :3] = np.einsum("nji,knj->kni", axes, field[:, own, :3])
         found[:, nodes, 3:] = field[:, own, 3:]
-        return np.asarray(-np.einsum("nij,knj->kni", fine.mass, found))
+        return found
