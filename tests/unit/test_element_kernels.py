@@ -10,6 +10,7 @@ from helpers.small_frame import dense
 from viscorod.mechanics.elements import geometric_element as geometric
 from viscorod.mechanics.elements.basis import gauss, lagrange
 from viscorod.mechanics.elements.lanes import LANES
+from viscorod.mechanics.elements.section_laws import SectionLaws
 from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.mechanics.rotations.rotation import inverse_motion_tangent, retract
@@ -88,6 +89,7 @@ class Element:
         self.reference = 0.2 * rng.normal(size=(1, order, 6))
         self.rate_map = rng.normal(size=(m, 6, 6))
         self.prestress = 0.3 * rng.normal(size=(1, order, 6))
+        self.laws = SectionLaws.none(2)
 
     def assemble(self, r, q, twist, stress=None, moving=True):
         m, g = self.m, self.m - 1
@@ -110,7 +112,7 @@ class Element:
         return geometric.EqualElements(
             self.nodes, self.links, self.pattern.slots(self.nodes), self.link_r, self.link_q, self.shapes,
             self.slopes, self.weights, np.array([self.half]), self.section, self.C, self.D, np.zeros((1, 6)),
-            self.coupled, True, False, self.reference, self.prestress,
+            self.coupled, True, False, self.reference, self.prestress, self.laws,
         )  # fmt: skip
 
     def section_columns(self, S, operator):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscorod.mechanics.compilation.compiled import kernel
+from viscorod.mechanics.compilation.compiled import kernel, lane_kernel
 from viscorod.mechanics.elements.gathering import (
     add_blocks,
     add_forces,
@@ -37,6 +37,7 @@ from viscorod.mechanics.elements.lanes import (
     rates,
     section_forces,
 )
+from viscorod.mechanics.elements.section_laws import SectionLaws, add_lane_laws, stored_and_lost
 from viscorod.mechanics.elements.strain import element_poses, gauss_point
 from viscorod.mechanics.elements.tangent_lanes import (
     FLAT_ROWS,
@@ -73,6 +74,7 @@ class EqualElements(NamedTuple):
         held: marks strains whose section force is the stress ``(sections, 6)``; ``constrained`` False: there are none.
         reference: strains of the unstressed shape ``(elements, points, 6)``.
         prestress: section forces in addition to C eps + D eps_t, likewise; no elements if there are none.
+        laws: of the sections, beside C and D; where there are any, ``coupled`` and ``damped`` are True.
     """
 
     nodes: Integers
@@ -93,6 +95,7 @@ class EqualElements(NamedTuple):
     constrained: bool
     reference: Floats
     prestress: Floats
+    laws: SectionLaws
 
 
 class PointArrays(NamedTuple):
@@ -148,6 +151,147 @@ def strains(elements: EqualElements, r: Floats, q: Floats, out: Floats, frames: 
             gauss_point(shapes[g], slope, re, qe, out[e, g, 0:3], out[e, g, 3:6], p, frames[e, g])
 
 
+class Batch(NamedTuple):
+    """Up to LANES Gauss points with all that an assembly works on: rows of ``lanes``, one lane a point.
+
+    Attributes:
+        element, place: of every lane, the element and the Gauss point in it.
+        point, node, maps: see ``lanes``; C, D: section matrices ``(6, 6, LANES)``.
+        B, E, A, F: columns of one node (see ``tangent_lanes``); T: rate maps; block: between two nodes.
+        nodal: ``(1, 6, LANES)``, wrenches on one node; strain, rate: of one point ``(6,)``, for its law.
+    """
+
+    element: Integers
+    place: Integers
+    point: Floats
+    node: Floats
+    maps: Floats
+    C: Floats
+    D: Floats
+    B: Floats
+    E: Floats
+    A: Floats
+    F: Floats
+    T: Floats
+    block: Floats
+    nodal: Floats
+    strain: Floats
+    rate: Floats
+
+
+@lane_kernel
+def gather_points(elements: EqualElements, stress: Floats, first: int, count: int, batch: Batch) -> None:
+    """Put the Gauss points from number ``first`` on into the lanes: weights, basis, stress, minus reference strain."""
+    element, place, point, node = batch.element, batch.place, batch.point, batch.node
+    points, m = elements.shapes.shape
+    e, g = first // points, first % points
+    for lane in range(count):
+        if g == points:
+            e, g = e + 1, 0
+        element[lane], place[lane] = e, g
+        weight = elements.weights[g] * elements.half_lengths[e]
+        point[0, AT_WEIGHT, lane] = weight
+        for k in range(m):
+            node[k, AT_SHAPE, lane] = elements.shapes[g, k]
+            node[k, AT_SLOPE, lane] = elements.slopes[g, k] / elements.half_lengths[e]
+        for i in range(6):
+            point[0, AT_STRAIN + i, lane] = -elements.reference[e, g, i]
+            point[0, AT_STRESS + i, lane] = weight * stress[e, g, i]
+        g += 1
+
+
+@lane_kernel
+def respond(elements: EqualElements, viscous: bool, count: int, batch: Batch) -> None:
+    """Evaluate the section forces ``S = C eps + D eps_t + s + prestress``; those of held strains are their stress."""
+    element, place, point, section = batch.element, batch.place, batch.point, elements.section
+    gather_sections(count, element, place, section, elements.coupled, elements.stiffness, batch.C)
+    if elements.damped:
+        gather_sections(count, element, place, section, elements.coupled, elements.damping, batch.D)
+    section_forces(count, elements.coupled, viscous, batch.C, batch.D, point)
+    if elements.laws.present:
+        add_lane_laws(
+            count, element, place, section, elements.laws, point, batch.C, batch.D, batch.strain, batch.rate
+        )
+    if elements.prestress.shape[0] > 0:
+        for lane in range(count):
+            for i in range(6):
+                point[0, AT_FORCE + i, lane] += elements.prestress[element[lane], place[lane], i]
+    if elements.constrained:
+        for lane in range(count):
+            of = section[element[lane], place[lane]]
+            for i in range(6):
+                if elements.held[of, i] != 0.0:
+                    point[0, AT_FORCE + i, lane] = point[0, AT_STRESS + i, lane] / point[0, AT_WEIGHT, lane]
+
+
+@lane_kernel
+def scatter_points(fields: PointArrays, count: int, batch: Batch) -> None:
+    """Write strains, their rates and section forces of all lanes."""
+    for lane in range(count):
+        e, g = batch.element[lane], batch.place[lane]
+        for i in range(6):
+            fields.strain[e, g, i] = batch.point[0, AT_STRAIN + i, lane]
+            fields.strain_rate[e, g, i] = batch.point[0, AT_RATE + i, lane]
+            fields.section_force[e, g, i] = batch.point[0, AT_FORCE + i, lane]
+
+
+@lane_kernel
+def keep_columns(count: int, columns: Floats, out: Floats) -> None:
+    """Write six columns ``(column, row, LANES)`` of all lanes."""
+    for b in range(6):
+        for i in range(6):
+            for lane in range(count):
+                out[b, i, lane] = columns[b, i, lane]
+
+
+@lane_kernel
+def change_by_node(
+    elements: EqualElements, viscous: bool, rate_map: Floats, count: int, j: int, batch: Batch
+) -> None:
+    """Write what increments of nodes j change the section force by, ``A = C B + D (E + B T)``."""
+    point, node, maps = batch.point, batch.node, batch.maps
+    section_columns(count, elements.coupled, batch.C, batch.B, True, batch.A)
+    if viscous:
+        gather_rate_maps(
+            count,
+            batch.element,
+            j,
+            elements.nodes,
+            elements.links,
+            elements.link_positions,
+            elements.link_quaternions,
+            rate_map,
+            batch.T,
+        )
+        rate_columns(count, point, node, maps, j, batch.E)
+        follow_twist(count, batch.B, batch.T, batch.E)
+        section_columns(count, elements.coupled, batch.D, batch.E, False, batch.A)
+
+
+@lane_kernel
+def add_column(elements: EqualElements, own: bool, count: int, j: int, batch: Batch, blocks: Floats) -> None:
+    """Add the blocks of all nodes' forces by increments of nodes j, from the conjugate forces ``F``.
+
+    ``own``: the forces of node j turn with it.
+    """
+    for k in range(elements.nodes.shape[1]):
+        block_of(count, batch.node, batch.maps, k, batch.F, batch.block)
+        if k == j and own:
+            add_frame_rotation(count, batch.point, batch.node, batch.maps, k, batch.block)
+        add_blocks(
+            count,
+            batch.element,
+            k,
+            j,
+            elements.links,
+            elements.link_positions,
+            elements.link_quaternions,
+            elements.slots,
+            batch.block,
+            blocks,
+        )
+
+
 @kernel
 def assemble(
     elements: EqualElements,
@@ -168,120 +312,49 @@ def assemble(
         rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``; read only if sections are damped and ``moving``.
         out: added to.
 
-    model.md section 4: ``f = sum_g w_g B^T (C eps + D eps_t)``.
+    model.md section 4: ``f = sum_g w_g B^T S``, and ``df = sum_g w_g [B^T (C B + D (E + B T)) + geometric] d``.
     """
-    nodes, links, slots, link_positions, link_quaternions, shapes, slopes, weights = elements[:8]
-    half_lengths, section, stiffness, damping, held = elements[8:13]
-    coupled, damped, constrained, reference, prestress = elements[13:]
-    stress, strain, strain_rate, section_force, operator, strain_operator = fields
-    force, blocks, rate_blocks = out
-    m = nodes.shape[1]
-    points = shapes.shape[0]
-    total = nodes.shape[0] * points
-    viscous = damped and moving
-    separate = damped and with_tangent and rate_blocks.shape[0] > 0
-    point = np.zeros((1, POINT_ROWS, LANES))
-    node = np.zeros((m, NODE_ROWS, LANES))
-    maps = np.zeros((3 * m, MAP_ROWS, LANES))
-    C = np.zeros((6, 6, LANES))
-    D = np.zeros((6, 6, LANES))
-    B = np.empty((6, 6, LANES))
-    E = np.empty((6, 6, LANES))
-    A = np.empty((6, 6, LANES))
-    T = np.empty((6, 6, LANES))
-    F = np.empty((6, FLAT_ROWS, LANES))
-    block = np.empty((6, 6, LANES))
-    nodal = np.empty((1, 6, LANES))
-    element = np.empty(LANES, np.int64)
-    place = np.empty(LANES, np.int64)
-    e = g = 0
+    nodes, links, _, link_positions, link_quaternions, shapes = elements[:6]
+    m, total = nodes.shape[1], nodes.shape[0] * shapes.shape[0]
+    viscous = elements.damped and moving
+    separate = elements.damped and with_tangent and out.rate_blocks.shape[0] > 0
+    square = (6, 6, LANES)
+    batch = Batch(
+        np.empty(LANES, np.int64), np.empty(LANES, np.int64), np.zeros((1, POINT_ROWS, LANES)),
+        np.zeros((m, NODE_ROWS, LANES)), np.zeros((3 * m, MAP_ROWS, LANES)), np.zeros(square), np.zeros(square),
+        np.empty(square), np.empty(square), np.empty(square), np.empty((6, FLAT_ROWS, LANES)), np.empty(square),
+        np.empty(square), np.empty((1, 6, LANES)), np.empty(6), np.empty(6),
+    )  # fmt: skip
+    element, point, node, maps, nodal = batch.element, batch.point, batch.node, batch.maps, batch.nodal
     for first in range(0, total, LANES):
-        count = min(LANES, total - first)
-        for lane in range(count):
-            if g == points:
-                e, g = e + 1, 0
-            element[lane], place[lane] = e, g
-            weight = weights[g] * half_lengths[e]
-            point[0, AT_WEIGHT, lane] = weight
-            for k in range(m):
-                node[k, AT_SHAPE, lane] = shapes[g, k]
-                node[k, AT_SLOPE, lane] = slopes[g, k] / half_lengths[e]
-            for i in range(6):
-                point[0, AT_STRAIN + i, lane] = -reference[e, g, i]
-                point[0, AT_STRESS + i, lane] = weight * stress[e, g, i]
-            g += 1
+        count, number = min(LANES, total - first), first // LANES
+        gather_points(elements, fields.stress, first, count, batch)
         gather_nodes(count, element, nodes, links, link_positions, link_quaternions, r, q, twist, node)
-        gather_sections(count, element, place, section, coupled, stiffness, C)
-        if damped:
-            gather_sections(count, element, place, section, coupled, damping, D)
         interpolate(count, point, node, maps)
         if viscous:
             rates(count, point, node, maps)
-        section_forces(count, coupled, viscous, C, D, point)
-        if prestress.shape[0] > 0:
-            for lane in range(count):
-                for i in range(6):
-                    point[0, AT_FORCE + i, lane] += prestress[element[lane], place[lane], i]
-        if constrained:
-            for lane in range(count):
-                of = section[element[lane], place[lane]]
-                for i in range(6):
-                    if held[of, i] != 0.0:
-                        point[0, AT_FORCE + i, lane] = (
-                            point[0, AT_STRESS + i, lane] / point[0, AT_WEIGHT, lane]
-                        )
+        respond(elements, viscous, count, batch)
         conjugate_section_forces(count, point)
-        for lane in range(count):
-            at, of = element[lane], place[lane]
-            for i in range(6):
-                strain[at, of, i] = point[0, AT_STRAIN + i, lane]
-                strain_rate[at, of, i] = point[0, AT_RATE + i, lane]
-                section_force[at, of, i] = point[0, AT_FORCE + i, lane]
+        scatter_points(fields, count, batch)
         for k in range(m):
             forces_on(count, point, node, maps, k, nodal)
-            add_forces(count, element, k, nodes, links, link_positions, link_quaternions, nodal, force)
+            add_forces(count, element, k, nodes, links, link_positions, link_quaternions, nodal, out.force)
         if not with_tangent:
             continue
         conjugate_stress(count, point)
         for j in range(m):
-            strain_columns(count, point, node, maps, j, B)
-            if strain_operator.shape[0] > 0:
-                for b in range(6):
-                    for i in range(6):
-                        for lane in range(count):
-                            strain_operator[first // LANES, j, b, i, lane] = B[b, i, lane]
-            for apart in range(2 if separate else 1):  # the tangent, then the damping matrix alone
-                section_columns(count, coupled, D if apart else C, B, True, A)
-                if viscous and not apart:
-                    gather_rate_maps(
-                        count, element, j, nodes, links, link_positions, link_quaternions, rate_map, T
-                    )
-                    rate_columns(count, point, node, maps, j, E)
-                    follow_twist(count, B, T, E)
-                    section_columns(count, coupled, D, E, False, A)
-                force_columns(count, point, A, F)
-                if not apart:
-                    add_turned_forces(count, point, node, maps, j, F)
-                    for b in range(6):
-                        for i in range(6):
-                            for lane in range(count):
-                                operator[first // LANES, j, b, i, lane] = A[b, i, lane]
-                for k in range(m):
-                    block_of(count, node, maps, k, F, block)
-                    if k == j and not apart:
-                        add_frame_rotation(count, point, node, maps, k, block)
-                    add_blocks(
-                        count,
-                        element,
-                        k,
-                        j,
-                        links,
-                        link_positions,
-                        link_quaternions,
-                        slots,
-                        block,
-                        rate_blocks if apart else blocks,
-                    )
+            strain_columns(count, point, node, maps, j, batch.B)
+            if fields.strain_operator.shape[0] > 0:
+                keep_columns(count, batch.B, fields.strain_operator[number, j])
+            change_by_node(elements, viscous, rate_map, count, j, batch)
+            keep_columns(count, batch.A, fields.operator[number, j])
+            force_columns(count, point, batch.A, batch.F)
+            add_turned_forces(count, point, node, maps, j, batch.F)
+            add_column(elements, True, count, j, batch, out.blocks)
+            if separate:  # the damping matrix alone
+                section_columns(count, elements.coupled, batch.D, batch.B, True, batch.A)
+                force_columns(count, point, batch.A, batch.F)
+                add_column(elements, False, count, j, batch, out.rate_blocks)
 
 
 @kernel
@@ -329,9 +402,9 @@ def update_stress(elements: EqualElements, fields: PointArrays, increment: Float
 
 @kernel
 def elastic_energy(
-    weights: Floats, half_lengths: Floats, section: Integers, stiffness: Floats, strain: Floats
+    weights: Floats, half_lengths: Floats, section: Integers, stiffness: Floats, laws: SectionLaws, strain: Floats
 ) -> float:
-    """Return the elastic energy [J], ``1/2 int eps.C eps``, from the strains at the Gauss points."""
+    """Return the elastic energy [J], ``1/2 int eps.C eps`` and that of laws, from the strains at the Gauss points."""
     total = 0.0
     for e in range(strain.shape[0]):
         for g in range(strain.shape[1]):
@@ -340,6 +413,9 @@ def elastic_energy(
             for i in range(6):
                 for j in range(6):
                     total += 0.5 * weight * strain[e, g, i] * C[i, j] * strain[e, g, j]
+            if laws.present:
+                stored, _ = stored_and_lost(laws, section[e, g], strain[e, g], strain[e, g])
+                total += weight * stored
     return total
 
 
@@ -349,6 +425,7 @@ def viscous_loss(
     half_lengths: Floats,
     section: Integers,
     damping: Floats,
+    laws: SectionLaws,
     strain: Floats,
     earlier: Floats,
     duration: float,
@@ -358,7 +435,7 @@ def viscous_loss(
     The mean rate of the step replaces the rate: of second order, and insensitive to ringing about the mean.
     """
     total = 0.0
-    d = np.empty(6)
+    d, middle = np.empty(6), np.empty(6)
     for e in range(strain.shape[0]):
         for g in range(strain.shape[1]):
             D = damping[section[e, g]]
@@ -368,4 +445,9 @@ def viscous_loss(
             for i in range(6):
                 for j in range(6):
                     total += weight * d[i] * D[i, j] * d[j] / duration
+            if laws.present:
+                for i in range(6):
+                    middle[i], d[i] = strain[e, g, i] - 0.5 * d[i], d[i] / duration
+                _, lost = stored_and_lost(laws, section[e, g], middle, d)
+                total += weight * duration * lost
     return total

@@ -83,6 +83,7 @@ class _Part:
             self.constrained,
             self.reference,
             self.prestress,
+            e.laws,
         )
 
     def fields(self, stress: Floats, strain_operator: Floats) -> geometric.PointArrays:
@@ -337,7 +338,9 @@ class GeometricSystem:
         total = 0.0
         for part in self.parts:
             e = part.elements
-            total += geometric.elastic_energy(e.weights, e.half_lengths, e.section, e.stiffness, part.strain)
+            total += geometric.elastic_energy(
+                e.weights, e.half_lengths, e.section, e.stiffness, e.laws, part.strain
+            )
         if self.relaxation is not None and self.relaxation.known:
             total += self.relaxation.energy(self._strains())
         return total + self.constraints.energy
@@ -363,7 +366,14 @@ class GeometricSystem:
             e = part.elements
             if duration > 0.0 and part.damped:
                 total += geometric.viscous_loss(
-                    e.weights, e.half_lengths, e.section, e.damping, part.strain, part.earlier, duration
+                    e.weights,
+                    e.half_lengths,
+                    e.section,
+                    e.damping,
+                    e.laws,
+                    part.strain,
+                    part.earlier,
+                    duration,
                 )
             part.earlier[:] = part.strain
         return total + self.constraints.loss(duration)
