@@ -333,6 +333,10 @@ class Rod(Definition):
     def assumptions(self) -> list[str]:
         """What is assumed of its sections and material, one sentence each."""
         found = [] if self.material is None else list(self.material.assumptions)
+        if self.law is not None:
+            found.append(
+                f"its sections have the law {type(self.law).__name__}, which times and moduli of the damping leave out"
+            )
         if self.is_cable:
             found.append(
                 f"a cable, which bends and twists at no cost: {SLACK:g} of its axial stiffness times length squared "
