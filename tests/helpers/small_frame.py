@@ -29,7 +29,13 @@ def frame(orders=(2, 3), damping=0.05, law=None):
     model = vr.Model()
     for name, a, b, order in zip("ab", ((0, 0, 0), (1, 0, 0)), ((1, 0, 0), (1, 1, 0.5)), orders, strict=True):
         rod = vr.Rod.straight(
-            a, b, section=section(damping), elements=2, order=order, d1=(0, 0.3, 1), law=law if name == "b" else None
+            a,
+            b,
+            section=section(damping),
+            elements=2,
+            order=order,
+            d1=(0, 0.3, 1),
+            law=law if name == "b" else None,
         )
         model.add(name, rod)
     model.attach("a.end", "b.start")
@@ -80,7 +86,9 @@ def law_response(at, strain, rate, law):
             if int(e.section[a, g]) in own:
                 numbers = law.parameters(e.stiffness[e.section[a, g]])
                 tangents = np.zeros((2, 6, 6))
-                energy[a, g], power[a, g] = law.respond(numbers, strain[a, g], rate[a, g], force[a, g], *tangents)
+                energy[a, g], power[a, g] = law.respond(
+                    numbers, strain[a, g], rate[a, g], force[a, g], *tangents
+                )
     return force, energy, power
 
 

@@ -26,7 +26,12 @@ FRAMES = {
     "closed": lambda: Moved(closed()),
     "law": lambda: Moved(frame(law=LAW)),
 }
-KINDS = [(name, linearised) for name in FRAMES for linearised in (False, True) if not (name == "law" and linearised)]
+KINDS = [
+    (name, linearised)
+    for name in FRAMES
+    for linearised in (False, True)
+    if not (name == "law" and linearised)
+]
 
 
 def some_strain(elements, seed=1):

@@ -33,7 +33,9 @@ def case_text(rod: Rod, pieces: int = 40, *, title: str = "Blade") -> str:
         InputError: the rod has Maxwell branches or a law.
     """
     if rod.relaxing or rod.law is not None:
-        what = "its sections have Maxwell branches" if rod.relaxing else "its sections have a law of their own"
+        what = (
+            "its sections have Maxwell branches" if rod.relaxing else "its sections have a law of their own"
+        )
         raise InputError(Fault("rod", "", what, "write the case by hand, with its material and law"))
     ends = np.linspace(0.0, rod.length, pieces + 1)
     middles = (ends[1:] + ends[:-1]) / 2.0

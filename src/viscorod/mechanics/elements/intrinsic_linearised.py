@@ -65,8 +65,8 @@ class ElementMatrices(NamedTuple):
 
     Attributes:
         X: maps of attached nodes ``(m, 6, 6)``.
-        unstrained, turned, rate, elastic, viscous: ``B0``, ``B ad``, ``L B + B ad``, ``C B`` and ``D (L B + B ad)`` of one
-            point ``(6, 6 m)``.
+        unstrained, turned, rate, elastic, viscous: ``B0``, ``B ad``, ``L B + B ad``, ``C B`` and ``D (L B + B ad)`` of
+            one point ``(6, 6 m)``.
         stiffness, geometric, damping: ``(6 m, 6 m)``, the second of them for the element's own nodes.
         C, D: derivatives of the section force by strains and rates ``(6, 6)``; stress, V, U, V0, U0: of the point.
     """

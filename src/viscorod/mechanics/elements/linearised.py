@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
-from viscorod.mechanics.elements.geometric_element import EqualElements, PointArrays
+from viscorod.mechanics.elements.gauss_batch import EqualElements, PointArrays
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import LANES
 from viscorod.mechanics.elements.section_laws import add_law_tangents

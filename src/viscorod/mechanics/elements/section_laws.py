@@ -20,7 +20,6 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numba
 import numpy as np
-from numba import types
 
 from viscorod.mechanics.compilation.callback import Callback, call
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON, kernel, lane_kernel, part
@@ -98,7 +97,8 @@ def _compiled(function: LawFunction) -> Any:
     def entry(pointer: Any, count: int) -> None:
         compiled(_NUMBA.carray(pointer, (count,)))
 
-    return _NUMBA.cfunc(types.void(types.CPointer(types.float64), types.int64))(entry)
+    kinds = _NUMBA.types
+    return _NUMBA.cfunc(kinds.void(kinds.CPointer(kinds.float64), kinds.int64))(entry)
 
 
 def law_address(function: LawFunction) -> int:

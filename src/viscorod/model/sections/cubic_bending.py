@@ -51,6 +51,8 @@ class CubicBending(AnySectionLaw):
             by_rate[3 + i, 3 + i] += time * cubic * a * q
             for j in range(2):
                 b, other, other_t = parameters[j], strain[3 + j], rate[3 + j]
-                by_strain[3 + i, 3 + j] += 2.0 * cubic * a * b * (k * other + time * (k_t * other + k * other_t))
+                by_strain[3 + i, 3 + j] += (
+                    2.0 * cubic * a * b * (k * other + time * (k_t * other + k * other_t))
+                )
                 by_rate[3 + i, 3 + j] += 2.0 * time * cubic * a * b * k * other
         return 0.25 * cubic * q * q, power

@@ -20,9 +20,9 @@ from viscorod.programs.blades.beamdyn_blade import (
     write_beamdyn_blade_file,
 )
 from viscorod.programs.blades.beamdyn_line import BladeTwist, LineLike, beamdyn_axis, reference_line
-from viscorod.programs.own_laws import refuse_own_laws
 from viscorod.programs.energy_creation import check_product
 from viscorod.programs.matrices import by_sizes
+from viscorod.programs.own_laws import refuse_own_laws
 from viscorod.programs.times import component_times, symmetric_damping
 from viscorod.typing import Floats
 

@@ -26,8 +26,8 @@ from viscorod.model.sections.stiffness_section import StiffnessSection
 from viscorod.programs.axial_first import from_axial_first, to_axial_first
 from viscorod.programs.blades.beamdyn_line import ReferenceLine
 from viscorod.programs.blades.blade_rod import Law, product_damping
-from viscorod.programs.own_laws import refuse_own_laws
 from viscorod.programs.matrices import symmetric_part
+from viscorod.programs.own_laws import refuse_own_laws
 from viscorod.programs.times import component_times, six_times, symmetric_damping
 from viscorod.typing import Floats
 

@@ -15,9 +15,9 @@ from viscorod.model.materials.material import Material
 from viscorod.model.rod import Rod
 from viscorod.model.sections.isotropic_section import MaterialSection
 from viscorod.model.sections.stiffness_section import STRAINS
-from viscorod.programs.own_laws import refuse_own_laws
 from viscorod.programs.energy_creation import creates_energy, least_power
 from viscorod.programs.matrices import by_sizes, symmetric_part
+from viscorod.programs.own_laws import refuse_own_laws
 from viscorod.programs.times import MaterialFit, component_times, fit_material, symmetric_damping
 from viscorod.typing import Floats
 

@@ -80,7 +80,9 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
         yield from _branches(
             model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("take dynamics = 'nonlinear'")
         )
-        yield from _laws(model, why.format("laws of sections"), "leave it out, or take dynamics = 'nonlinear'")
+        yield from _laws(
+            model, why.format("laws of sections"), "leave it out, or take dynamics = 'nonlinear'"
+        )
     else:
         if not formulation.constraints:
             why = f"the {settings.formulation} formulation has no {{}}"

@@ -36,7 +36,8 @@ class StrainRates:
 
     Attributes:
         unstrained: ``B0 (6 m, 6 n)``; shapes: interpolation ``(6 m, 6 n)`` of the twists; weights ``(m,)`` [m];
-        C, D: section matrices ``(m, 6, 6)``; section: its number ``(m,)``; laws: of the sections; used: mask ``(e, points)`` of the points in use.
+        C, D: section matrices ``(m, 6, 6)``; section: its number ``(m,)``; laws: of the sections;
+        used: mask ``(e, points)`` of the points in use.
     """
 
     def __init__(self, elements: Elements, n: int) -> None:

@@ -276,7 +276,14 @@ def conserve(
             ends.defect.fill(0.0)
         middle = points.strain, points.strain_rate
         add_lacking_work(
-            elements.laws, elements.order, elements.section, middle, ends.start_strain, ends.strain, h, ends.defect
+            elements.laws,
+            elements.order,
+            elements.section,
+            middle,
+            ends.start_strain,
+            ends.strain,
+            h,
+            ends.defect,
         )
     conserve_energy(
         elements,
