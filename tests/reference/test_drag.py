@@ -1,4 +1,4 @@
-"""Drag: falls, decays, flutter and equilibria in a medium, against closed forms and an independent eigenvalue problem."""
+"""Drag: falls, decays, flutter and equilibria in a medium, against closed forms and an independent eigenproblem."""
 
 from __future__ import annotations
 

@@ -5,8 +5,8 @@ With the velocity of the section past the medium in body axes, ``u = v - R^T U``
     F_across = -(c_n + k_n |u_across|) u_across    F_along = -(c_t + k_t |u_along|) u_along    M_along = -c_r w_along
 
 The linear part is the resistance of a slender body in creeping flow (Tirado and Garcia de la Torre 1979, J. Chem. Phys.
-71). The other is Morison's for a member that moves across and along itself independently (Morison et al. 1950, Petroleum Trans. AIME
-189; Taylor 1952, Proc. R. Soc. A 214), ``k_n = rho C_n d/2`` and ``k_t = rho C_t pi d/2``.
+71). The other is Morison's for a member that feels the flow across and along it independently (Morison et al. 1950,
+Petroleum Trans. AIME 189; Taylor 1952, Proc. R. Soc. A 214), ``k_n = rho C_n d/2`` and ``k_t = rho C_t pi d/2``.
 """
 
 from __future__ import annotations
