@@ -86,7 +86,7 @@ from .results.run import Run as Run
 from .results.steady_result import Steady as Steady
 from .results.sweep_result import Sweep as Sweep
 from .results.sweep_result import SweepRun as SweepRun
-from .solve.stage_settings import Stage as Stage
+from .solve.settings.stages import Stage as Stage
 from .solve.start import Start as Start
 
 __version__: str

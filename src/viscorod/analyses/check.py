@@ -19,8 +19,10 @@ from viscorod.solve.constraints.rigid_motions import free_motions, many_parts
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.settings import AnySettings, SimulateSettings, SteadySettings
-from viscorod.solve.settings_checks import require_fit
+from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.checks import require_fit
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.typing import Floats
 

@@ -35,7 +35,7 @@ from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.initial_shape import strain_rods
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.start_modes import StartModes
-from viscorod.solve.settings import SimulateSettings
+from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.halved_steps import HalvedSteps
@@ -78,7 +78,7 @@ def motion(discrete: DiscreteModel, settings: SimulateSettings) -> Run:
     stream = JournalStream(options.folder, build, labels, resume=options.resume)
     try:
         if stream.doubt:
-            warn(stream.doubt)
+            warn(stream.doubt, at_once=True)
         return _motion(discrete, settings, labels, stream)
     finally:
         stream.journal.close()

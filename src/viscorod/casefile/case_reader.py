@@ -34,13 +34,10 @@ from viscorod.model.fields.values import choose, name_of_part
 from viscorod.model.materials.material import Material
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.section_profile import Piecewise, Taper, one_section
-from viscorod.solve.settings import (
-    AnySettings,
-    EquilibriumSettings,
-    PathSettings,
-    SimulateSettings,
-    SteadySettings,
-)
+from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
+from viscorod.solve.settings.steady import SteadySettings
 
 __all__ = ["ANALYSES", "CaseReader"]
 

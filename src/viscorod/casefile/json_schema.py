@@ -30,7 +30,7 @@ from viscorod.model.sections.composite import CompositeRegion
 from viscorod.model.sections.section_profile import SECTIONS, Piece, Taper
 from viscorod.model.sections.stiffness_section import MaxwellBranch
 from viscorod.solve.formulations.registry import FORMULATIONS
-from viscorod.solve.stage_settings import Stage
+from viscorod.solve.settings.stages import Stage
 from viscorod.solve.start import Start
 from viscorod.solve.transient.integrators import INTEGRATORS
 

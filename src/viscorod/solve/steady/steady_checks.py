@@ -16,8 +16,8 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.rigid_motions import free_motions, skew
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.settings import SteadySettings
-from viscorod.solve.settings_checks import unfit_for_steady
+from viscorod.solve.settings.checks import unfit_for_steady
+from viscorod.solve.settings.steady import SteadySettings
 from viscorod.typing import Floats
 
 LARGEST = 3000

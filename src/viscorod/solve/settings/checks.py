@@ -12,7 +12,7 @@ from viscorod.model.connections.resolved_places import find
 from viscorod.model.connections.velocity_support import VelocitySupport
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.solve.formulations.registry import FORMULATIONS
-from viscorod.solve.settings import SimulateSettings
+from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.transient.integrators import INTEGRATORS, integrators_that
 
 if TYPE_CHECKING:
