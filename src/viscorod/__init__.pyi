@@ -10,6 +10,7 @@ from .casefile.case import load_case as load_case
 from .errors import AccuracyWarning as AccuracyWarning
 from .errors import InputError as InputError
 from .errors import SolveError as SolveError
+from .model.actions.drag import Drag as Drag
 from .model.actions.event import Crossing as Crossing
 from .model.actions.event import Decayed as Decayed
 from .model.actions.event import SteadyState as SteadyState

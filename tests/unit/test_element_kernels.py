@@ -282,7 +282,8 @@ def test_station_load_is_work_conjugate_and_its_tangent_right(order, links):
         blocks = np.zeros((e.m * e.m, 6, 6))
         own = ElementNodes(e.nodes[0], e.links[0], e.link_r, e.link_q)
         wrench = PointWrench(shape[0], dead, following)
-        loading.add_station_load(own, wrench, r, q, tangent, external, blocks, slots)
+        work = loading.StationWork.of(e.m)
+        loading.add_station_load(own, wrench, r, q, tangent, external, blocks, slots, work)
         return external.ravel(), blocks
 
     force, blocks = load(np.zeros(6 * e.m), True)

@@ -48,6 +48,9 @@ def loaded_frame():
     model.distributed_moment("b", (0.1, 0.2, 0.3))
     model.moving_force("b", (0.4, -0.3, 0.2), speed=1.0)
     model.force("a@0.33", (0.2, 0.1, -0.4))
+    wind = {"density": 1.5, "width": 0.8, "velocity": (1.0, -2.0, 0.7)}
+    model.drag("a", coefficient_across=1.2, coefficient_along=0.3, linear_about=0.4, to_s=0.8, **wind)
+    model.drag("b", linear_across=2.0, linear_along=0.7, coefficient_along=0.5, **wind)
     return model
 
 

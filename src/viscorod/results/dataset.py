@@ -87,6 +87,8 @@ def dataset(
         if problem.relaxing:
             power += np.array([snapshot.branch_power for snapshot in snapshots])
             variables["branch_loss"] = ((along, "branch"), np.array(history.branches))
+        if problem.motion_loads:
+            variables["outside"] = (along, energy[:, 5])
         variables |= {
             "dissipation": (points, power),
             "viscous": (along, energy[:, 2]),

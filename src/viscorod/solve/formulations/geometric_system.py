@@ -13,8 +13,7 @@ from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import LANES
 from viscorod.mechanics.elements.linearised import Operators, collect
-from viscorod.mechanics.nodes import applied_loads as loading
-from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
+from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.solve.constraints.constraint_rows import gradients_of_gaps
 from viscorod.solve.constraints.constraints import Constraints
 from viscorod.solve.formulations.dashpot_memory import DashpotMemory
@@ -121,6 +120,7 @@ class GeometricSystem:
         self.problem = problem
         self.internal: Floats = np.zeros((problem.size, 6))
         self.external: Floats = np.zeros((problem.size, 6))
+        self.dissipated = 0.0
         self.matrix = Matrix(problem.pattern, problem.length, lambda: problem.plan)
         self.parts = [_Part(problem, elements) for elements in problem.sets]
         self.given_strain: Floats | None = None
@@ -150,7 +150,7 @@ class GeometricSystem:
     ) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         problem = self.problem
-        blocks, diagonal = self.matrix.blocks, problem.pattern.diagonal
+        blocks = self.matrix.blocks
         self.internal.fill(0.0)
         self.external.fill(0.0)
         if tangent:
@@ -175,24 +175,10 @@ class GeometricSystem:
             first += len(part.elements.nodes)
         if problem.constrained:
             self._add_constraints(state, rates, blocks, rate_blocks, tangent=tangent, moving=moving)
-        loads.add_nodal(state.q, problem.mass, self.external, blocks, diagonal, tangent=tangent)
-        for load in loads.stations:
-            e = self.parts[load.part].elements
-            loading.add_station_load(
-                ElementNodes(
-                    e.nodes[load.element],
-                    e.links[load.element],
-                    problem.link_positions,
-                    problem.link_quaternions,
-                ),
-                PointWrench(load.shape, load.dead, load.following),
-                state.r,
-                state.q,
-                tangent,
-                self.external,
-                blocks,
-                e.slots[load.element],
-            )
+        maps = rates if moving and rate_map is not None else self._no_blocks
+        into = MotionTangent(maps, blocks, rate_blocks, problem.pattern.diagonal) if tangent else None
+        twist = state.twist if moving else None
+        self.dissipated = loads.add(problem, (state.r, state.q), twist, self.external, into)
 
     def _update_sections(self) -> None:
         """Set the stiffness and the prestress of the sections with Maxwell branches."""

@@ -89,6 +89,8 @@ class System(Protocol):
     """State of the Maxwell branches; None if there are none."""
     internal: Floats
     external: Floats
+    dissipated: float
+    """Power that loads dissipated in the last assembly [W]."""
     matrix: Matrix
     given_strain: Floats | None
     """Strains at the Gauss points ``(m, 6)``, in order of results, that a motion starts with; None: those of poses."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.mechanics.elements.section_laws import SectionLaws
-from viscorod.model.actions.load_effects import TimeFactor
+from viscorod.model.actions.load_effects import MotionLaw, TimeFactor
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.actions.time_table import FunctionOfTime, TimeTable
 from viscorod.solve.linear.pattern import Pattern
@@ -121,6 +121,22 @@ class StationLoad:
 
 
 @dataclass(frozen=True)
+class MotionLoad:
+    """A law that sees the motion of its places, rigidly connected with nodes, with one time factor.
+
+    Places are at ``arms (k, 3)`` [m] and ``turns (k, 4)`` in the nodes' axes, and stand for ``lengths (k,)`` [m].
+    """
+
+    load: int
+    nodes: Integers
+    arms: Floats
+    turns: Floats
+    lengths: Floats
+    law: MotionLaw
+    factor: TimeFactor
+
+
+@dataclass(frozen=True)
 class Stations:
     """Element nodes rod by rod, in order of arc length: where results are reported."""
 
@@ -186,6 +202,7 @@ class Problem:
     supports: SupportSet
     nodal_loads: tuple[NodalLoad, ...]
     station_loads: tuple[StationLoad, ...]
+    motion_loads: tuple[MotionLoad, ...]
     stations: Stations
     initial_strain: Mapping[int, Callable[[float], Floats]]
     rest_strain: Mapping[int, Callable[[float], Floats]]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.actions.event import Crossing
+from viscorod.model.actions.time_function import Constant
 from viscorod.model.connections.resolved_places import find
 from viscorod.model.connections.velocity_support import VelocitySupport
 from viscorod.model.fields.definition import RefusedError, show
@@ -83,6 +84,7 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
         yield from _laws(
             model, why.format("laws of sections"), "leave it out, or take dynamics = 'nonlinear'"
         )
+        yield from _changing_drag(model)
     else:
         if not formulation.constraints:
             why = f"the {settings.formulation} formulation has no {{}}"
@@ -117,6 +119,17 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
 def _joints(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
     for index, joint in enumerate(model.joints):
         yield Fault(f"joints[{index}]", joint.label, why, instead)
+
+
+def _changing_drag(model: ModelDescription) -> Iterator[Fault]:
+    for index, load in enumerate(model.loads):
+        if load.sees_motion and not (
+            load.until is None and (load.time is None or isinstance(load.time, Constant))
+        ):
+            why = "linear dynamics have constant matrices, and its part in them would change with time"
+            yield Fault(
+                f"loads[{index}]", load.word, why, "leave out time and until, or take dynamics = 'nonlinear'"
+            )
 
 
 def _springs(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:

@@ -144,9 +144,7 @@ def try_step(
             body.pattern.diagonal,
             body.elements,
             loads,
-            stages.r,
-            stages.q,
-            stages.external,
+            stages,
             work.no_blocks,
         )
         balance(
@@ -469,9 +467,15 @@ def take_account(
     links: ConstraintArrays | None,
     branches: MaxwellArrays | None,
 ) -> None:
-    """Write the powers of loads, supports, motors and viscosity, and the elastic energy, at all stages."""
+    """Write the powers of loads, supports, motors and viscosity, and the elastic energy, at all stages.
+
+    What loads dissipate outside is a loss of its own, not work that they take from the model.
+    """
     powers, elastic = account.powers, account.elastic
     add_powers(body, motion, stages, work, powers[0])
+    for i in range(elastic.shape[0]):
+        powers[2, i] = stages.dissipated[i]
+        powers[0, i] += powers[2, i]
     energies(body.elements, stages.strain, stages.strain_rate, elastic, powers[1])
     if branches is not None:
         branch_energies(body.elements, branches, elastic, powers[1])
