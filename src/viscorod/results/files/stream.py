@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 FLUSH = 1.0
 """Seconds of wall time after which states are written at the latest."""
 
-MANY = 256
+MANY = 1024
 """States that are kept at most before they are written."""
 MUCH = 64e6
 """Bytes of states that are kept at most, unless one has more."""
@@ -57,11 +57,12 @@ class Stream(History):
     Args:
         sink: where they go.
         build: makes a data set of a history.
+        sampled: some states stay here, evenly chosen, for :meth:`sample`.
     """
 
-    def __init__(self, sink: Sink, build: Callable[[History], xr.Dataset]) -> None:
+    def __init__(self, sink: Sink, build: Callable[[History], xr.Dataset], *, sampled: bool = False) -> None:
         super().__init__()
-        self.sink, self.build = sink, build
+        self.sink, self.build, self.sampled = sink, build, sampled
         self._gone = sink.count
         self._signs: np.ndarray | None = None
         self._most = MANY
@@ -82,13 +83,13 @@ class Stream(History):
         if len(self.instant) >= self._most:
             self.flush()
         super().record(instant, snapshot, account, step_size, iterations)
-        if self.count % self._stride == 0:
+        if self.sampled and self.count % self._stride == 0:
             self._samples.append(_own(snapshot))
             if len(self._samples) >= 2 * MOST:  # half as many, twice as far apart
                 self._samples, self._stride = self._samples[::2], 2 * self._stride
 
     def sample(self, most: int) -> list[Snapshot]:
-        """See :class:`~viscorod.solve.history.History`: of a run that went on, those since then."""
+        """See :class:`~viscorod.solve.history.History`: if ``sampled``; of a run that went on, those since then."""
         return self._samples[:: max(1, len(self._samples) // most)]
 
     def flush(self) -> None:
@@ -126,6 +127,7 @@ class JournalStream(Stream):
         build: makes a data set of a history.
         attributes: of the run; ``case`` and ``settings`` among them have to be those of a run that goes on.
         resume: go on from the checkpoint of the journal that is there.
+        sampled: see :class:`Stream`.
 
     Attributes:
         checkpoint: the state from which to go on, None at the beginning.
@@ -140,6 +142,7 @@ class JournalStream(Stream):
         attributes: Mapping[str, str],
         *,
         resume: bool = False,
+        sampled: bool = False,
     ) -> None:
         self.folder = folder
         place, found = folder / FOLDER, None
@@ -149,7 +152,7 @@ class JournalStream(Stream):
             told = mended(place)
             found = last_checkpoint(place)
         self.journal = Journal(place, keep=None if found is None else found.count)
-        super().__init__(self.journal, build)
+        super().__init__(self.journal, build, sampled=sampled)
         self.checkpoint: Any = None
         self.broken = False
         if found is not None and found.state is not None:

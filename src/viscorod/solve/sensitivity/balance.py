@@ -59,7 +59,8 @@ class Balance:
         held = (elements.order, self.B) if len(problem.held.place) else None
         constraints.add_tangent(state, still, self.blocks, C, moving=True, held=held)
         external = np.zeros((n, 6))
-        actions.add_load_stiffness(t, state, external, self.blocks, before=before)
+        actions.add_loads(t, state, external, before=before)
+        actions.add_load_stiffness(t, state, still, self.blocks, C, before=before)
         at = problem.held
         constraints.gap[at.place] = self.strain[at.element, at.point, at.component]
         self.scale = constraints.scale.copy()
