@@ -198,7 +198,7 @@ def test_estimates_beside_much_smaller_steps(motion):
 
 
 def suddenly_loaded():
-    """A bar under a load that is suddenly there, undamped: axial and fast vibrations have a large part in its forces."""
+    """A bar under a load that is suddenly there, undamped: fast vibrations have a large part in its forces."""
     model = steel()
     model.distributed_force("bar", (0, 30.0, 40.0))
     return model, {"duration": 0.06, "initial": "reference"}
