@@ -77,7 +77,7 @@ def _kind(of: type[Any]) -> str:
 
 
 def _saved(value: Any, seen: set[int]) -> SavedTree:
-    of = type(value)
+    of: Any = type(value)
     kind = _kind(of)
     if kind == "plain":
         return value
