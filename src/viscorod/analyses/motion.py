@@ -24,7 +24,7 @@ from viscorod.results.files.storage import read
 from viscorod.results.files.stream import JournalStream, Stream
 from viscorod.results.result_warnings import energy_doubt
 from viscorod.results.run import Run
-from viscorod.results.step_error import motion_doubt
+from viscorod.results.step_error import force_doubt, motion_doubt
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State
@@ -35,7 +35,7 @@ from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.initial_shape import strain_rods
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.start_modes import StartModes
-from viscorod.solve.settings import SimulateSettings
+from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.halved_steps import HalvedSteps
@@ -45,7 +45,7 @@ from viscorod.solve.transient.motion_scale import PART_OF_MOTION, PartOfMotion, 
 from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.saved_state import restore, saved
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
-from viscorod.solve.transient.step_errors import StepErrors
+from viscorod.solve.transient.step_errors import StepErrors, damped_by_steps
 from viscorod.solve.transient.time_step import choose_time_step
 from viscorod.solve.transient.transient_solver import Transient
 
@@ -79,7 +79,7 @@ def motion(discrete: DiscreteModel, settings: SimulateSettings) -> Run:
     stream = JournalStream(options.folder, build, labels, resume=options.resume, sampled=integrated)
     try:
         if stream.doubt:
-            warn(stream.doubt)
+            warn(stream.doubt, at_once=True)
         return _motion(discrete, settings, labels, stream)
     finally:
         stream.journal.close()
@@ -141,14 +141,15 @@ def _motion(
     if halved is not None and result.outcome is Outcome.COMPLETED:
         errors = StepErrors.of(halved, discrete.problem, start, integrator.t)
         attrs |= {} if errors is None else errors.attributes
-        if settings.dynamics == "nonlinear":
-            discrete.watch.see_motion(
-                settings.duration, discrete.static, float(settings.initial == "equilibrium"), halved.modes
-            )
-            attrs |= discrete.watch.attributes
+        watch = discrete.watch
+        see = watch.see_motion if settings.dynamics == "nonlinear" else watch.see_linear_motion
+        scale = float(settings.initial == "equilibrium")
+        see(settings.duration, discrete.static, scale, damped_by_steps(halved))
+        attrs |= watch.attributes
     attrs["message"] = message = failure(discrete, transient)
     _tell(attrs, _blows(discrete.problem))
     _tell(attrs, motion_doubt(attrs))
+    _tell(attrs, force_doubt(attrs))
     stream.flush()
     if written is None:
         run = Run(stream.contents().assign_attrs(discrete.complete(attrs)))

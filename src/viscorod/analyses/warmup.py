@@ -31,7 +31,7 @@ from viscorod.model.sections.section_shapes import Rectangle
 from viscorod.model.sections.stiffness_section import MaxwellBranch, StiffnessSection
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.registry import FORMULATIONS, Formulation
-from viscorod.solve.settings import SimulateSettings
+from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.radau import Radau

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results.files.journal import FOLDER, Journal, about, complete, last_checkpoint
+from viscorod.results.files.journal import FOLDER, Journal, about, complete, last_checkpoint, mended
 from viscorod.solve.history import EnergyAccount, History, Snapshot
 from viscorod.solve.transient.pose_check import MOST
 from viscorod.whole_files import why_not
@@ -131,7 +131,7 @@ class JournalStream(Stream):
 
     Attributes:
         checkpoint: the state from which to go on, None at the beginning.
-        doubt: what was damaged in it, so that it went back to an earlier state; empty usually.
+        doubt: what was damaged in it, so that it was mended or went back to an earlier state; empty usually.
         broken: states can no longer be written.
     """
 
@@ -146,18 +146,21 @@ class JournalStream(Stream):
     ) -> None:
         self.folder = folder
         place, found = folder / FOLDER, None
+        told: list[str] = []
         if resume:
             _require_same(about(place), attributes, folder)
+            told = mended(place)
             found = last_checkpoint(place)
         self.journal = Journal(place, keep=None if found is None else found.count)
         super().__init__(self.journal, build, sampled=sampled)
         self.checkpoint: Any = None
-        self.doubt, self.broken = "", False
+        self.broken = False
         if found is not None and found.state is not None:
             self.checkpoint, self._signs = found.state, np.array(found.about["signs"])
-            self.doubt = "; ".join(filter(None, [found.about["doubt"], found.doubt]))
+            told = [found.about["doubt"], *told, found.doubt]
             if found.doubt:
                 self.journal.forget_last_checkpoint()
+        self.doubt = "; ".join(filter(None, told))
         self._flushed = self._checked = -np.inf
         self._cost = 0.0
 

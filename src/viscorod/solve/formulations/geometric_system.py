@@ -8,12 +8,12 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.mechanics.elements import geometric_element as geometric
+from viscorod.mechanics.elements.gauss_batch import EqualElements, PointArrays
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import LANES
 from viscorod.mechanics.elements.linearised import Operators, collect
-from viscorod.mechanics.nodes import applied_loads as loading
-from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
+from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.solve.constraints.constraint_rows import gradients_of_gaps
 from viscorod.solve.constraints.constraints import Constraints
 from viscorod.solve.formulations.dashpot_memory import DashpotMemory
@@ -61,10 +61,10 @@ class _Part:
         self.place, self.weight = np.zeros(0, dtype=np.int64), np.zeros(0)
 
     @property
-    def arrays(self) -> geometric.EqualElements:
+    def arrays(self) -> EqualElements:
         """The elements as kernels take them, with the present sections."""
         e, problem = self.elements, self.problem
-        return geometric.EqualElements(
+        return EqualElements(
             e.nodes,
             e.links,
             e.slots,
@@ -83,11 +83,12 @@ class _Part:
             self.constrained,
             self.reference,
             self.prestress,
+            e.laws,
         )
 
-    def fields(self, stress: Floats, strain_operator: Floats) -> geometric.PointArrays:
+    def fields(self, stress: Floats, strain_operator: Floats) -> PointArrays:
         """Return what an assembly with a stress iterate reads and writes at the Gauss points."""
-        return geometric.PointArrays(
+        return PointArrays(
             stress, self.strain, self.strain_rate, self.section_force, self.operator, strain_operator
         )
 
@@ -119,6 +120,7 @@ class GeometricSystem:
         self.problem = problem
         self.internal: Floats = np.zeros((problem.size, 6))
         self.external: Floats = np.zeros((problem.size, 6))
+        self.dissipated = 0.0
         self.matrix = Matrix(problem.pattern, problem.length, lambda: problem.plan)
         self.parts = [_Part(problem, elements) for elements in problem.sets]
         self.given_strain: Floats | None = None
@@ -148,7 +150,7 @@ class GeometricSystem:
     ) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         problem = self.problem
-        blocks, diagonal = self.matrix.blocks, problem.pattern.diagonal
+        blocks = self.matrix.blocks
         self.internal.fill(0.0)
         self.external.fill(0.0)
         if tangent:
@@ -173,24 +175,10 @@ class GeometricSystem:
             first += len(part.elements.nodes)
         if problem.constrained:
             self._add_constraints(state, rates, blocks, rate_blocks, tangent=tangent, moving=moving)
-        loads.add_nodal(state.q, problem.mass, self.external, blocks, diagonal, tangent=tangent)
-        for load in loads.stations:
-            e = self.parts[load.part].elements
-            loading.add_station_load(
-                ElementNodes(
-                    e.nodes[load.element],
-                    e.links[load.element],
-                    problem.link_positions,
-                    problem.link_quaternions,
-                ),
-                PointWrench(load.shape, load.dead, load.following),
-                state.r,
-                state.q,
-                tangent,
-                self.external,
-                blocks,
-                e.slots[load.element],
-            )
+        maps = rates if moving and rate_map is not None else self._no_blocks
+        into = MotionTangent(maps, blocks, rate_blocks, problem.pattern.diagonal) if tangent else None
+        twist = state.twist if moving else None
+        self.dissipated = loads.add(problem, (state.r, state.q), twist, self.external, into)
 
     def _update_sections(self) -> None:
         """Set the stiffness and the prestress of the sections with Maxwell branches."""
@@ -337,7 +325,9 @@ class GeometricSystem:
         total = 0.0
         for part in self.parts:
             e = part.elements
-            total += geometric.elastic_energy(e.weights, e.half_lengths, e.section, e.stiffness, part.strain)
+            total += geometric.elastic_energy(
+                e.weights, e.half_lengths, e.section, e.stiffness, e.laws, part.strain
+            )
         if self.relaxation is not None and self.relaxation.known:
             total += self.relaxation.energy(self._strains())
         return total + self.constraints.energy
@@ -363,7 +353,14 @@ class GeometricSystem:
             e = part.elements
             if duration > 0.0 and part.damped:
                 total += geometric.viscous_loss(
-                    e.weights, e.half_lengths, e.section, e.damping, part.strain, part.earlier, duration
+                    e.weights,
+                    e.half_lengths,
+                    e.section,
+                    e.damping,
+                    e.laws,
+                    part.strain,
+                    part.earlier,
+                    duration,
                 )
             part.earlier[:] = part.strain
         return total + self.constraints.loss(duration)

@@ -17,6 +17,8 @@ from viscorod.mechanics.compilation.callback import Callback
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.joints.joint_forces import JointLaws, Joints
+from viscorod.mechanics.nodes.applied_loads import StationWork
+from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionWork
 from viscorod.mechanics.nodes.support_rows import SupportedNodes
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.formulations.system import State
@@ -26,7 +28,7 @@ from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.problem.joint_set import JointSet
-from viscorod.solve.problem.law_callbacks import LawCallbacks
+from viscorod.solve.problem.law_callbacks import LawCallbacks, MotionLaws
 from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
 from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, Relation, Solution
 from viscorod.solve.transient.integrators.stage_data import Discretisation
@@ -42,7 +44,7 @@ MADE: dict[str, type[Any]] = {kind.__name__: kind for kind in (State, Snapshot, 
 UNCHANGED = (
     Problem, ElementSet, SupportSet, Elements, Discretisation, Pattern, Plan, Tableau, HeldStrains, JointSet,
     LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads, LoadState,
-    Coefficients, Relation, Solution,
+    MotionLoads, MotionLaws, MotionWork, StationWork, Coefficients, Relation, Solution,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 

@@ -84,7 +84,7 @@ class Collocation:
         problem = system.problem
         self.t = 0.0
         self.state = State.reference(problem)
-        self.kinetic = self.elastic = self.work = self.loss = 0.0
+        self.kinetic = self.elastic = self.work = self.loss = self.outside = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         stages = len(tableau.nodes)
         self._last = stages - 1
@@ -177,6 +177,7 @@ class Collocation:
             return self.attempt(end, before=before).after(count)
         if self.stage_constraints is not None:
             self.system.constraints.laws.callback.check()
+        self.actions.loads.laws.callback.check()
         imbalance = float(np.abs(self.stages.residual[:, : len(self.body.mass)]).max())
         return StepReport(_OUTCOME[code], count, size, imbalance, node, 0.0, rate, component)
 
@@ -203,10 +204,7 @@ class Collocation:
         weights = self.tableau.weights
         h = self._end - self.t
         self.elastic = float(self.account.elastic[self._last])
-        self.work, self.loss = (
-            h * float(weights @ self.account.powers[0]),
-            h * float(weights @ self.account.powers[1]),
-        )
+        self.work, self.loss, self.outside = (h * (self.account.powers @ weights)).tolist()
         self.recorder.keep_start(self.state)
         self.predictor.keep(self.state, self._stress, h)
         if self.dashpots is not None:
@@ -259,6 +257,10 @@ class Collocation:
     def branch_losses(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return np.zeros((len(parts), 0)) if self.dashpots is None else self.dashpots.loss_until(parts)
+
+    def outside_until(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self.account.powers[2])
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: factors follow from the Jacobian."""
@@ -380,7 +382,7 @@ class Collocation:
         self.forces.linearise(state, self._ad, self._stress, matrices.operators, matrices.K, matrices.C)
         if self.stage_constraints is not None:
             self.stage_constraints.linearise(state, self._ad, body.elements, matrices)
-        self.actions.add_load_stiffness(self.t, state, self.scratch.vector, matrices.K)
+        self.actions.add_load_stiffness(self.t, state, self._ad, matrices.K, matrices.C)
         matrices.mass[:] = body.mass
         jacobian.add_inertia(
             body.mass,

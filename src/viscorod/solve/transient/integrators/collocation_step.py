@@ -34,6 +34,7 @@ from viscorod.mechanics.elements.maxwell_branches import (
     lacking_work,
     stretch_springs,
 )
+from viscorod.mechanics.elements.section_laws import add_lacking_work
 from viscorod.mechanics.joints.joint_forces import add_frozen_springs, carry_springs, hold_coordinates
 from viscorod.mechanics.nodes.inertia import balance
 from viscorod.mechanics.nodes.support_rows import in_body, lacking_motion, support_directions
@@ -141,9 +142,7 @@ def try_step(
             body.pattern.diagonal,
             body.elements,
             loads,
-            stages.r,
-            stages.q,
-            stages.external,
+            stages,
             work.no_blocks,
         )
         balance(
@@ -268,6 +267,20 @@ def conserve(
     if branches is not None:
         stretch_springs(elements, branches, points.strain)
         lacking_work(elements, branches, points.strain_rate, ends.start_strain, ends.strain, h, ends.defect)
+    if elements.laws.present:
+        if branches is None:
+            ends.defect.fill(0.0)
+        middle = points.strain, points.strain_rate
+        add_lacking_work(
+            elements.laws,
+            elements.order,
+            elements.section,
+            middle,
+            ends.start_strain,
+            ends.strain,
+            h,
+            ends.defect,
+        )
     conserve_energy(
         elements,
         points.strain,
@@ -452,9 +465,15 @@ def take_account(
     links: ConstraintArrays | None,
     branches: MaxwellArrays | None,
 ) -> None:
-    """Write the powers of loads, supports, motors and viscosity, and the elastic energy, at all stages."""
+    """Write the powers of loads, supports, motors and viscosity, and the elastic energy, at all stages.
+
+    What loads dissipate outside is a loss of its own, not work that they take from the model.
+    """
     powers, elastic = account.powers, account.elastic
     add_powers(body, motion, stages, work, powers[0])
+    for i in range(elastic.shape[0]):
+        powers[2, i] = stages.dissipated[i]
+        powers[0, i] += powers[2, i]
     energies(body.elements, stages.strain, stages.strain_rate, elastic, powers[1])
     if branches is not None:
         branch_energies(body.elements, branches, elastic, powers[1])

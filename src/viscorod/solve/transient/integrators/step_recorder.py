@@ -126,7 +126,8 @@ class StepRecorder:
         Args:
             parts: in ascending order.
             t, h: end and length of the step [s]; new, end_rate: state there, and the rate of its twists ``(n, 6)``.
-            powers: of loads and viscosity at the stages ``(2, s)`` [W]; whole_loss: of the step [J].
+            powers: of loads, viscosity, and what loads dissipate, at the stages ``(3, s)`` [W].
+            whole_loss: viscous, of the step [J].
         """
         (old, start, start_reaction), stages, tableau = self._start, self.stages, self.tableau
         count, (n, _) = len(parts), new.r.shape
