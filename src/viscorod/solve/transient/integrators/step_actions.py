@@ -86,7 +86,7 @@ class StepActions:
         if self.system.problem.station_loads:
             given.element[i] = -1
             for k, load in enumerate(loads.stations):
-                given.element[i, k] = self.system.element_number(load.part, load.element)
+                given.element[i, k] = load.element
                 given.shape[i, k, : len(load.shape)] = load.shape
                 given.point_dead[i, k], given.point_following[i, k] = load.dead, load.following
 
@@ -124,7 +124,7 @@ class StepActions:
         body = self.body
         loads.add_nodal(state.q, body.mass, external, blocks, body.pattern.diagonal, tangent=tangent)
         for load in loads.stations:
-            elements, e = body.elements, self.system.element_number(load.part, load.element)
+            elements, e = body.elements, load.element
             m = int(elements.order[e]) + 1
             loading.add_station_load(
                 ElementNodes(
