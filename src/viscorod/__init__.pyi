@@ -66,6 +66,7 @@ from .model.materials.relaxation_modulus import RelaxationModulus as RelaxationM
 from .model.rod import Rod as Rod
 from .model.sections.composite import Composite as Composite
 from .model.sections.composite import CompositeRegion as CompositeRegion
+from .model.sections.cubic_bending import CubicBending as CubicBending
 from .model.sections.isotropic_section import SectionProperties as SectionProperties
 from .model.sections.outline import PolygonSection as PolygonSection
 from .model.sections.section_profile import Piecewise as Piecewise

@@ -9,7 +9,9 @@ from helpers.finite_differences import slope_of
 from helpers.small_frame import dense
 from viscorod.mechanics.elements import geometric_element as geometric
 from viscorod.mechanics.elements.basis import gauss, lagrange
+from viscorod.mechanics.elements.gauss_batch import EqualElements, PointArrays
 from viscorod.mechanics.elements.lanes import LANES
+from viscorod.mechanics.elements.section_laws import SectionLaws
 from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.mechanics.rotations.rotation import inverse_motion_tangent, retract
@@ -88,6 +90,7 @@ class Element:
         self.reference = 0.2 * rng.normal(size=(1, order, 6))
         self.rate_map = rng.normal(size=(m, 6, 6))
         self.prestress = 0.3 * rng.normal(size=(1, order, 6))
+        self.laws = SectionLaws.none(2)
 
     def assemble(self, r, q, twist, stress=None, moving=True):
         m, g = self.m, self.m - 1
@@ -99,7 +102,7 @@ class Element:
         self.rate_blocks = np.zeros_like(blocks)
         if stress is None:
             stress = np.zeros((1, g, 6))
-        fields = geometric.PointArrays(stress, strain, rate, S, operator, self.strain_operator)
+        fields = PointArrays(stress, strain, rate, S, operator, self.strain_operator)
         out = geometric.Assembled(force, blocks, self.rate_blocks)
         geometric.assemble(self.arrays, fields, r, q, twist, moving, self.rate_map, True, out)
         K = dense(self.pattern, blocks)
@@ -107,17 +110,17 @@ class Element:
 
     @property
     def arrays(self):
-        return geometric.EqualElements(
+        return EqualElements(
             self.nodes, self.links, self.pattern.slots(self.nodes), self.link_r, self.link_q, self.shapes,
             self.slopes, self.weights, np.array([self.half]), self.section, self.C, self.D, np.zeros((1, 6)),
-            self.coupled, True, False, self.reference, self.prestress,
+            self.coupled, True, False, self.reference, self.prestress, self.laws,
         )  # fmt: skip
 
     def section_columns(self, S, operator):
         """The change of the section forces per unit increment, as Newton's method carries them."""
         columns = np.empty((6 * self.m, *S.shape))
         for column, u in zip(columns, np.eye(6 * self.m), strict=True):
-            fields = geometric.PointArrays(S, S, S, S, operator, operator)
+            fields = PointArrays(S, S, S, S, operator, operator)
             geometric.update_stress(self.arrays, fields, u.reshape(self.m, 6), column)
         return np.moveaxis(columns - S, 0, -1)
 
@@ -217,7 +220,7 @@ def test_every_element_of_a_batch_is_assembled(count):
         section=repeat[1], reference=repeat[2], prestress=repeat[3],
     )  # fmt: skip
     operator = np.zeros((-(-count // LANES), 2, 6, 6, LANES))
-    fields = geometric.PointArrays(np.zeros((count, 1, 6)), *points, operator, operator[:0])
+    fields = PointArrays(np.zeros((count, 1, 6)), *points, operator, operator[:0])
     out = geometric.Assembled(total, blocks, np.zeros((0, 6, 6)))
     geometric.assemble(elements, fields, r, q, twist, True, rate_map, True, out)
     assert total.reshape(count, -1) == pytest.approx(np.tile(force, (count, 1)), rel=1e-12)

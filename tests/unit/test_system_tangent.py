@@ -13,7 +13,7 @@ from viscorod.solve.linear.matrix import Matrix
 
 
 def loaded_frame():
-    """Two attached rods of different order, full matrices, off-centre mass, all kinds of loads and supports."""
+    """Two attached rods of different order, full matrices, off-centre mass, a law, all kinds of loads and supports."""
     stiffness = np.diag([80.0, 70.0, 200.0, 1.0, 1.4, 0.8])
     stiffness[2, 3] = stiffness[3, 2] = 3.0
     inertia = np.diag([1.0, 1.0, 1.0, 1e-1, 2e-1, 3e-1])
@@ -28,7 +28,13 @@ def loaded_frame():
     model.add(
         "b",
         vr.Rod.straight(
-            corner, np.add(corner, (0, 1, 0.5)), section=section, elements=2, order=3, d1=(1, 0, 0.2)
+            corner,
+            np.add(corner, (0, 1, 0.5)),
+            section=section,
+            elements=2,
+            order=3,
+            d1=(1, 0, 0.2),
+            law=vr.CubicBending(2.0, 0.03),
         ),
     )
     model.attach("a.end", "b.start")

@@ -13,7 +13,7 @@ from viscorod.model.connections.joint_base import AnyJoint, ResolvedJoint
 from viscorod.model.connections.spring import AnySpring, ResolvedSpring
 from viscorod.model.connections.spring_laws import Laws
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.model.fields.definition import some_of
+from viscorod.model.fields.definition import show, some_of
 from viscorod.model.rod import Rod
 from viscorod.solve.constraints.rigid_motions import free_motions, many_parts
 from viscorod.solve.formulations.system import State
@@ -291,6 +291,8 @@ def _section_rows(name: str, rod: Rod) -> list[dict[str, object]]:
         if D.any() or not len(branches):
             for i, component in enumerate(COMPONENTS):
                 row[f"{component} time [s]"] = "" if held[i] else float(D[i, i] / C[i, i])
+        if rod.law is not None:
+            row["law beside these"] = show(rod.law.to_dict())
         row |= _couplings("coupling", "", C, held) | _couplings("viscous coupling", " s", D, held)
         offset = np.array([M[1, 5], -M[0, 5]]) / M[0, 0]
         if np.hypot(*offset) > SMALL * np.sqrt(M[5, 5] / M[0, 0]):

@@ -24,7 +24,7 @@ from viscorod.results.files.storage import read
 from viscorod.results.files.stream import JournalStream, Stream
 from viscorod.results.result_warnings import energy_doubt
 from viscorod.results.run import Run
-from viscorod.results.step_error import motion_doubt
+from viscorod.results.step_error import force_doubt, motion_doubt
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State
@@ -45,7 +45,7 @@ from viscorod.solve.transient.motion_scale import PART_OF_MOTION, PartOfMotion, 
 from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.saved_state import restore, saved
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
-from viscorod.solve.transient.step_errors import StepErrors
+from viscorod.solve.transient.step_errors import StepErrors, damped_by_steps
 from viscorod.solve.transient.time_step import choose_time_step
 from viscorod.solve.transient.transient_solver import Transient
 
@@ -73,9 +73,10 @@ def motion(discrete: DiscreteModel, settings: SimulateSettings) -> Run:
         data = dataset("simulate", discrete.problem, discrete.system.gauss_positions(), history, labels)
         return annotated(data, "simulate")
 
+    integrated = _integrates_strains(settings)
     if options.folder is None:
-        return _motion(discrete, settings, labels, Stream(Gathered(), build))
-    stream = JournalStream(options.folder, build, labels, resume=options.resume)
+        return _motion(discrete, settings, labels, Stream(Gathered(), build, sampled=integrated))
+    stream = JournalStream(options.folder, build, labels, resume=options.resume, sampled=integrated)
     try:
         if stream.doubt:
             warn(stream.doubt, at_once=True)
@@ -140,14 +141,15 @@ def _motion(
     if halved is not None and result.outcome is Outcome.COMPLETED:
         errors = StepErrors.of(halved, discrete.problem, start, integrator.t)
         attrs |= {} if errors is None else errors.attributes
-        if settings.dynamics == "nonlinear":
-            discrete.watch.see_motion(
-                settings.duration, discrete.static, float(settings.initial == "equilibrium"), halved.modes
-            )
-            attrs |= discrete.watch.attributes
+        watch = discrete.watch
+        see = watch.see_motion if settings.dynamics == "nonlinear" else watch.see_linear_motion
+        scale = float(settings.initial == "equilibrium")
+        see(settings.duration, discrete.static, scale, damped_by_steps(halved))
+        attrs |= watch.attributes
     attrs["message"] = message = failure(discrete, transient)
     _tell(attrs, _blows(discrete.problem))
     _tell(attrs, motion_doubt(attrs))
+    _tell(attrs, force_doubt(attrs))
     stream.flush()
     if written is None:
         run = Run(stream.contents().assign_attrs(discrete.complete(attrs)))
@@ -296,9 +298,14 @@ def described(
         found["drift_position"], found["drift_velocity"] = transient.integrator.drift
     if settings.dynamics == "nonlinear":
         found["linear_solver"] = discrete.problem.plan.description
-    if settings.formulation == "intrinsic" and settings.dynamics == "nonlinear":
+    if _integrates_strains(settings):
         found["pose_gap"], found["rotation_gap"] = pose_gap(discrete.system, transient.result.history)
     return found
+
+
+def _integrates_strains(settings: SimulateSettings) -> bool:
+    """Return whether strains are integrated in time beside the poses, so that both can be compared."""
+    return settings.formulation == "intrinsic" and settings.dynamics == "nonlinear"
 
 
 def failure(discrete: DiscreteModel, transient: Transient) -> str:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["KINDS", "motion_doubt", "step_errors"]
+__all__ = ["KINDS", "force_doubt", "motion_doubt", "step_errors"]
 
 KINDS = {"position": "m", "rotation": "rad", "section_force": "N", "section_moment": "N m"}
 """What is estimated, and its unit."""
 
 MOTION = 0.01  # accepted error of displacements or rotations, as a part of the largest
+FORCE = 0.1  # accepted error of section forces or moments, as a part of the largest
 
 
 def step_errors(attrs: Mapping[str, Any]) -> dict[str, float]:
@@ -36,6 +37,20 @@ def motion_doubt(attrs: Mapping[str, Any]) -> str:
         f"the steps may leave positions off by {attrs['step_position_error']:.2g} m and rotations by "
         f"{attrs['step_rotation_error']:.2g} rad, {100.0 * attrs['step_motion_error']:.2g} % of the motion; "
         f"use {_smaller(attrs)}"
+    )
+
+
+def force_doubt(attrs: Mapping[str, Any]) -> str:
+    """Return a warning if section forces or moments may be off by more than 10 % of the largest, else nothing.
+
+    Forces that are small beside the moments over the length count as a hundredth of these, and the other way round.
+    """
+    error = float(attrs.get("step_force_error", 0.0))
+    if error <= FORCE:
+        return ""
+    return (
+        f"the steps may leave section forces off by {100.0 * error:.2g} % of the largest, where fast vibrations carry "
+        f"them; use {_smaller(attrs)}, or damping"
     )
 
 

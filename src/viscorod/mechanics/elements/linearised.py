@@ -1,6 +1,6 @@
 """Operators of the section forces of all elements at one state, which collocation methods keep for several steps.
 
-At fixed ``C, D`` the section forces of a Gauss point vary by
+With the present ``C, D``, those of laws included, the section forces of a Gauss point vary by
 
     dS = C B d + D (E d + B dx1),     dx1 = (d)' + ad(x1) d
 
@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
-from viscorod.mechanics.elements.geometric_element import EqualElements, PointArrays
+from viscorod.mechanics.elements.gauss_batch import EqualElements, PointArrays
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import LANES
+from viscorod.mechanics.elements.section_laws import add_law_tangents
 from viscorod.mechanics.nodes.attached_poses import link_map, map_columns
 from viscorod.typing import Floats
 
@@ -51,13 +52,19 @@ def collect(elements: EqualElements, fields: PointArrays, first: int, operators:
     section, damping, damped = elements.section, elements.damping, elements.damped
     strain_columns, force_columns = fields.strain_operator, fields.operator
     B, A, P = operators
+    laws = elements.laws
     points = section.shape[1]
-    X = np.empty((6, 6))
+    X, C, D = np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6))
     for e in range(nodes.shape[0]):
         to = first + e
         for g in range(points):
             batch, lane = divmod(e * points + g, LANES)
             of = section[e, g]
+            for i in range(6):
+                for j in range(6):
+                    D[i, j] = damping[of, i, j]
+            if laws.present:
+                add_law_tangents(laws, of, fields.strain[e, g], fields.strain_rate[e, g], C, D)
             for k in range(nodes.shape[1]):
                 for i in range(6):
                     for j in range(6):
@@ -67,7 +74,7 @@ def collect(elements: EqualElements, fields: PointArrays, first: int, operators:
                         if damped:
                             total = 0.0
                             for a in range(6):
-                                total += damping[of, i, a] * strain_columns[batch, k, j, a, lane]
+                                total += D[i, a] * strain_columns[batch, k, j, a, lane]
                             P[to, row, column] = total
         for k in range(nodes.shape[1]):
             link = links[e, k]

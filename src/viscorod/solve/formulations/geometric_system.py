@@ -8,6 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.mechanics.elements import geometric_element as geometric
+from viscorod.mechanics.elements.gauss_batch import EqualElements, PointArrays
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import LANES
@@ -60,10 +61,10 @@ class _Part:
         self.place, self.weight = np.zeros(0, dtype=np.int64), np.zeros(0)
 
     @property
-    def arrays(self) -> geometric.EqualElements:
+    def arrays(self) -> EqualElements:
         """The elements as kernels take them, with the present sections."""
         e, problem = self.elements, self.problem
-        return geometric.EqualElements(
+        return EqualElements(
             e.nodes,
             e.links,
             e.slots,
@@ -82,11 +83,12 @@ class _Part:
             self.constrained,
             self.reference,
             self.prestress,
+            e.laws,
         )
 
-    def fields(self, stress: Floats, strain_operator: Floats) -> geometric.PointArrays:
+    def fields(self, stress: Floats, strain_operator: Floats) -> PointArrays:
         """Return what an assembly with a stress iterate reads and writes at the Gauss points."""
-        return geometric.PointArrays(
+        return PointArrays(
             stress, self.strain, self.strain_rate, self.section_force, self.operator, strain_operator
         )
 
@@ -323,7 +325,9 @@ class GeometricSystem:
         total = 0.0
         for part in self.parts:
             e = part.elements
-            total += geometric.elastic_energy(e.weights, e.half_lengths, e.section, e.stiffness, part.strain)
+            total += geometric.elastic_energy(
+                e.weights, e.half_lengths, e.section, e.stiffness, e.laws, part.strain
+            )
         if self.relaxation is not None and self.relaxation.known:
             total += self.relaxation.energy(self._strains())
         return total + self.constraints.energy
@@ -349,7 +353,14 @@ class GeometricSystem:
             e = part.elements
             if duration > 0.0 and part.damped:
                 total += geometric.viscous_loss(
-                    e.weights, e.half_lengths, e.section, e.damping, part.strain, part.earlier, duration
+                    e.weights,
+                    e.half_lengths,
+                    e.section,
+                    e.damping,
+                    e.laws,
+                    part.strain,
+                    part.earlier,
+                    duration,
                 )
             part.earlier[:] = part.strain
         return total + self.constraints.loss(duration)

@@ -66,7 +66,10 @@ class GaussPoints:
 
 @dataclass(frozen=True)
 class GaussPositions:
-    """Rod, arc length [m], quadrature length [m], half width [m], stiffness and damping of every Gauss point."""
+    """Rod, arc length [m], quadrature length [m], half width [m], stiffness and damping of every Gauss point.
+
+    ``section`` is the number of its section among those of :meth:`System.elements`.
+    """
 
     rod: Integers
     s: Floats
@@ -74,6 +77,7 @@ class GaussPositions:
     half_width: Floats
     stiffness: Floats
     damping: Floats
+    section: Integers
 
 
 class System(Protocol):

@@ -19,7 +19,8 @@ def all_branches(problem: Problem) -> Floats:
 def gauss_positions(sets: tuple[ElementSet, ...]) -> tuple[Integers, GaussPositions]:
     """Return the order of all Gauss points by rod and arc length, and their places in that order."""
     rod, s, length, half_width = [], [], [], []
-    stiffness, damping = [], []
+    stiffness, damping, section = [], [], []
+    first = 0
     for e in sets:
         count = e.section.shape[1]
         inside = e.shapes @ lobatto(e.order)[0]  # xi of the points
@@ -29,6 +30,8 @@ def gauss_positions(sets: tuple[ElementSet, ...]) -> tuple[Integers, GaussPositi
         half_width.append(e.half_widths.ravel())
         stiffness.append(e.stiffness[e.section].reshape(-1, 6, 6))
         damping.append(e.damping[e.section].reshape(-1, 6, 6))
+        section.append(e.section.ravel() + first)
+        first += len(e.stiffness)
     rods, places = np.concatenate(rod), np.concatenate(s)
     order = np.lexsort((places, rods))
     return order, GaussPositions(
@@ -38,6 +41,7 @@ def gauss_positions(sets: tuple[ElementSet, ...]) -> tuple[Integers, GaussPositi
         np.concatenate(half_width)[order],
         np.concatenate(stiffness)[order],
         np.concatenate(damping)[order],
+        np.concatenate(section)[order],
     )
 
 
@@ -101,7 +105,8 @@ def all_elements(problem: Problem, references: list[Floats]) -> Elements:
         section,
         np.concatenate([e.stiffness for e in problem.sets]),
         damping,
-        bool(damping.any()),
+        problem.laws.present or bool(damping.any()),
         reference,
         slots,
+        problem.laws,
     )

@@ -40,10 +40,8 @@ class CoarseMotion:
         for part in self.system.parts:
             part.prestress = np.zeros((0, 1, 6))
         self.system.assemble(state, NO_LOADS, None, tangent=False, moving=False)
-        stiffness = self.system.gauss_positions().stiffness
-        elastic = np.einsum("mij,mj->mi", stiffness, self.system.gauss_points().strain)
-        held = np.einsum("mii->mi", stiffness) == 0.0
-        return np.where(held, 0.0, section_force - elastic)
+        held = np.einsum("mii->mi", self.system.gauss_positions().stiffness) == 0.0
+        return np.where(held, 0.0, section_force - self.system.gauss_points().section_force)
 
     def inertia(
         self, state: State, stress: Floats, near: Floats, t: float, *, before: bool
@@ -97,7 +95,11 @@ class CoarseMotion:
         return np.asarray(self.spread_all(state, rate[None])[0])
 
     def spread_all(self, state: State, rates: Floats) -> Floats:
-        """Return minus mass times rates of twist ``(k, n, 6)`` on the finer nodes ``(k, n', 6)``.
+        """Return minus mass times rates ``(k, n, 6)`` on the finer nodes ``(k, n', 6)``: see :meth:`fields`."""
+        return np.asarray(-np.einsum("nij,knj->kni", self.finer.problem.mass, self.fields(state, rates)))
+
+    def fields(self, state: State, rates: Floats) -> Floats:
+        """Return twists, or rates of them, ``(k, n, 6)`` on the finer nodes ``(k, n', 6)``.
 
         Rates of displacement are mixed in global axes.
         """
@@ -116,4 +118,4 @@ class CoarseMotion:
         axes = matrices(finer.interpolated(state)[1][own])
         found[:, nodes, :3] = np.einsum("nji,knj->kni", axes, field[:, own, :3])
         found[:, nodes, 3:] = field[:, own, 3:]
-        return np.asarray(-np.einsum("nij,knj->kni", fine.mass, found))
+        return found

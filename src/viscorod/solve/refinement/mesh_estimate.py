@@ -36,6 +36,7 @@ class MeshEstimate:
         elements: rod -> what ``gap`` would be if all were like this element [m], and its errors of the force [N] and
             of the moment [N m] of sections, anywhere in it ``(elements, 3)``.
         length: of the model [m].
+        hidden: part of ``gap`` that steps of the motion hide: no finer mesh mends it while they do [m].
     """
 
     rods: dict[str, float]
@@ -44,6 +45,7 @@ class MeshEstimate:
     forces: Floats
     elements: dict[str, Floats]
     length: float
+    hidden: float = 0.0
 
     @property
     def sizes(self) -> Floats:
@@ -62,6 +64,11 @@ class MeshEstimate:
         return float(self.gap / self.sizes[0])
 
     @property
+    def mendable(self) -> float:
+        """The part of ``motion`` that a finer mesh mends."""
+        return float((self.gap - self.hidden) / self.sizes[0])
+
+    @property
     def force(self) -> float:
         """The largest error of section forces, or moments, over the largest."""
         worst = np.max([errors[:, 1:].max(axis=0) for errors in self.elements.values()], axis=0)
@@ -77,11 +84,17 @@ class MeshEstimate:
         parts = self.elements[rod] / self.sizes
         return np.column_stack([parts[:, 0], parts[:, 1:].max(axis=1)])
 
-    def drifted(self, gap: float) -> MeshEstimate:
-        """Return the estimate with a gap in time [m], which is none of single elements, beside that in space."""
-        share = gap / max(self.gap, np.finfo(float).tiny)
-        rods = {name: error * (1.0 + share) for name, error in self.rods.items()}
-        return replace(self, gap=self.gap + gap, rods=rods)
+    def drifted(
+        self, gaps: dict[str, float], seen: dict[str, float], lengths: dict[str, float]
+    ) -> MeshEstimate:
+        """Return the estimate with gaps of rods in time [m], which are none of single elements, beside those in space.
+
+        Args:
+            gaps: of every rod [m]; seen: those that steps do not hide [m]; lengths: of the rods [m].
+        """
+        rods = {name: error + gaps[name] / lengths[name] for name, error in self.rods.items()}
+        most = max(gaps.values())
+        return replace(self, gap=self.gap + most, rods=rods, hidden=most - max(seen.values()))
 
     def joined(self, other: MeshEstimate | None) -> MeshEstimate:
         """Return the larger errors, and the larger sizes, of two estimates of the same mesh."""

@@ -17,10 +17,12 @@ from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.correction import Balance, corrected
 from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
+from viscorod.solve.refinement.linear_counterpart import LinearCounterpart
 from viscorod.solve.refinement.mesh_estimate import MeshEstimate, difference
 from viscorod.solve.refinement.phase_drift import PhaseDrift
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.solve.transient.integrators.linear_model import LinearModel
 from viscorod.typing import Floats
 
 __all__ = ["MeshWatch"]
@@ -148,14 +150,65 @@ class MeshWatch:
         """
         if not self.feasible:
             return
+        noted = self._chosen
+        anchor, times = (np.pi / duration) ** 2, [t for t, _ in noted]
+        rates = [self._compare_moving(state, t, before=True, anchor=anchor) for t, state in noted]
+        if self.start is not None:
+            drift = self.phases(static, self.start, scale, modes)
+            self._drift(drift, times, rates, drift.kicked(self.start.state.twist, self._begins()))
+
+    def see_linear_motion(
+        self, duration: float, static: StaticSolver, scale: float, modes: StartModes
+    ) -> None:
+        """Estimate the errors of the noted states of a linear motion; see :meth:`see_motion`."""
+        if not self.feasible or self.start is None:
+            return
+        start, finer = self.start.state, self.finer
+        drift = self.phases(static, self.start, scale, modes)
+        if drift.rest is None:
+            self._count_in(False)
+            return
+        coarse = LinearModel(self.system, self._moving.supports, 0.0, start)
+        counterpart = LinearCounterpart(
+            coarse, LinearModel(finer.system, finer.supports, 0.0, drift.rest), self._moving
+        )
+        rates, shape = [], start.twist.shape
+        for t, snapshot in self._chosen:
+            now = counterpart.state(snapshot, t, before=True)
+            rates.append(now.acceleration.reshape(shape))
+            found = counterpart.better(
+                now,
+                t,
+                before=True,
+                anchor=self._resisting(rates[-1], snapshot.state.twist, (np.pi / duration) ** 2),
+            )
+            self._take_in(Shape(snapshot.state, snapshot.section_force, found.near), found)
+            self._count_in(True)
+        begun = counterpart.state(self.start, 0.0, before=False)
+        kick = drift.kicked(start.twist, begun.acceleration.reshape(shape))
+        self._drift(drift, [t for t, _ in self._chosen], rates, kick)
+
+    def _drift(self, drift: PhaseDrift, times: list[float], rates: list[Floats], kick: Floats) -> None:
+        """Add what wrong frequencies make of the motion in time."""
+        if self.estimate is not None:
+            lengths = dict(zip(self.problem.rods, map(float, self.problem.rod_lengths), strict=True))
+            self.estimate = self.estimate.drifted(
+                drift.gaps(times, rates, kick), drift.gaps(times, rates), lengths
+            )
+
+    @property
+    def _chosen(self) -> list[tuple[float, Snapshot]]:
+        """The noted states that are looked at, with the last one."""
         noted = self.noted
         if self._latest is not None and self._latest[0] > noted[-1][0]:
             noted = [*noted[: None if self._count > NEAR * self._next else -1], self._latest]
-        anchor, times = (np.pi / duration) ** 2, [t for t, _ in noted]
-        rates = [self._compare_moving(state, t, before=True, anchor=anchor) for t, state in noted]
-        if self.estimate is not None and self.start is not None:
-            drift = self.phases(static, self.start, scale, modes)
-            self.estimate = self.estimate.drifted(drift.gap(times, rates))
+        return noted
+
+    def _begins(self) -> Floats:
+        """Return the rates of the twists of all nodes when a motion begins, after a jump of its loads ``(n, 6)``."""
+        assert self.start is not None
+        stress = self._moving.other_stress(self.start.state, self.start.section_force)
+        return self._moving.inertia(self.start.state, stress, _angles(self.start), 0.0, before=False)[1]
 
     def see_steady(self, rotation: Snapshot, spin: float) -> None:
         """Estimate the errors of a steady rotation at an angular speed [rad/s]."""
@@ -171,11 +224,15 @@ class MeshWatch:
         stress = self._moving.other_stress(snapshot.state, snapshot.section_force)
         inertia, rate = self._moving.inertia(snapshot.state, stress, _angles(snapshot), t, before=before)
         self.finer.set_prestress(stress)
-        a, v = (float(np.einsum("ni,nij,nj", x, self.problem.mass, x)) for x in (rate, snapshot.state.twist))
-        if v > 0.0:  # a / v is the squared rate of a vibration with these accelerations and velocities
-            anchor = max(anchor, ANCHOR * a / v)
+        anchor = self._resisting(rate, snapshot.state.twist, anchor)
         self._compare(snapshot, Balance(self.finer, t, before=before, inertia=inertia, anchor=anchor))
         return rate
+
+    def _resisting(self, rate: Floats, twist: Floats, least: float) -> float:
+        """Return stiffness over mass [1/s^2] by which inertia resists errors of a motion like this."""
+        a, v = (float(np.einsum("ni,nij,nj", x, self.problem.mass, x)) for x in (rate, twist))
+        # a / v is the squared rate of a vibration with these accelerations and velocities
+        return max(least, ANCHOR * a / v) if v > 0.0 else least
 
     def _compare(self, snapshot: Snapshot, balance: Balance) -> None:
         self._count_in(self._estimate(snapshot, balance))
@@ -191,8 +248,12 @@ class MeshWatch:
         if other is None:
             return False
         found = Shape(other, self.finer.system.gauss_points().section_force, shape.near)
-        self.estimate = difference(self.finer, shape, found).joined(self.estimate)
+        self._take_in(shape, found)
         return True
+
+    def _take_in(self, shape: Shape, found: Shape) -> None:
+        """Take the difference of a solution from the one on the finer mesh into the estimate."""
+        self.estimate = difference(self.finer, shape, found).joined(self.estimate)
 
     # --- what is said
 
@@ -223,7 +284,7 @@ class MeshWatch:
         """Whether an error is larger than wanted, of ``forces`` by default too, or could not be estimated."""
         if self.estimate is None or self.unknown:
             return self.unknown
-        return self.estimate.motion > accuracy or self.estimate.force > (forces or accuracy)
+        return self.estimate.mendable > accuracy or self.estimate.force > (forces or accuracy)
 
     def refined(
         self, accuracy: float, forces: float | None = None, *, most: int = MOST_CHOSEN_NODES
@@ -255,7 +316,7 @@ class MeshWatch:
             return np.ones(division.count, dtype=bool)
         errors = self.estimate.of_elements(name)
         too_large = np.zeros(division.count, dtype=bool)
-        if self.estimate.motion > accuracy:
+        if self.estimate.mendable > accuracy:
             too_large |= errors[:, 0] > SHARE * accuracy
         if self.estimate.force > forces:
             too_large |= errors[:, 1] > SHARE * forces

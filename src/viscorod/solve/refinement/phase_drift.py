@@ -39,7 +39,7 @@ class PhaseDrift:
             at t = 0 that act there; modes: of the coarse one about this state, if they are known.
 
     Attributes:
-        modes: on the coarse mesh; better: on the finer one, None if there is no such state.
+        modes: on the coarse mesh; better: on the finer one; rest: the state at rest there. None if there is none.
     """
 
     def __init__(
@@ -54,12 +54,12 @@ class PhaseDrift:
         self.modes = modes or StartModes.of(linearise(static, shape.state, scale=scale), COUNT)
         self.better: StartModes | None = None
         self._motion = CoarseMotion(finer)
-        other = (
+        self.rest = (
             corrected(Balance(finer, factor=scale), finer.take_over(shape)) if len(self.modes.omega) else None
         )
-        if other is not None:
+        if self.rest is not None:
             count = min(len(self.modes.omega), FOLLOWED)
-            self.better = StartModes.of(linearise(finer.static, other, scale=scale), count)
+            self.better = StartModes.of(linearise(finer.static, self.rest, scale=scale), count)
 
     @property
     def leading(self) -> float:
@@ -84,26 +84,42 @@ class PhaseDrift:
         apart = np.abs(modes.omega / (alike @ better.omega / np.maximum(whole, np.finfo(float).tiny)) - 1.0)
         return np.asarray(np.where(whole > ALIKE, apart, np.maximum(apart, UNLIKE)))
 
-    def gap(self, times: Sequence[float], rates: Sequence[Floats]) -> float:
-        """Return how far a motion has drifted from that on the finer mesh at most [m].
+    def gaps(
+        self, times: Sequence[float], rates: Sequence[Floats], kick: Floats | float = 0.0
+    ) -> dict[str, float]:
+        """Return how far each rod has drifted from where it is on the finer mesh at most [m].
 
         The amplitude of a vibration is that of its acceleration over the square of its frequency: a fast one that only
-        follows slower ones, without a phase of its own, has little of it.
+        follows slower ones, without a phase of its own, has little of it. What a jump of the loads or a velocity has
+        set off at the start lasts until it has faded, though steps that are large for it may hide it.
 
         Args:
             times: of some states of the motion [s]; rates: of the twists of all nodes there ``(n, 6)``.
+            kick: amplitudes of the vibrations that the start sets off ``(k,)``; see :meth:`kicked`.
         """
         omega, shapes = self.modes.omega, self.modes.shapes
+        names, stations = self.problem.rods, self.problem.stations
         if not len(omega):
-            return 0.0
-        modal = shapes.T @ block_diagonal(self.problem.mass)
-        reach = np.linalg.norm(shapes.reshape(self.problem.size, 6, -1)[:, :3], axis=1).max(axis=0)
-        largest, amplitude = 0.0, np.zeros(len(omega))
+            return dict.fromkeys(names, 0.0)
+        lengths = np.linalg.norm(shapes.reshape(self.problem.size, 6, -1)[:, :3], axis=1)
+        nodes = [stations.nodes[stations.rod == k] for k in range(len(names))]
+        reach = np.array([lengths[mine].max(axis=0) for mine in nodes])
+        largest, amplitude = np.zeros(len(names)), np.zeros(len(omega))
         for t, rate in zip(times, rates, strict=True):
             # where acceleration passes zero, the amplitude of neighbours in time counts
-            amplitude = np.maximum(0.5 * amplitude, np.abs(modal @ rate.ravel()) / omega**2)
+            amplitude = np.maximum(0.5 * amplitude, np.abs(self._momenta @ rate.ravel()) / omega**2)
             # what has faded has left no phase
             lasted = t / np.maximum(self.modes.decay * t, 1.0)
             ahead = np.minimum(self.errors * omega * lasted, 2.0)
-            largest = max(largest, float(np.linalg.norm(amplitude * reach * ahead)))
-        return largest
+            both = np.maximum(amplitude, kick)
+            largest = np.maximum(largest, np.linalg.norm(both * reach * ahead, axis=1))
+        return dict(zip(names, largest.tolist(), strict=True))
+
+    def kicked(self, twist: Floats, rate: Floats) -> Floats:
+        """Return the amplitudes of the vibrations ``(k,)`` that nodes with these twists and rates ``(n, 6)`` begin."""
+        omega = self.modes.omega
+        return np.hypot(self._momenta @ twist.ravel() / omega, self._momenta @ rate.ravel() / omega**2)
+
+    @cached_property
+    def _momenta(self) -> Floats:
+        return np.asarray(self.modes.shapes.T @ block_diagonal(self.problem.mass))

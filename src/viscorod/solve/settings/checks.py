@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["require_fit", "unfit_for_steady"]
 
 
+_MATRICES_ONLY = "linearised damping is that of section matrices, and this rod has a law beside them"
 _KELVIN_VOIGT = "take Kelvin-Voigt damping instead of the branches, or {}"
 
 
@@ -35,8 +36,11 @@ def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
         raise InputError(problems)
 
 
-def unfit_for_steady(model: ModelDescription) -> Iterator[Fault]:
-    """Yield what a steady rotation cannot be computed with: joints, constrained strains, Maxwell branches."""
+def unfit_for_steady(model: ModelDescription, damping: str) -> Iterator[Fault]:
+    """Yield what a steady rotation cannot be computed with: joints, constrained strains, Maxwell branches.
+
+    With linearised ``damping``, laws of sections too.
+    """
     why = "steady rotations are computed without {}"
     instead = "leave it out, or compute the motion with simulate"
     yield from _joints(model, why.format("joints"), instead)
@@ -44,6 +48,8 @@ def unfit_for_steady(model: ModelDescription) -> Iterator[Fault]:
     yield from _branches(
         model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("compute the motion with simulate")
     )
+    if damping == "linearised":
+        yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
 
 
 def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
@@ -75,6 +81,9 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
         yield from _branches(
             model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("take dynamics = 'nonlinear'")
         )
+        yield from _laws(
+            model, why.format("laws of sections"), "leave it out, or take dynamics = 'nonlinear'"
+        )
         yield from _changing_drag(model)
     else:
         if not formulation.constraints:
@@ -85,6 +94,8 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
         if not formulation.branches:
             why = f"{settings.damping} damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
             yield from _branches(model, why, "take damping = 'full'")
+        if not formulation.laws:
+            yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
     for index, event in enumerate(settings.events):
         if isinstance(event, Crossing):
             try:
@@ -130,6 +141,12 @@ def _constraints(model: ModelDescription, why: str, instead: str) -> Iterator[Fa
     for name, rod in model.rods.items():
         if any(rod.constrained_strains):
             yield Fault(f"rods.{name}.constraints", show(list(rod.constraints)), why, instead)
+
+
+def _laws(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
+    for name, rod in model.rods.items():
+        if rod.law is not None:
+            yield Fault(f"rods.{name}.law", type(rod.law).__name__, why, instead)
 
 
 def _branches(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:

@@ -54,7 +54,7 @@ def require_steady(model: ModelDescription, problem: Problem, settings: SteadySe
     Raises:
         InputError: with everything that is in its way, by name.
     """
-    faults = [*unfit_for_steady(model), *_size(problem, settings)]
+    faults = [*unfit_for_steady(model, settings.damping), *_size(problem, settings)]
     held = support_kind(problem)
     if held is SupportKind.HELD and not settings.driven:
         name = _label(model, problem.supports.names[0]) if problem.supports.names else model.springs[0].label

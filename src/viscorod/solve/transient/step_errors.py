@@ -7,7 +7,7 @@ frequency and amplitude do: after n steps of a free vibration that is ``n |R(a h
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,13 +17,12 @@ from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.external_loads import NO_LOADS
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.transient.halved_steps import HalvedSteps, Trials
 from viscorod.typing import Floats
 
-__all__ = ["StepErrors"]
+__all__ = ["StepErrors", "damped_by_steps"]
 
-STRAINED = 4
-"""Vibrations whose section forces are evaluated: those whose errors strain most, and those that turn most."""
 SMALL = 1e-4
 """Rotation [rad], and displacement over the length, to which an error is scaled to evaluate its section forces."""
 MIXED = 0.75
@@ -32,8 +31,12 @@ RESOLVED = 4.0
 """Eigenvalue times step up to which a vibration is followed and errs by itself; faster ones only follow others."""
 SAFETY = 1.5
 """Factor on what was found: too large is less bad than too small."""
+FORCE_SAFETY = 2.0
+"""The same for section forces, in which vibrations that are hard to follow have a larger part."""
 LEAST_MOTION = 1e-9
 """Motion, over the length or in rad, below which it is round-off."""
+FINER = 3.0
+"""Times that steps are shorter with which a motion is nearly free of their errors: a few thousandths are left."""
 MOST = 3.0
 """Times their number for which steps around one that was tried again count at most."""
 
@@ -77,10 +80,7 @@ class StepErrors:
         rest = (apart * trials.rest).reshape(-1, 1)
         fields = np.hstack([vibrating, rigid, rest, trials.within.reshape(-1, 1)]).reshape(size, 2, 3, -1)
         gap = SAFETY * np.sqrt(np.square(fields).sum(axis=(2, 3))).max(axis=0)
-        turning = np.abs(vibrating.reshape(size, 6, -1)[:, 3:]).max(axis=(0, 1), initial=0.0)
-        straining = np.linalg.norm(vibrating, axis=0) * modes.omega
-        chosen = np.unique([np.argsort(-sizes)[:STRAINED] for sizes in (straining, turning)])
-        forces = SAFETY * _section_forces(problem, start, vibrating[:, chosen])
+        forces = FORCE_SAFETY * _section_forces(problem, start, vibrating)
         return cls(gap, forces, trials.moved, trials.forces, problem.length)
 
     @property
@@ -111,6 +111,19 @@ class StepErrors:
             "step_motion_error": self.motion,
             "step_force_error": self.force,
         }
+
+
+def damped_by_steps(halved: HalvedSteps) -> StartModes:
+    """Return small motions that fade as they do by themselves, and with steps that are ``FINER`` than those of a run.
+
+    What these damp away is an error of steps, not of the mesh.
+    """
+    modes, lengths = halved.modes, halved.trials.lengths
+    if not lengths:
+        return modes
+    h = float(np.median(lengths)) / FINER
+    left = np.clip(np.abs(halved.twin.stability(1j * modes.omega * h)), np.finfo(float).tiny, 1.0)
+    return replace(modes, decay=modes.decay - np.log(left) / h)
 
 
 def _weights(trials: Trials, power: int) -> Floats:

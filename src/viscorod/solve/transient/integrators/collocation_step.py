@@ -36,6 +36,7 @@ from viscorod.mechanics.elements.maxwell_branches import (
     lacking_work,
     stretch_springs,
 )
+from viscorod.mechanics.elements.section_laws import add_lacking_work
 from viscorod.mechanics.joints.joint_forces import add_frozen_springs, carry_springs, hold_coordinates
 from viscorod.mechanics.nodes.inertia import balance
 from viscorod.mechanics.nodes.support_rows import in_body, lacking_motion, support_directions
@@ -268,6 +269,20 @@ def conserve(
     if branches is not None:
         stretch_springs(elements, branches, points.strain)
         lacking_work(elements, branches, points.strain_rate, ends.start_strain, ends.strain, h, ends.defect)
+    if elements.laws.present:
+        if branches is None:
+            ends.defect.fill(0.0)
+        middle = points.strain, points.strain_rate
+        add_lacking_work(
+            elements.laws,
+            elements.order,
+            elements.section,
+            middle,
+            ends.start_strain,
+            ends.strain,
+            h,
+            ends.defect,
+        )
     conserve_energy(
         elements,
         points.strain,
