@@ -52,8 +52,7 @@ class Balance:
         self._tangent = elements.stiffness[elements.section] + self._law_tangent()
         operators = Operators.of(elements)
         self.blocks, C = np.zeros((2, len(pattern.rows), 6, 6))
-        for part in system.parts:
-            part.impose_rest(1.0)
+        system.impose_rest(1.0)
         still = np.zeros((n, 6, 6))  # increments of the twists count by themselves
         system.linearise(state, still, points.section_force[0], operators, self.blocks, C)
         self.B = operators.strain
