@@ -236,3 +236,28 @@ def test_propeller_in_still_air_turns_steadily():
     model.drag("blade", linear_across=1.0, velocity=(1.0, 0, 0))
     with pytest.raises(vr.InputError, match=r"loads\[1\]: drag: the medium moves across the axis"):
         model.steady(spin=(0, 0, spin))
+
+
+@pytest.mark.parametrize("elements", [3, None])
+def test_drag_on_a_part_of_a_rod(elements):
+    """c/(2 m w) times the share of the square of the sine that lies in it, on pinned ends; elements end there."""
+    section = vr.StiffnessSection([1e7, 1e7, 1e7, 1.0, 4.0, 1.0], [1, 1, 1, 1e-9, 1e-9, 1e-4])
+    model = vr.Model()
+    rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=elements, d1=(0, 1, 0))
+    model.add("beam", rod)
+    model.support("beam.start", ("ux", "uy", "uz", "rx"))
+    model.support("beam.end", ("uy", "uz"))
+    first, last = 0.25, 0.6
+    model.drag("beam", linear_across=0.3, from_s=first, to_s=last)
+    modes = model.modes(1)
+    share = last - first - (np.sin(2.0 * np.pi * last) - np.sin(2.0 * np.pi * first)) / (2.0 * np.pi)
+    omega = 2.0 * np.pi * modes.frequencies[0]
+    assert modes.damping_ratios[0] == pytest.approx(0.3 * share / (2.0 * omega), rel=1e-3)
+
+
+def test_co_simulation_falls_to_the_terminal_speed():
+    """The same noodle, driven from outside step by step."""
+    falling = noodle(**SPRAY).co_simulation(ports=["noodle@0.15"], initial="reference", tolerance=1e-6)
+    end = np.sqrt(G * MASS / SQUARE)
+    falling.step(0.3)
+    assert -falling.velocity("noodle@0.15")[2] == pytest.approx(end * np.tanh(G * 0.3 / end), rel=1e-4)

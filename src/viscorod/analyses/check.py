@@ -50,6 +50,7 @@ class CheckReport:
         bodies: name, mass [kg], principal inertia [kg m^2] of every rigid body.
         joints: name, kind, places, motions that are free or driven, where it is and its gap [m] in the reference shape.
         springs: name, kind, places, motions with stiffness and damping.
+        media: loads that see motion, with the numbers of their laws.
         frequencies: of the first small vibrations about the unloaded shape [Hz], rigid motions left out;
             damping_ratios, mode_names: of the same.
         rigid_motions: motions that nothing resists, in words.
@@ -73,6 +74,7 @@ class CheckReport:
     bodies: list[dict[str, object]] = field(default_factory=list)
     joints: list[dict[str, object]] = field(default_factory=list)
     springs: list[dict[str, object]] = field(default_factory=list)
+    media: list[dict[str, object]] = field(default_factory=list)
     conditions: int = 0
     materials: list[dict[str, object]] = field(default_factory=list)
     assumptions: list[str] = field(default_factory=list)
@@ -112,6 +114,11 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
         springs=[
             _spring_row(spring, given)
             for spring, given in zip(model.resolved_springs(), model.springs, strict=True)
+        ],
+        media=[
+            {"load": load.name or load.word, "rod": getattr(load, "rod", ""), **load.figures()}
+            for load in model.loads
+            if load.sees_motion
         ],
         conditions=solver.system.constraints.rows,
         linear_solver=problem.plan.description,

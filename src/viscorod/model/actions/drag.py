@@ -92,6 +92,18 @@ class Drag(AlongRod):
         along = math.pi * pressure * (self.coefficient_along or 0.0)
         return (self.linear_across, self.linear_along, self.linear_about, across, along, *self.velocity)
 
+    def figures(self) -> dict[str, float | str]:
+        """Return the coefficients of the law, and the velocity of the medium."""
+        across, along, about, square_across, square_along, *velocity = self.numbers
+        return {
+            "across [Pa s]": across,
+            "along [Pa s]": along,
+            "about [N s]": about,
+            "across [kg/m2]": square_across,
+            "along [kg/m2]": square_along,
+            "medium [m/s]": f"({', '.join(f'{value:.4g}' for value in velocity)})",
+        }
+
     def place(self, model: ModelDescription, placing: Placing) -> None:
         """Let it act on the nodes."""
         del model

@@ -99,6 +99,10 @@ class AnyLoad(Definition):
         del model
         return []
 
+    def figures(self) -> dict[str, float | str]:
+        """Return what ``viscorod check`` prints of a load that sees motion, by heading; nothing by default."""
+        return {}
+
     @abstractmethod
     def place(self, model: ModelDescription, placing: Placing) -> None:
         """Put its wrenches on the model."""

@@ -72,7 +72,7 @@ def draw_energy(run: Run) -> Figure:
     if energy.time.size > 1:
         upper.set_xlim(energy.time[0], energy.time[-1])
     upper.set_ylim(bottom=min(0.0, 1.05 * scale * float(supplied.min())))
-    legend_above(upper, len(names) + 2)
+    legend_above(upper, 5 if len(names) == 3 else 3)
 
     clean(lower, "time [s]", "|numerical| [% of moved]")
     moved = energy.moved

@@ -142,27 +142,12 @@ class _LoadPlacing:
 
 
 def nodal_lengths(mesh: RodMesh, start: float, end: float) -> Floats:
-    """Return the lengths [m] that the nodes of a rod stand for between two arc lengths, as its mass is lumped.
-
-    Elements that lie there in part share it by straight lines between their nodes: so no length is negative.
-    """
+    """Return the lengths [m] that the nodes of a rod stand for from one element end to another, as mass is lumped."""
     lengths = np.zeros(len(mesh.s))
-    points, weights = lobatto(mesh.order)
-    for e, (a, b) in enumerate(zip(mesh.ends[:-1], mesh.ends[1:], strict=True)):
-        low, high = max(a, start), min(b, end)
-        if high <= low:
-            continue
-        first = e * mesh.order
-        if (low, high) == (a, b):
-            lengths[first : first + mesh.order + 1] += 0.5 * (b - a) * weights
-            continue
-        nodes = 0.5 * (a + b) + 0.5 * (b - a) * points
-        for k, (left, right) in enumerate(pairwise(nodes)):
-            c, d = max(low, left), min(high, right)
-            if d > c:
-                part = (0.5 * (c + d) - left) / (right - left)
-                lengths[first + k] += (1.0 - part) * (d - c)
-                lengths[first + k + 1] += part * (d - c)
+    weights = lobatto(mesh.order)[1]
+    for e, (a, b) in enumerate(pairwise(mesh.ends)):
+        if start < 0.5 * (a + b) < end:
+            lengths[e * mesh.order : (e + 1) * mesh.order + 1] += 0.5 * (b - a) * weights
     return lengths
 
 
