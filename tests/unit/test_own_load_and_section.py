@@ -263,7 +263,7 @@ def test_own_load_that_sees_motion_in_modes():
     [
         {},
         {"integrator": "midpoint", "time_step": 2e-3},
-        {"integrator": "generalized_alpha", "time_step": 1e-3},
+        {"integrator": "generalized_alpha", "time_step": 2e-3},
         {"formulation": "intrinsic"},
     ],
     ids=lambda way: way.get("integrator", way.get("formulation", "radau")),
@@ -277,15 +277,15 @@ def test_own_load_that_sees_motion_in_statics_and_motions(way):
     model.gravity((0, 0, -9.0), until=0.0)
     model.loads.append(Ground("beam", stiffness=900.0, viscosity=6.0))
     assert model.equilibrium().position("beam.end")[2] == pytest.approx(-0.01, abs=1e-9)
-    run = model.simulate(0.4, **way)
+    run = model.simulate(0.2, **way)
     history = run.history("beam.end")
     t, z = history["time"].values, history.sel(axis="z").values
     fast = np.sqrt(900.0 - 9.0)
     exact = -0.01 * np.exp(-3.0 * t) * (np.cos(fast * t) + 3.0 / fast * np.sin(fast * t))
-    assert z == pytest.approx(exact, abs=3e-5)
+    assert z == pytest.approx(exact, abs=5e-5)
     energy = run.energy
-    assert energy.numerical_fraction < 2e-3
-    assert energy.outside[-1] + energy.kinetic[-1] == pytest.approx(energy.external[-1], rel=2e-3)
+    assert energy.numerical_fraction < 5e-3
+    assert energy.outside[-1] + energy.kinetic[-1] == pytest.approx(energy.external[-1], rel=5e-3)
 
 
 def test_mistakes_in_functions_of_own_loads_are_told():
