@@ -56,4 +56,4 @@ class ArrayChanges(NamedTuple):
 def load_count(problem: Problem) -> int:
     """Return one more than the largest number of a load."""
     numbers = [load.load for load in problem.nodal_loads] + [load.load for load in problem.station_loads]
-    return 1 + max(numbers, default=-1)
+    return 1 + max([*numbers, *(load.load for load in problem.motion_loads)], default=-1)
