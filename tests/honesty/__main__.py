@@ -21,7 +21,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from rich.progress import track
 
-from honesty.judge import Verdict, verdict
+from honesty.judge import WITHIN, Verdict, verdict
 from honesty.random_models import ANALYSES
 
 OUTCOMES = Path(__file__).with_name("outcomes.csv")
@@ -59,6 +59,32 @@ def table(verdicts: Iterable[Verdict]) -> str:
     return "\n".join(lines)
 
 
+STEPS = {
+    "positions": ("true_steps", "steps"),
+    "rotations": ("true_turns", "turns"),
+    "section forces": ("true_forces", "forces"),
+    "section moments": ("true_moments", "moments"),
+}
+
+
+def table_of_steps(verdicts: Iterable[Verdict]) -> str:
+    """Return a table in Markdown: how near estimated errors by the steps of motions are to the true ones."""
+    lines = [
+        "| Error by the steps, of | Judged | within a factor of ten | below a third of the error | ratio |",
+        "|---|---|---|---|---|",
+    ]
+    solved = [v for v in verdicts if v.outcome == "solved"]
+    for name, (true, said) in STEPS.items():
+        ratios = [getattr(v, said) / getattr(v, true) for v in solved if getattr(v, true) > 0.0]
+        if ratios:
+            within = sum(1.0 / WITHIN <= ratio <= WITHIN for ratio in ratios)
+            low = sum(ratio < 1.0 / 3.0 for ratio in ratios)
+            share, below = (f"{100.0 * count / len(ratios):.1f} %" for count in (within, low))
+            span = f"{min(ratios):.2g} to {max(ratios):.2g}"
+            lines.append(f"| {name} | {len(ratios)} | {share} | {below} | {span} |")
+    return "\n".join(lines)
+
+
 def write(verdicts: Iterable[Verdict], path: Path = OUTCOMES) -> None:
     """Write one row per seed."""
     with path.open("w", newline="") as file:
@@ -79,7 +105,7 @@ def main() -> None:
     with ProcessPoolExecutor(given.workers, mp_context=get_context("spawn")) as pool:
         found = list(track(pool.map(verdict, seeds), total=len(seeds), description="trials"))
     write(found, given.output)
-    print(table(found))
+    print(table(found), table_of_steps(found), sep="\n\n")
     for v in found:
         if v.untold:
             print(f"untold: seed {v.seed}, {v.analysis} of a {v.structure}: error {v.error:.2g} {v.words}")

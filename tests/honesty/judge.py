@@ -25,7 +25,11 @@ WITHIN = 10.0
 """Factor within which an estimate is to be right."""
 FLOOR = 1e-9
 """True errors below it are round-off, which no estimate of the mesh is about."""
+FINER = 3e-3
+"""Tolerance of refined motions over that of the default one, but at least ``LEAST_TOLERANCE``."""
 LEAST_TOLERANCE = 1e-9
+ENOUGH = 0.03
+"""Part of a tolerance that a smaller one may be at most to judge what the steps err by."""
 MOMENTS = 60
 FACTORS = {"simulate": (2, 3), "steady": (1, 2)}
 """Times the elements that two refined solutions have; 3 and 5 of other analyses, which cost less."""
@@ -45,7 +49,8 @@ class Verdict:
         told: whether the result warns, or its estimate is as large as a third of the error.
         words: warnings, or the message.
         true_steps, steps: errors of positions of a motion by its steps [m], as they are, and as the result says they
-            are; true_turns, turns: of rotations [rad].
+            are; true_turns, turns: of rotations [rad]; true_forces, forces: of section forces [N]; true_moments,
+            moments: of the moments of sections [N m]. NaN where tolerances cannot be much smaller.
     """
 
     seed: int
@@ -61,6 +66,10 @@ class Verdict:
     steps: float = math.nan
     true_turns: float = math.nan
     turns: float = math.nan
+    true_forces: float = math.nan
+    forces: float = math.nan
+    true_moments: float = math.nan
+    moments: float = math.nan
 
     @property
     def untold(self) -> bool:
@@ -143,6 +152,7 @@ class _Answer:
     factors: tuple[int, int] = (3, 5)
     divisions: Divisions = field(default_factory=dict)
     turned: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
+    section_force: np.ndarray = field(default_factory=lambda: np.zeros((0, 0, 6)))
     steps: dict[str, float] = field(default_factory=dict)
 
     @classmethod
@@ -192,6 +202,7 @@ class _Answer:
             FACTORS.get(trial.analysis, (3, 5)),
             _divisions(result.data),
             np.concatenate(turned, axis=1),
+            np.asarray(result.data["section_force"].values),
             getattr(result, "step_errors", {}),
         )
 
@@ -221,14 +232,17 @@ class _Answer:
             return self.estimate
         return self.estimate * max(self.lengths.values()) / max(self.scale, 1e-300)
 
-    def errors_of_steps(self, other: _Answer) -> tuple[float, float, float, float]:
-        """Return errors of positions [m] and their estimate, of rotations [rad] and theirs, beside finer steps."""
-        if not self.steps:
-            return (math.nan,) * 4
+    def errors_of_steps(self, other: _Answer) -> tuple[float, ...]:
+        """Return errors and their estimates beside finer steps: see ``Verdict``."""
+        if not self.steps or LEAST_TOLERANCE > ENOUGH * self.tolerance:
+            return ()
         away = float(np.linalg.norm(self.values - other.values, axis=2).max())
         sine = np.linalg.norm(product(conjugate(self.turned), other.turned)[..., 1:], axis=-1)
         turns = float(2.0 * np.arcsin(np.minimum(sine, 1.0)).max())
-        return away, self.steps["position"], turns, self.steps["rotation"]
+        apart = (self.section_force - other.section_force).reshape(-1, 2, 3)
+        force, moment = np.linalg.norm(apart, axis=2).max(axis=0).tolist()
+        said = [self.steps[kind] for kind in ("position", "rotation", "section_force", "section_moment")]
+        return tuple(x for pair in zip((away, turns, force, moment), said, strict=True) for x in pair)
 
     def refined(self, level: int) -> dict[str, Any]:
         """Return arguments of a refined solution: some times the elements, of an order that is higher by one."""
@@ -238,7 +252,7 @@ class _Answer:
                 name: Division(min(division.order + 1, 8), _split(division.ends, factor))
                 for name, division in self.divisions.items()
             }
-            return {"divisions": divisions, "settings": self.settings(level)}
+            return {"divisions": divisions, "settings": self.settings}
         meshes = self.meshes
 
         def mesh(rod: str) -> dict[str, int]:
@@ -250,11 +264,12 @@ class _Answer:
     @property
     def with_finest_steps(self) -> dict[str, Any]:
         """Return arguments of a motion on the mesh of this answer, with the steps of the finest one."""
-        return {"divisions": self.divisions, "settings": self.settings(1)}
+        return {"divisions": self.divisions, "settings": self.settings}
 
-    def settings(self, level: int) -> dict[str, Any]:
-        """Return settings of a refined motion."""
-        return {"tolerance": max(self.tolerance * (0.03, 0.003)[level], LEAST_TOLERANCE)}
+    @property
+    def settings(self) -> dict[str, Any]:
+        """Return settings of refined motions."""
+        return {"tolerance": max(FINER * self.tolerance, LEAST_TOLERANCE)}
 
 
 def _motion(model: vr.Model, divisions: Divisions, settings: dict[str, Any]) -> vr.Run:

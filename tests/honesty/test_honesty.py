@@ -6,7 +6,7 @@ import csv
 
 import pytest
 
-from honesty.__main__ import OUTCOMES, table
+from honesty.__main__ import OUTCOMES, STEPS, table, table_of_steps
 from honesty.judge import Verdict, verdict
 from honesty.random_models import by_default, random_trial
 
@@ -56,7 +56,9 @@ def test_the_documented_table_is_that_of_the_stored_verdicts() -> None:
                 *(float(row[key]) for key in ("error", "true_mesh", "estimate")),
                 row["told"] == "True",
                 row["words"],
+                *(float(row[key]) for pair in STEPS.values() for key in pair),
             )
             for row in csv.DictReader(file)
         ]
     assert table(rows) in page
+    assert table_of_steps(rows) in page

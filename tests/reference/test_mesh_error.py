@@ -310,6 +310,73 @@ def test_estimate_beside_a_refined_swing(elements, order):
     assert 1e-7 > fine.mesh_errors["beam"]
 
 
+def sudden_bar(elements, order, **given):
+    """Steel, undamped, under a load that is suddenly there: vibrations that a coarse mesh cannot follow begin too."""
+    material = vr.Material(2e11, 0.3, 7850.0)
+    model = vr.Model()
+    rod = vr.Rod.straight(
+        (0, 0, 0), (1, 0, 0), section=vr.Rectangle(0.02, 0.02), material=material, elements=elements, order=order
+    )  # fmt: skip
+    model.add("bar", rod)
+    model.clamp("bar.start")
+    model.distributed_force("bar", (0, 0, 50.0))
+    return model.simulate(0.06, initial="reference", output_interval=0.002, **given)
+
+
+@pytest.mark.parametrize(("elements", "order"), [(2, 3), (1, 4)])
+def test_estimate_of_what_a_sudden_load_sets_off(elements, order):
+    """Refinement: twice the elements, of an order higher by two, all with 3/1000 of the tolerance.
+
+    Most of the error of the mesh is that fast vibrations run ahead, which larger steps would damp away at once.
+    """
+    found = sudden_bar(elements, order)
+    tolerance = 3e-3 * found.data.attrs["tolerance"]
+    same = sudden_bar(elements, order, tolerance=tolerance)
+    fine = sudden_bar(2 * elements, order + 2, tolerance=tolerance)
+    error = distance(along(same, "bar", 1.0), along(fine, "bar", 1.0))
+    assert 1 / 3 < found.mesh_errors["bar"] / error < 10.0
+    whole = distance(along(found, "bar", 1.0), along(fine, "bar", 1.0))
+    assert 1 / 3 < (found.mesh_errors["bar"] + found.step_errors["position"]) / whole < 10.0
+
+
+LINEAR = {"formulation": "intrinsic", "damping": "linearised", "dynamics": "linear"}
+
+
+@pytest.mark.parametrize("case", ["sudden", "released", "stressed"])
+@pytest.mark.parametrize(("elements", "order"), [(1, 4), (2, 3)])
+def test_linear_motions_tell_the_error_of_their_mesh(case, elements, order):
+    """Refinement: a damped bar, or an arc, beside six elements of order 5; the last vibrates about a loaded shape."""
+
+    def run(elements, order):
+        material = vr.Material(2e11, 0.3, 7850.0, damping=vr.KelvinVoigt(1e-4, 1e-4))
+        mesh = {
+            "section": vr.Rectangle(0.02, 0.01),
+            "material": material,
+            "elements": elements,
+            "order": order,
+        }
+        model = vr.Model()
+        if case == "released":
+            rod = vr.Rod.arc((0, 0, 0), (1, 0, 0), (0, 0, 1), 0.5, 2.0, **mesh)
+        else:
+            rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), **mesh)
+        model.add("bar", rod)
+        model.clamp("bar.start")
+        if case == "sudden":
+            model.distributed_force("bar", (0, 0, 3.0))
+        else:
+            model.force("bar.end", (0, 1.0, 1.0), until=0.0)
+        if case == "stressed":
+            model.force("bar.end", (0, 0, 30.0))
+        initial = "reference" if case == "sudden" else "equilibrium"
+        return model.simulate(0.1, initial=initial, tolerance=1e-7, output_interval=0.005, **LINEAR)
+
+    found, fine = run(elements, order), run(6, 5)
+    error = distance(along(found, "bar", 1.0), along(fine, "bar", 1.0))
+    assert 1 / 3 < found.mesh_errors["bar"] / error < 10.0
+    assert fine.mesh_errors["bar"] < 1e-6
+
+
 def test_a_coarse_mesh_is_warned_of():
     """Refinement: a cable of 20 m falls and swings; two elements of order 5 are off by 0.8 % of it, six by nothing."""
 

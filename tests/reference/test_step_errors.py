@@ -197,6 +197,41 @@ def test_estimates_beside_much_smaller_steps(motion):
         assert 1.0 / 3.0 < run.step_errors[kind] / error < 10.0, kind
 
 
+def suddenly_loaded():
+    """A bar under a load that is suddenly there, undamped: fast vibrations have a large part in its forces."""
+    model = steel()
+    model.distributed_force("bar", (0, 30.0, 40.0))
+    return model, {"duration": 0.06, "initial": "reference"}
+
+
+@pytest.mark.parametrize("motion", [swinging, fading, by_alpha, suddenly_loaded], ids=lambda m: m.__name__)
+@pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")  # of coarse steps
+def test_estimates_of_section_forces_beside_much_smaller_steps(motion):
+    """Refinement: as above, at fifty instants."""
+    model, given = motion()
+    given |= {"output_interval": given["duration"] / 50.0}
+    run = model.simulate(**given)
+    if "time_step" in given:
+        finer = {"time_step": given["time_step"] / 8.0}
+    else:
+        finer = {"tolerance": 1e-3 * run.data.attrs["tolerance"]}
+    fine = model.simulate(**(given | finer))
+    away = run.data["section_force"].values - fine.data["section_force"].values
+    sizes = np.linalg.norm(away.reshape(-1, 2, 3), axis=2).max(axis=0)
+    for kind, error in zip(("section_force", "section_moment"), sizes, strict=True):
+        assert 1.0 / 3.0 < run.step_errors[kind] / error < 10.0, kind
+
+
+def test_large_errors_of_section_forces_are_told():
+    """The swing without damping, whose axial forces are off by a third of the largest (see the test before)."""
+    model, given = swinging()
+    with pytest.warns(vr.AccuracyWarning, match="the steps may leave section forces off by"):
+        run = model.simulate(**given)
+    told = [text for text in run.warnings if "steps may leave section forces" in text]
+    assert len(told) == 1
+    assert told[0] in run.report()
+
+
 def test_large_errors_are_told():
     """Closed form: the midpoint rule is (w h)^2/12 of the time late, after two periods of a bar by 10 % of a radian."""
     model = steel()

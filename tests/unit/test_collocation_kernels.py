@@ -203,7 +203,7 @@ def test_inertia_of_the_jacobian():
     pattern = at.problem.pattern
     K, C = np.zeros((2, len(pattern.rows), 6, 6))
     mass_turning = np.empty((n, 6, 6))
-    jacobian.add_inertia(mass, twist, turning, K, C, pattern.diagonal, mass_turning)
+    jacobian.add_inertia(mass, twist, turning, K, C, pattern.diagonal, mass_turning, np.empty((6, 6)))
 
     def gyroscopic(x):
         out = np.zeros((n, 6))
@@ -236,19 +236,20 @@ def test_supported_systems_are_solved(mu):
     s.update(0.3)
     K, C, _, _, turning = jacobian_of(at)
     mass = at.problem.mass.copy()
-    jacobian.add_inertia(mass, at.state.twist, turning, K, C, pattern.diagonal, np.empty((n, 6, 6)))
+    product, scratch = np.empty((n, 6, 6)), np.empty((6, 6))
+    jacobian.add_inertia(mass, at.state.twist, turning, K, C, pattern.diagonal, product, scratch)
     whole_K, whole_C = dense(pattern, K), dense(pattern, C)
     m = len(s.set.nodes)
     found = support_kernels.Directions.of(m)
     poses = at.state.r, at.state.q
-    jacobian.project(s.nodes, s.target, np.zeros((m, 6)), *poses, pattern, K, C, mass, found)
+    jacobian.project(s.nodes, s.target, np.zeros((m, 6)), *poses, pattern, K, C, mass, found, scratch[0])
 
     A = (mu * whole_C + whole_K).astype(complex)
     for k in range(n):
         A[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] += mu * mu * at.problem.mass[k]
-    value, own = np.empty(6), support_kernels.Directions.of(1)
+    own = support_kernels.Directions.of(1)
     for k, node in enumerate(s.set.nodes):
-        support_kernels.support_directions(s.nodes, k, s.target, *poses, value, 0, own)
+        support_kernels.support_directions(s.nodes, k, s.target, *poses, 0, own)
         directions, dual = own.G[0], own.Z[0]
         rows = slice(6 * node, 6 * node + 6)
         fixed = s.set.fixed[k] > 0

@@ -171,7 +171,7 @@ def test_interpolation_follows_a_steady_screw(smooth):
     for k, part in enumerate(parts):
         start = MovingPoses(r0[None], q0[None], twist[None], still)
         end = MovingPoses(r1[None], q1[None], twist[None], still)
-        interpolate(parts, h, start, end, np.zeros(1), smooth, r, q, x)
+        interpolate(parts, h, start, end, np.zeros(1), smooth, r, q, x, np.empty((10, 6)))
         expected = placed(r0, q0, part * h * twist, twist, False)
         for found, value in zip((r[k, 0], q[k, 0], x[k, 0]), expected, strict=True):
             assert found == pytest.approx(value, abs=1e-8 if smooth else 1e-13)
@@ -196,7 +196,7 @@ def test_order_of_interpolation(smooth, order, split):
     for h in steps:
         ends = [MovingPoses(*(v[None] for v in motion(t)), rate(t)[None]) for t in (0.1, 0.1 + h)]
         r, q, x = np.empty((1, 1, 3)), np.empty((1, 1, 4)), np.empty((1, 1, 6))
-        interpolate(np.array([0.45]), h, *ends, np.array([float(split)]), smooth, r, q, x)
+        interpolate(np.array([0.45]), h, *ends, np.array([float(split)]), smooth, r, q, x, np.empty((10, 6)))
         exact = motion(0.1 + 0.45 * h)
         errors.append(max(np.abs(r[0, 0] - exact[0]).max(), np.abs(q[0, 0] - exact[1]).max()))
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.6)

@@ -94,9 +94,9 @@ def test_supports_replace_rows_consistently():
     reaction = s.reaction.copy()
 
     def directions(state, k):
-        value, found = np.empty(6), kernels.Directions.of(1)
-        kernels.support_directions(s.nodes, k, s.target, state.r, state.q, value, 0, found)
-        return value, found.G[0], found.Z[0]
+        found = kernels.Directions.of(1)
+        kernels.support_directions(s.nodes, k, s.target, state.r, state.q, 0, found)
+        return found.value[0], found.G[0], found.Z[0]
 
     frozen = [directions(new, k)[2] for k in range(len(s.set.nodes))]
     for k, Z in enumerate(frozen):

@@ -15,7 +15,8 @@ def mesh_errors(result: Result) -> dict[str, float]:
     """Return the estimated error of positions by the mesh, as a part of the length of each rod.
 
     It is the difference from the solution on elements half as long (``solve.refinement.mesh_estimate``), the largest
-    over the states that were compared.
+    over the states that were compared. Of motions it contains how far vibrations run ahead on this mesh, those too that
+    larger steps damp away: the error that is left with steps a third as long.
 
     Returns:
         Rod -> estimated error of positions, anywhere on it, over its length; empty if it was not estimated.

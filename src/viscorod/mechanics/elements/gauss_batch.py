@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from viscorod.mechanics.compilation.compiled import lane_kernel
 from viscorod.mechanics.elements.gathering import add_blocks, gather_rate_maps, gather_sections
+from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import (
     AT_FORCE,
     AT_RATE,
@@ -19,7 +20,7 @@ from viscorod.mechanics.elements.lanes import (
     AT_WEIGHT,
     section_forces,
 )
-from viscorod.mechanics.elements.section_laws import SectionLaws, add_lane_laws
+from viscorod.mechanics.elements.section_laws import add_lane_laws
 from viscorod.mechanics.elements.tangent_lanes import (
     add_frame_rotation,
     block_of,
@@ -30,56 +31,35 @@ from viscorod.mechanics.elements.tangent_lanes import (
 from viscorod.typing import Floats, Integers
 
 
-class EqualElements(NamedTuple):
-    """Elements of one order, which have m nodes and points Gauss points each.
+class ElementGroup(NamedTuple):
+    """Elements of one order, which stand next to each other in the arrays of all elements.
 
     Attributes:
-        nodes, links: ``(elements, m)``, shared node and attachment (or -1) of every element node.
-        slots: ``(elements, m, m)``, number of the block in the row of node k and the column of node j.
-        link_positions, link_quaternions: constant relative poses of the attachments.
-        shapes, slopes: basis and its derivative in xi at the Gauss points ``(points, m)``; weights ``(points,)``.
-        half_lengths: half the reference arc length of each element [m].
-        section: index of the section at every Gauss point ``(elements, points)``.
-        stiffness, damping: section matrices C and D ``(sections, 6, 6)``; ``coupled`` False takes them as diagonal,
-            ``damped`` False skips D.
-        held: marks strains whose section force is the stress ``(sections, 6)``; ``constrained`` False: there are none.
-        reference: strains of the unstressed shape ``(elements, points, 6)``.
-        prestress: section forces in addition to C eps + D eps_t, likewise; no elements if there are none.
-        laws: of the sections, beside C and D; where there are any, ``coupled`` and ``damped`` are True.
+        first, size: the first of them, and how many; order: of their polynomials.
+        coupled: False takes section matrices as diagonal; damped: False skips D; constrained: any strain is held.
     """
 
-    nodes: Integers
-    links: Integers
-    slots: Integers
-    link_positions: Floats
-    link_quaternions: Floats
-    shapes: Floats
-    slopes: Floats
-    weights: Floats
-    half_lengths: Floats
-    section: Integers
-    stiffness: Floats
-    damping: Floats
-    held: Floats
+    first: int
+    size: int
+    order: int
     coupled: bool
     damped: bool
     constrained: bool
-    reference: Floats
-    prestress: Floats
-    laws: SectionLaws
 
 
-class PointArrays(NamedTuple):
-    """Fields at the Gauss points of equal-order elements ``(elements, points, 6)``.
+class PointFields(NamedTuple):
+    """Fields at the Gauss points of all elements ``(e, points, 6)``, and operators of a group of them.
 
     Attributes:
-        stress: section force used in the geometric stiffness (the mixed iterate), the only input.
-        strain, strain_rate, section_force: (V, U) - reference, its rate, C eps + D eps_t + prestress.
+        stress: section force used in the geometric stiffness (the mixed iterate); prestress: section forces in addition
+            to those of the law, no elements if there are none: the inputs.
+        strain, strain_rate, section_force: (V, U) - reference, its rate, C eps + D eps_t + s + prestress.
         operator: change of the section force per nodal increment ``(batches, m, 6, 6, LANES)`` (column, row).
         strain_operator: change of the strain, laid out like ``operator``; no batches if it is not wanted.
     """
 
     stress: Floats
+    prestress: Floats
     strain: Floats
     strain_rate: Floats
     section_force: Floats
@@ -116,20 +96,22 @@ class Batch(NamedTuple):
 
 
 @lane_kernel
-def gather_points(elements: EqualElements, stress: Floats, first: int, count: int, batch: Batch) -> None:
-    """Put the Gauss points from number ``first`` on into the lanes: weights, basis, stress, minus reference strain."""
+def gather_points(
+    elements: Elements, group: ElementGroup, stress: Floats, first: int, count: int, batch: Batch
+) -> None:
+    """Put a group's Gauss points from number ``first`` on into lanes: weight, basis, stress, minus reference strain."""
     element, place, point, node = batch.element, batch.place, batch.point, batch.node
-    points, m = elements.shapes.shape
-    e, g = first // points, first % points
+    order = group.order
+    e, g = group.first + first // order, first % order
     for lane in range(count):
-        if g == points:
+        if g == order:
             e, g = e + 1, 0
         element[lane], place[lane] = e, g
-        weight = elements.weights[g] * elements.half_lengths[e]
+        weight = elements.weights[order, g] * elements.half_lengths[e]
         point[0, AT_WEIGHT, lane] = weight
-        for k in range(m):
-            node[k, AT_SHAPE, lane] = elements.shapes[g, k]
-            node[k, AT_SLOPE, lane] = elements.slopes[g, k] / elements.half_lengths[e]
+        for k in range(node.shape[0]):
+            node[k, AT_SHAPE, lane] = elements.shapes[order, g, k]
+            node[k, AT_SLOPE, lane] = elements.slopes[order, g, k] / elements.half_lengths[e]
         for i in range(6):
             point[0, AT_STRAIN + i, lane] = -elements.reference[e, g, i]
             point[0, AT_STRESS + i, lane] = weight * stress[e, g, i]
@@ -137,31 +119,33 @@ def gather_points(elements: EqualElements, stress: Floats, first: int, count: in
 
 
 @lane_kernel
-def respond(elements: EqualElements, viscous: bool, count: int, batch: Batch) -> None:
+def respond(
+    elements: Elements, group: ElementGroup, prestress: Floats, viscous: bool, count: int, batch: Batch
+) -> None:
     """Evaluate the section forces ``S = C eps + D eps_t + s + prestress``; those of held strains are their stress."""
     element, place, point, section = batch.element, batch.place, batch.point, elements.section
-    gather_sections(count, element, place, section, elements.coupled, elements.stiffness, batch.C)
-    if elements.damped:
-        gather_sections(count, element, place, section, elements.coupled, elements.damping, batch.D)
-    section_forces(count, elements.coupled, viscous, batch.C, batch.D, point)
+    gather_sections(count, element, place, section, group.coupled, elements.stiffness, batch.C)
+    if group.damped:
+        gather_sections(count, element, place, section, group.coupled, elements.damping, batch.D)
+    section_forces(count, group.coupled, viscous, batch.C, batch.D, point)
     if elements.laws.present:
         add_lane_laws(
             count, element, place, section, elements.laws, point, batch.C, batch.D, batch.strain, batch.rate
         )
-    if elements.prestress.shape[0] > 0:
+    if prestress.shape[0] > 0:
         for lane in range(count):
             for i in range(6):
-                point[0, AT_FORCE + i, lane] += elements.prestress[element[lane], place[lane], i]
-    if elements.constrained:
+                point[0, AT_FORCE + i, lane] += prestress[element[lane], place[lane], i]
+    if group.constrained:
         for lane in range(count):
             of = section[element[lane], place[lane]]
             for i in range(6):
-                if elements.held[of, i] != 0.0:
+                if elements.laws.free[of, i] == 0.0:
                     point[0, AT_FORCE + i, lane] = point[0, AT_STRESS + i, lane] / point[0, AT_WEIGHT, lane]
 
 
 @lane_kernel
-def scatter_points(fields: PointArrays, count: int, batch: Batch) -> None:
+def scatter_points(fields: PointFields, count: int, batch: Batch) -> None:
     """Write strains, their rates and section forces of all lanes."""
     for lane in range(count):
         e, g = batch.element[lane], batch.place[lane]
@@ -182,11 +166,11 @@ def keep_columns(count: int, columns: Floats, out: Floats) -> None:
 
 @lane_kernel
 def change_by_node(
-    elements: EqualElements, viscous: bool, rate_map: Floats, count: int, j: int, batch: Batch
+    elements: Elements, group: ElementGroup, viscous: bool, rate_map: Floats, count: int, j: int, batch: Batch
 ) -> None:
     """Write what increments of nodes j change the section force by, ``A = C B + D (E + B T)``."""
     point, node, maps = batch.point, batch.node, batch.maps
-    section_columns(count, elements.coupled, batch.C, batch.B, True, batch.A)
+    section_columns(count, group.coupled, batch.C, batch.B, True, batch.A)
     if viscous:
         gather_rate_maps(
             count,
@@ -201,16 +185,16 @@ def change_by_node(
         )
         rate_columns(count, point, node, maps, j, batch.E)
         follow_twist(count, batch.B, batch.T, batch.E)
-        section_columns(count, elements.coupled, batch.D, batch.E, False, batch.A)
+        section_columns(count, group.coupled, batch.D, batch.E, False, batch.A)
 
 
 @lane_kernel
-def add_column(elements: EqualElements, own: bool, count: int, j: int, batch: Batch, blocks: Floats) -> None:
+def add_column(elements: Elements, own: bool, count: int, j: int, batch: Batch, blocks: Floats) -> None:
     """Add the blocks of all nodes' forces by increments of nodes j, from the conjugate forces ``F``.
 
     ``own``: the forces of node j turn with it.
     """
-    for k in range(elements.nodes.shape[1]):
+    for k in range(batch.node.shape[0]):
         block_of(count, batch.node, batch.maps, k, batch.F, batch.block)
         if k == j and own:
             add_frame_rotation(count, batch.point, batch.node, batch.maps, k, batch.block)

@@ -15,8 +15,8 @@ from viscorod.mechanics.compilation.compiled import kernel
 from viscorod.mechanics.elements.gathering import add_forces, gather_nodes
 from viscorod.mechanics.elements.gauss_batch import (
     Batch,
-    EqualElements,
-    PointArrays,
+    ElementGroup,
+    PointFields,
     add_column,
     change_by_node,
     gather_points,
@@ -24,6 +24,7 @@ from viscorod.mechanics.elements.gauss_batch import (
     respond,
     scatter_points,
 )
+from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import (
     LANES,
     MAP_ROWS,
@@ -34,7 +35,7 @@ from viscorod.mechanics.elements.lanes import (
     interpolate,
     rates,
 )
-from viscorod.mechanics.elements.section_laws import SectionLaws, stored_and_lost
+from viscorod.mechanics.elements.section_laws import stored_and_lost
 from viscorod.mechanics.elements.strain import element_poses, gauss_point
 from viscorod.mechanics.elements.tangent_lanes import (
     FLAT_ROWS,
@@ -49,7 +50,7 @@ from viscorod.mechanics.rotations.vectors import (
     quaternion,
     vector,
 )
-from viscorod.typing import Floats, Integers
+from viscorod.typing import Floats
 
 
 class Assembled(NamedTuple):
@@ -67,30 +68,39 @@ class Assembled(NamedTuple):
 
 
 @kernel
-def strains(elements: EqualElements, r: Floats, q: Floats, out: Floats, frames: Floats) -> None:
-    """Evaluate ``(V, U)`` at every Gauss point of equal-order elements into ``out`` (elements, points, 6).
+def strains(elements: Elements, r: Floats, q: Floats, out: Floats, frames: Floats) -> None:
+    """Evaluate ``(V, U)`` at every Gauss point into ``out`` (e, points, 6).
 
-    ``frames`` (elements, points, 4) receives the unit quaternions of the sections.
+    ``frames`` (e, points, 4) receives the unit quaternions of the sections.
     """
-    nodes, links, _, link_positions, link_quaternions, shapes, slopes = elements[:7]
-    half_lengths = elements.half_lengths
-    m = nodes.shape[1]
-    re = np.empty((m, 3))
-    qe = np.empty((m, 4))
-    p = np.empty((m, 4))
-    slope = np.empty(m)
+    nodes, links, shapes, slopes = elements.nodes, elements.links, elements.shapes, elements.slopes
+    most = nodes.shape[1]
+    re, qe, p, slope = np.empty((most, 3)), np.empty((most, 4)), np.empty((most, 4)), np.empty(most)
     for e in range(nodes.shape[0]):
-        element_poses(nodes[e], links[e], link_positions, link_quaternions, r, q, re, qe)
-        for g in range(shapes.shape[0]):
+        order = elements.order[e]
+        m = order + 1
+        element_poses(
+            nodes[e, :m],
+            links[e, :m],
+            elements.link_positions,
+            elements.link_quaternions,
+            r,
+            q,
+            re[:m],
+            qe[:m],
+        )
+        for g in range(order):
             for k in range(m):
-                slope[k] = slopes[g, k] / half_lengths[e]
-            gauss_point(shapes[g], slope, re, qe, out[e, g, 0:3], out[e, g, 3:6], p, frames[e, g])
+                slope[k] = slopes[order, g, k] / elements.half_lengths[e]
+            V, U = out[e, g, 0:3], out[e, g, 3:6]
+            gauss_point(shapes[order, g, :m], slope[:m], re[:m], qe[:m], V, U, p[:m], frames[e, g])
 
 
 @kernel
 def assemble(
-    elements: EqualElements,
-    fields: PointArrays,
+    elements: Elements,
+    group: ElementGroup,
+    fields: PointFields,
     r: Floats,
     q: Floats,
     twist: Floats,
@@ -99,20 +109,20 @@ def assemble(
     with_tangent: bool,
     out: Assembled,
 ) -> None:
-    """Add the internal forces of equal-order elements, and their tangent, in one pass over the Gauss points.
+    """Add the internal forces of a group of elements, and their tangent, in one pass over the Gauss points.
 
     Args:
-        fields: the stress is read, the others are written; operators with the tangent only.
+        fields: stress and prestress are read, the others are written; operators with the tangent only.
         r, q, twist: nodal positions, unit quaternions and body twists; ``moving`` False means that all twists vanish.
         rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``; read only if sections are damped and ``moving``.
         out: added to.
 
     model.md section 4: ``f = sum_g w_g B^T S``, and ``df = sum_g w_g [B^T (C B + D (E + B T)) + geometric] d``.
     """
-    nodes, links, _, link_positions, link_quaternions, shapes = elements[:6]
-    m, total = nodes.shape[1], nodes.shape[0] * shapes.shape[0]
-    viscous = elements.damped and moving
-    separate = elements.damped and with_tangent and out.rate_blocks.shape[0] > 0
+    nodes, links, link_positions, link_quaternions = elements[1:5]
+    m, total = group.order + 1, group.size * group.order
+    viscous = group.damped and moving
+    separate = group.damped and with_tangent and out.rate_blocks.shape[0] > 0
     square = (6, 6, LANES)
     batch = Batch(
         np.empty(LANES, np.int64), np.empty(LANES, np.int64), np.zeros((1, POINT_ROWS, LANES)),
@@ -123,12 +133,12 @@ def assemble(
     element, point, node, maps, nodal = batch.element, batch.point, batch.node, batch.maps, batch.nodal
     for first in range(0, total, LANES):
         count, number = min(LANES, total - first), first // LANES
-        gather_points(elements, fields.stress, first, count, batch)
+        gather_points(elements, group, fields.stress, first, count, batch)
         gather_nodes(count, element, nodes, links, link_positions, link_quaternions, r, q, twist, node)
         interpolate(count, point, node, maps)
         if viscous:
             rates(count, point, node, maps)
-        respond(elements, viscous, count, batch)
+        respond(elements, group, fields.prestress, viscous, count, batch)
         conjugate_section_forces(count, point)
         scatter_points(fields, count, batch)
         for k in range(m):
@@ -141,28 +151,29 @@ def assemble(
             strain_columns(count, point, node, maps, j, batch.B)
             if fields.strain_operator.shape[0] > 0:
                 keep_columns(count, batch.B, fields.strain_operator[number, j])
-            change_by_node(elements, viscous, rate_map, count, j, batch)
+            change_by_node(elements, group, viscous, rate_map, count, j, batch)
             keep_columns(count, batch.A, fields.operator[number, j])
             force_columns(count, point, batch.A, batch.F)
             add_turned_forces(count, point, node, maps, j, batch.F)
             add_column(elements, True, count, j, batch, out.blocks)
             if separate:  # the damping matrix alone
-                section_columns(count, elements.coupled, batch.D, batch.B, True, batch.A)
+                section_columns(count, group.coupled, batch.D, batch.B, True, batch.A)
                 force_columns(count, point, batch.A, batch.F)
                 add_column(elements, False, count, j, batch, out.rate_blocks)
 
 
 @kernel
-def update_stress(elements: EqualElements, fields: PointArrays, increment: Floats, stress: Floats) -> None:
+def update_stress(
+    elements: Elements, group: ElementGroup, fields: PointFields, increment: Floats, stress: Floats
+) -> None:
     """Update the section force of the last iterate by the Newton increment: ``stress = S + A dx``.
 
     This is the mixed (stress as an independent iterate) Newton step with the stress eliminated point by point.
     """
-    nodes, links, _, link_positions, link_quaternions = elements[:5]
+    nodes, links, link_positions, link_quaternions = elements[1:5]
     section_force, operator = fields.section_force, fields.operator
-    m = nodes.shape[1]
-    points = section_force.shape[1]
-    total = nodes.shape[0] * points
+    points = group.order
+    total = group.size * points
     change = np.empty((6, LANES))
     x = np.empty((6, LANES))
     for first in range(0, total, LANES):
@@ -171,9 +182,9 @@ def update_stress(elements: EqualElements, fields: PointArrays, increment: Float
         for i in range(6):
             for lane in range(count):
                 change[i, lane] = 0.0
-        for k in range(m):
+        for k in range(points + 1):
             for lane in range(count):
-                e = (first + lane) // points
+                e = group.first + (first + lane) // points
                 n, link = nodes[e, k], links[e, k]
                 if link < 0:
                     for i in range(6):
@@ -191,55 +202,24 @@ def update_stress(elements: EqualElements, fields: PointArrays, increment: Float
                         change[i, lane] += operator[batch, k, j, i, lane] * x[j, lane]
         for lane in range(count):
             e, g = divmod(first + lane, points)
+            e += group.first
             for i in range(6):
                 stress[e, g, i] = section_force[e, g, i] + change[i, lane]
 
 
 @kernel
-def elastic_energy(
-    weights: Floats,
-    half_lengths: Floats,
-    section: Integers,
-    stiffness: Floats,
-    laws: SectionLaws,
-    strain: Floats,
-) -> float:
-    """Return the elastic energy [J], ``1/2 int eps.C eps`` and that of laws, from the strains at the Gauss points."""
-    total = 0.0
-    for e in range(strain.shape[0]):
-        for g in range(strain.shape[1]):
-            C = stiffness[section[e, g]]
-            weight = weights[g] * half_lengths[e]
-            for i in range(6):
-                for j in range(6):
-                    total += 0.5 * weight * strain[e, g, i] * C[i, j] * strain[e, g, j]
-            if laws.present:
-                stored, _ = stored_and_lost(laws, section[e, g], strain[e, g], strain[e, g])
-                total += weight * stored
-    return total
-
-
-@kernel
-def viscous_loss(
-    weights: Floats,
-    half_lengths: Floats,
-    section: Integers,
-    damping: Floats,
-    laws: SectionLaws,
-    strain: Floats,
-    earlier: Floats,
-    duration: float,
-) -> float:
+def viscous_loss(elements: Elements, strain: Floats, earlier: Floats, duration: float) -> float:
     """Return the energy [J] lost between two strain states, ``int d_eps.D d_eps / duration`` (never negative).
 
     The mean rate of the step replaces the rate: of second order, and insensitive to ringing about the mean.
     """
+    orders, section, damping, laws = elements.order, elements.section, elements.damping, elements.laws
     total = 0.0
     d, middle = np.empty(6), np.empty(6)
     for e in range(strain.shape[0]):
-        for g in range(strain.shape[1]):
+        for g in range(orders[e]):
             D = damping[section[e, g]]
-            weight = weights[g] * half_lengths[e]
+            weight = elements.weights[orders[e], g] * elements.half_lengths[e]
             for i in range(6):
                 d[i] = strain[e, g, i] - earlier[e, g, i]
             for i in range(6):

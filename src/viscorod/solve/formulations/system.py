@@ -163,9 +163,6 @@ class System(Protocol):
     def element_forces(self, elements: Elements, stages: int) -> ElementForces:
         """Return the internal forces at the start and the stages of a collocation step."""
 
-    def element_number(self, part: int, element: int) -> int:
-        """Return the number in :meth:`elements` of an element of the problem's element set ``part``."""
-
     def gauss_positions(self) -> GaussPositions:
         """Return where the Gauss points are, in the same order."""
 

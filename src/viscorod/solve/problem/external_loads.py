@@ -18,9 +18,8 @@ from viscorod.typing import Floats, Integers
 
 @dataclass
 class ActiveStation:
-    """A concentrated load placed in an element: which set and element, the basis there, and its wrenches."""
+    """A concentrated load placed in an element: number, basis there, wrenches."""
 
-    part: int
     element: int
     shape: Floats
     dead: Floats
@@ -96,10 +95,8 @@ class LoadState:
                 problem.pattern.diagonal,
             )
         for load in self.stations:
-            e = problem.sets[load.part]
-            own = ElementNodes(
-                e.nodes[load.element], e.links[load.element], problem.link_positions, problem.link_quaternions
-            )
+            e, i = problem.element(load.element)
+            own = ElementNodes(e.nodes[i], e.links[i], problem.link_positions, problem.link_quaternions)
             loading.add_station_load(
                 own,
                 PointWrench(load.shape, load.dead, load.following),
@@ -108,7 +105,7 @@ class LoadState:
                 wanted,
                 external,
                 blocks,
-                e.slots[load.element],
+                e.slots[i],
                 loading.StationWork.of(len(load.shape)),
             )
         if not self.sees_motion:
@@ -182,8 +179,8 @@ class ExternalLoads:
             s = load.position(t, before)
             if factor == 0.0 or not 0.0 <= s <= problem.rod_lengths[load.rod]:
                 continue
-            part, element, shape = self.locate(load.rod, s)
-            stations.append(ActiveStation(part, element, shape, factor * load.dead, factor * load.following))
+            element, shape = self.locate(load.rod, s)
+            stations.append(ActiveStation(element, shape, factor * load.dead, factor * load.following))
         self.last = replace(state, stations=stations)
         return self.last
 
@@ -228,16 +225,18 @@ class ExternalLoads:
         )
         return MotionLoads.of(nodes, arms, turns, rows)
 
-    def locate(self, rod: int, s: float) -> tuple[int, int, Floats]:
-        """Return element set, element and basis values ``(m,)`` at arc length ``s`` [m] of a rod."""
-        for part, elements in enumerate(self.problem.sets):
+    def locate(self, rod: int, s: float) -> tuple[int, Floats]:
+        """Return the number of the element among all, and basis values ``(m,)``, at arc length ``s`` [m] of a rod."""
+        first = 0
+        for elements in self.problem.sets:
             mine = np.flatnonzero(elements.rod == rod)
             if len(mine) == 0:
+                first += len(elements.nodes)
                 continue
             starts = elements.start[mine]
             place = int(np.clip(np.searchsorted(starts, s, side="right") - 1, 0, len(mine) - 1))
             element = int(mine[place])
             xi = (s - elements.start[element]) / elements.half_lengths[element] - 1.0
             values, _ = lagrange(elements.order, np.array([min(max(xi, -1.0), 1.0)]))
-            return part, element, np.ascontiguousarray(values[0])
+            return first + element, np.ascontiguousarray(values[0])
         raise AssertionError(f"rod {rod} has no elements")

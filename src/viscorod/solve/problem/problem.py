@@ -237,6 +237,14 @@ class Problem:
         """The laws of all sections, set by set."""
         return SectionLaws.joined([e.laws for e in self.sets])
 
+    def element(self, number: int) -> tuple[ElementSet, int]:
+        """Return the set with an element that is numbered among all, and its number there."""
+        for elements in self.sets:
+            if number < len(elements.nodes):
+                return elements, number
+            number -= len(elements.nodes)
+        raise IndexError(number)
+
     @cached_property
     def plan(self) -> Plan:
         """The plan by which all matrices are factorised."""

@@ -50,8 +50,7 @@ class Balance:
         self.strain, self.strain_rate = points.strain[0].copy(), points.strain_rate[0].copy()
         operators = Operators.of(elements)
         self.blocks, C = np.zeros((2, len(pattern.rows), 6, 6))
-        for part in system.parts:
-            part.impose_rest(1.0)
+        system.impose_rest(1.0)
         still = np.zeros((n, 6, 6))  # increments of the twists count by themselves
         system.linearise(state, still, points.section_force[0], operators, self.blocks, C)
         self.B = operators.strain

@@ -24,7 +24,7 @@ from viscorod.solve.transient.integrators.stage_data import Discretisation
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
-__all__ = ["EquilibriumSensitivity", "actions_of", "require_differentiable"]
+__all__ = ["EquilibriumSensitivity", "actions_of", "allowed_tangent", "require_differentiable"]
 
 
 class EquilibriumSensitivity:
@@ -38,24 +38,12 @@ class EquilibriumSensitivity:
     """
 
     def __init__(self, solver: StaticSolver, state: State, t: float = 0.0, *, before: bool = True) -> None:
-        problem, supports = solver.system.problem, solver.supports
-        require_differentiable(problem)
+        require_differentiable(solver.system.problem)
         resting = State(state.r, state.q, np.zeros_like(state.twist), state.multiplier)
-        balance = self._balance = Balance(
-            actions_of(solver.system, supports), resting, np.zeros_like(state.twist), t, before=before
-        )
-        matrix = Matrix(problem.pattern, problem.length)
-        matrix.blocks[:] = balance.blocks
-        supports.update(t, before)
-        stiffness, basis = supports.reduce_tangent(resting, balance.residual.copy(), matrix)
-        size, ones = 6 * problem.size, sparse.eye_array(6 * problem.multipliers)
-        self._basis = sparse.csc_array(sparse.block_diag([basis, ones]))
-        coupling = balance.pose[:size, size:], balance.pose[size:, :size]
-        whole = [
-            [stiffness, basis.T @ coupling[0]],
-            [coupling[1] @ basis, balance.pose[size:, size:]],
-        ]
-        self._factors = SparseLU(sparse.block_array(whole) if problem.multipliers else stiffness)
+        actions = actions_of(solver.system)
+        self._balance = Balance(actions, resting, np.zeros_like(state.twist), t, before=before)
+        matrix, self._basis = allowed_tangent(actions, self._balance)
+        self._factors = SparseLU(matrix)
 
     def direct(self, changes: ArrayChanges) -> Floats:
         """Return the body increments ``(n, 6)`` of all nodes per unit of a parameter that changes the arrays so."""
@@ -72,7 +60,7 @@ class EquilibriumSensitivity:
         return np.asarray(self._basis @ found).reshape(-1, 6)
 
 
-def actions_of(system: System, supports: SupportState) -> StepActions:
+def actions_of(system: System) -> StepActions:
     """Return the loads and supports of a model on a system of its own, for :class:`Balance`.
 
     Raises:
@@ -82,9 +70,30 @@ def actions_of(system: System, supports: SupportState) -> StepActions:
         raise InputError(
             "derivatives are known in the geometric formulation only; take differences of two results"
         )
-    own = GeometricSystem(system.problem)
+    own, supports = GeometricSystem(system.problem), SupportState(system.problem)
     own.constraints.near[:] = system.constraints.near
     return StepActions(own, supports, Discretisation.of(system.problem, own.elements(), supports), 1)
+
+
+def allowed_tangent(actions: StepActions, balance: Balance) -> tuple[sparse.csc_array, sparse.csc_array]:
+    """Return the derivative of a balance by the motions that supports allow and by multipliers; and these motions.
+
+    Returns:
+        ``(free, free)``; ``(6 N, free)``, from motions and scaled multipliers to body increments and these.
+    """
+    problem, supports = actions.system.problem, actions.supports
+    matrix = Matrix(problem.pattern, problem.length)
+    matrix.blocks[:] = balance.blocks
+    supports.update(balance.t, balance.before)
+    stiffness, basis = supports.reduce_tangent(balance.state, balance.residual.copy(), matrix)
+    if not problem.multipliers:
+        return sparse.csc_array(stiffness), basis
+    size, ones = 6 * problem.size, sparse.eye_array(6 * problem.multipliers)
+    rows = [
+        [stiffness, basis.T @ balance.pose[:size, size:]],
+        [balance.pose[size:, :size] @ basis, balance.pose[size:, size:]],
+    ]
+    return sparse.csc_array(sparse.block_array(rows)), sparse.csc_array(sparse.block_diag([basis, ones]))
 
 
 def require_differentiable(problem: Problem) -> None:

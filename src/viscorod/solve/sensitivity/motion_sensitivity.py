@@ -59,7 +59,7 @@ def forward(
     """
     integrator, count = steps.integrator, len(changes)
     require_linearisable(integrator)
-    actions = actions_of(integrator.system, integrator.supports)
+    actions = actions_of(integrator.system)
     nodes = integrator.system.problem.size
     pose, twist = np.zeros((2, 6 * nodes, count))
     if start is not None:
@@ -91,7 +91,7 @@ def gradient(steps: RecordedSteps, weights: Weights) -> MotionGradient:
     """
     integrator = steps.integrator
     require_linearisable(integrator)
-    actions = actions_of(integrator.system, integrator.supports)
+    actions = actions_of(integrator.system)
     size = 6 * integrator.system.problem.size
     pose, twist = np.zeros((2, size, 1))
     total = ArrayChanges.none(integrator.system.problem, integrator.system.elements())

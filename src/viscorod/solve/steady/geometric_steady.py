@@ -195,7 +195,14 @@ class GeometricSteady:
             self.system.constraints.add_tangent(state, ad, self._K, self._C, moving=True, held=None)
         self._external(state, MotionTangent(ad, self._K, self._C, self.problem.pattern.diagonal))
         jacobian.add_inertia(
-            self.problem.mass, state.twist, ad, self._K, self._C, self.problem.pattern.diagonal, product
+            self.problem.mass,
+            state.twist,
+            ad,
+            self._K,
+            self._C,
+            self.problem.pattern.diagonal,
+            product,
+            np.empty((6, 6)),
         )
         return ad
 

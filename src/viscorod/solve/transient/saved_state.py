@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from viscorod.mechanics.compilation.callback import Callback
+from viscorod.mechanics.elements.gauss_batch import ElementGroup
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.joints.joint_forces import JointLaws, Joints
@@ -42,9 +43,9 @@ MADE: dict[str, type[Any]] = {kind.__name__: kind for kind in (State, Snapshot, 
 """Classes whose objects come and go in a run: they are made from what was saved."""
 
 UNCHANGED = (
-    Problem, ElementSet, SupportSet, Elements, Discretisation, Pattern, Plan, Tableau, HeldStrains, JointSet,
-    LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads, LoadState,
-    MotionLoads, MotionLaws, MotionWork, StationWork, Coefficients, Relation, Solution,
+    Problem, ElementSet, SupportSet, Elements, ElementGroup, Discretisation, Pattern, Plan, Tableau, HeldStrains,
+    JointSet, LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads,
+    LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, Coefficients, Relation, Solution,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 

@@ -392,6 +392,7 @@ class Collocation:
             matrices.C,
             body.pattern.diagonal,
             matrices.adjoint,
+            self.scratch.square,
         )
         self.actions.move_supports(self.t, before=False)
         jacobian.project(
@@ -405,6 +406,7 @@ class Collocation:
             matrices.C,
             matrices.mass,
             matrices.directions,
+            self.scratch.square[0],
         )
         self._have_jacobian = self._fresh_jacobian = True
         self._factor_step = 0.0

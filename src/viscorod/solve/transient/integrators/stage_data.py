@@ -313,7 +313,7 @@ class StageFactors(NamedTuple):
 class Work(NamedTuple):
     """Scratch: one element; right sides ``(6 N,)``; rates of all stages; nodal vectors ``(n, 6)``; blocks of no matrix.
 
-    ``directions`` are those of the supports.
+    ``directions`` are those of the supports; ``square (6, 6)``.
     """
 
     element: ElementWork
@@ -326,6 +326,7 @@ class Work(NamedTuple):
     reaction: Floats
     directions: Directions
     no_blocks: Floats
+    square: Floats
 
     @classmethod
     def of(cls, body: Discretisation, stages: int) -> Work:
@@ -342,6 +343,7 @@ class Work(NamedTuple):
             reaction=np.zeros((m, 6)),
             directions=Directions.of(m),
             no_blocks=np.zeros((0, 6, 6)),
+            square=np.zeros((6, 6)),
         )
 
 

@@ -90,7 +90,7 @@ class StepActions:
         if self.system.problem.station_loads:
             given.element[i] = -1
             for k, load in enumerate(loads.stations):
-                given.element[i, k] = self.system.element_number(load.part, load.element)
+                given.element[i, k] = load.element
                 given.shape[i, k, : len(load.shape)] = load.shape
                 given.point_dead[i, k], given.point_following[i, k] = load.dead, load.following
 

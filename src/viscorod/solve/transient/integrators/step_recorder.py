@@ -191,5 +191,6 @@ def interpolate_states(
         r,
         q,
         twist,
+        np.empty((10, 6)),
     )
     return [State(*fields, new.multiplier) for fields in zip(r, q, twist, strict=True)], twist
