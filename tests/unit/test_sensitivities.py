@@ -172,7 +172,7 @@ def test_what_has_no_derivatives_is_refused():
 
 
 def swing(stiffer=0.0, heavier=0.0, dampers=0.0, drive=0.3):
-    """A soft cantilever whose clamp turns, under gravity and a following force, with large rotations."""
+    """A soft cantilever whose clamp turns, under gravity, a following force and wind, with large rotations."""
     model = vr.Model()
     section = vr.StiffnessSection(
         0.1 * (1.0 + stiffer) * C, (1.0 + heavier) * np.array(M), damping=4e-4 * (1.0 + dampers) * C
@@ -182,6 +182,8 @@ def swing(stiffer=0.0, heavier=0.0, dampers=0.0, drive=0.3):
     if drive:
         model.gravity((0, -4, 3.0))
         model.force("beam.end", (0.01, 0.02, 0), following=True, time=vr.Sine(2.0))
+        wind = {"density": 1.2, "width": 0.02, "velocity": (0.0, 2.0, 1.0)}
+        model.drag("beam", coefficient_across=1.2, linear_along=0.05, **wind)
     return model
 
 

@@ -28,7 +28,7 @@ _MEDIUM = ("density", "width")
 class Drag(AlongRod):
     """The drag of a medium per reference length of a rod, linear and quadratic in the velocity past the medium.
 
-    Across and along the axis d3 of the section it is, with the velocity u of the section past the medium,
+    Across and along the axis d3 of the section it is, with the velocity u of the section past the medium::
 
         -(linear_across + density coefficient_across width |u_across| / 2) u_across
         -(linear_along + density coefficient_along pi width |u_along| / 2) u_along
