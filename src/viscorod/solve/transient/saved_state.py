@@ -83,7 +83,7 @@ def _kind(of: type[Any]) -> str:
         return "dict"
     if issubclass(of, list | deque) or (issubclass(of, tuple) and not hasattr(of, "_fields")):
         return "sequence"
-    return "tuple" if hasattr(of, "_fields") else "object"
+    return "tuple" if issubclass(of, tuple) else "object"
 
 
 def _saved(value: Any, seen: set[int]) -> SavedTree:
