@@ -56,10 +56,15 @@ def cantilever(force, stiffer=0.0, elements=3):
 
 
 def arch_with_a_joint(stiffer=0.0):
-    """Two rods with a hinge between them, the second one inextensible, hinged and clamped, under gravity."""
+    """Two rods with a hinge between them, the second one inextensible, hinged and clamped, under gravity.
+
+    The first one stiffens with its curvature, by a law that the parameters do not change.
+    """
     model = vr.Model()
     section = vr.StiffnessSection((1.0 + stiffer) * C, M)
-    model.add("left", vr.Rod.straight((0, 0, 0), (0.5, 0.2, 0), section=section, elements=2, order=3))
+    law = vr.CubicBending(cubic=0.3 / (1.0 + stiffer))
+    left = vr.Rod.straight((0, 0, 0), (0.5, 0.2, 0), section=section, elements=2, order=3, law=law)
+    model.add("left", left)
     right = vr.Rod.straight(
         (0.5, 0.2, 0), (1, 0, 0), section=section, elements=2, order=3, constraints="inextensible"
     )
@@ -179,18 +184,24 @@ def swing(stiffer=0.0, heavier=0.0, dampers=0.0, drive=0.3):
 
 
 def linked(stiffer=0.0, heavier=0.0, dampers=0.0):
-    """A rod that hangs on a hinge with a spring and a damper, and an unshearable one in a ball joint at its end."""
+    """A rod that hangs on a hinge with a spring and a damper, and an unshearable one in a ball joint at its end.
+
+    Both in a viscous medium; the first one stiffens with its curvature, by a law that the parameters do not change.
+    """
     model = vr.Model()
     section = vr.StiffnessSection(
         0.1 * (1.0 + stiffer) * C, (1.0 + heavier) * np.array(M), damping=4e-4 * (1.0 + dampers) * C
     )
     given = {"section": section, "elements": 1, "order": 3}
-    model.add("upper", vr.Rod.straight((0, 0, 0), (0.2, 0, 0), **given))
+    law = vr.CubicBending(cubic=2e-3 / (1.0 + stiffer), time=1e-3)
+    model.add("upper", vr.Rod.straight((0, 0, 0), (0.2, 0, 0), **given, law=law))
     model.add("lower", vr.Rod.straight((0.2, 0, 0), (0.3, 0, 0), **given, constraints="unshearable"))
     model.revolute("upper.start", "ground", axis=(0, 0, 1), stiffness={"rz": 1e-2}, damping={"rz": 1e-4})
     model.ball("upper.end", "lower.start")
     model.gravity((0, -6, 0))
     model.force("lower.end", (0.0, 0.0, 0.02), time=vr.Sine(3.0))
+    for rod in ("upper", "lower"):
+        model.drag(rod, linear_across=0.05, coefficient_across=1.2, density=200.0, width=0.02)
     return model
 
 
