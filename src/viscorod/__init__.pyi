@@ -10,6 +10,7 @@ from .casefile.case import load_case as load_case
 from .errors import AccuracyWarning as AccuracyWarning
 from .errors import InputError as InputError
 from .errors import SolveError as SolveError
+from .model.actions.drag import Drag as Drag
 from .model.actions.event import Crossing as Crossing
 from .model.actions.event import Decayed as Decayed
 from .model.actions.event import SteadyState as SteadyState
@@ -65,6 +66,7 @@ from .model.materials.relaxation_modulus import RelaxationModulus as RelaxationM
 from .model.rod import Rod as Rod
 from .model.sections.composite import Composite as Composite
 from .model.sections.composite import CompositeRegion as CompositeRegion
+from .model.sections.cubic_bending import CubicBending as CubicBending
 from .model.sections.isotropic_section import SectionProperties as SectionProperties
 from .model.sections.outline import PolygonSection as PolygonSection
 from .model.sections.section_profile import Piecewise as Piecewise
@@ -85,7 +87,7 @@ from .results.run import Run as Run
 from .results.steady_result import Steady as Steady
 from .results.sweep_result import Sweep as Sweep
 from .results.sweep_result import SweepRun as SweepRun
-from .solve.stage_settings import Stage as Stage
+from .solve.settings.stages import Stage as Stage
 from .solve.start import Start as Start
 
 __version__: str

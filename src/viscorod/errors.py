@@ -10,13 +10,23 @@ import inspect
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-__all__ = ["AccuracyWarning", "Fault", "InputError", "SolveError", "reading", "users_level", "warn"]
+__all__ = [
+    "AccuracyWarning",
+    "Fault",
+    "InputError",
+    "SolveError",
+    "last_warnings",
+    "reading",
+    "users_level",
+    "warn",
+]
 
 
 @dataclass(frozen=True)
@@ -75,9 +85,31 @@ class AccuracyWarning(UserWarning):
     """Something is less accurate than one would expect of it; the message says what, by how much, and what to do."""
 
 
-def warn(text: str) -> None:
-    """Show an `AccuracyWarning` at the user's own line."""
-    warnings.warn(text, AccuracyWarning, stacklevel=users_level())
+INSIDE = ("viscorod.", "pydantic.", "contextlib")
+"""Modules whose lines are not the user's."""
+_kept: ContextVar[list[str] | None] = ContextVar("warnings kept until an analysis is done", default=None)
+
+
+def warn(text: str, at_once: bool = False) -> None:
+    """Show an `AccuracyWarning` at the user's own line: at once, or when the analysis that is under way is done."""
+    kept = None if at_once else _kept.get()
+    if kept is None:
+        warnings.warn(text, AccuracyWarning, stacklevel=users_level())
+    else:
+        kept.append(text)
+
+
+@contextmanager
+def last_warnings() -> Iterator[list[str]]:
+    """Keep warnings until the end, in a list to be cleared when what they speak of is thrown away and done again."""
+    kept: list[str] = []
+    token = _kept.set(kept)
+    try:
+        yield kept
+    finally:
+        _kept.reset(token)
+        for text in kept:
+            warn(text)
 
 
 def users_level() -> int:
@@ -86,7 +118,7 @@ def users_level() -> int:
     Python shows a `DeprecationWarning` only where it is the user's own line.
     """
     level, frame = 1, inspect.currentframe()
-    while frame is not None and str(frame.f_globals.get("__name__")).startswith(("viscorod.", "pydantic.")):
+    while frame is not None and str(frame.f_globals.get("__name__")).startswith(INSIDE):
         level, frame = level + 1, frame.f_back
     return level - 1
 

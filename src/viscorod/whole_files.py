@@ -1,6 +1,7 @@
 """Files that viscorod writes: each is written beside its place and takes it when it is whole.
 
-So a full disk, an interrupt or a killed process leaves what was there before, never a part of a file under its name.
+So a full disk, an interrupt, a killed process or a power cut leaves what was there before, never a part of a file
+under its name.
 """
 
 from __future__ import annotations
@@ -47,7 +48,9 @@ def replacing(path: str | Path, *, needs: float = 0.0, instead: str = "name anot
             yield new
             if there:
                 shutil.copymode(target, new)
+            _to_disk(new)
             new.replace(target)
+            make_durable(target.parent)
         except BaseException:
             new.unlink(missing_ok=True)
             raise
@@ -77,6 +80,17 @@ def why_not(error: OSError, path: Path, needs: float = 0.0) -> str:
     if there is not None:
         text += f"{' and' if needs else ';'} {_size(shutil.disk_usage(there).free)} are free on the disk"
     return text
+
+
+def _to_disk(path: Path) -> None:
+    """Let the system write a file to the disk: what takes a name has to be there before the name is.
+
+    Raises:
+        OSError: the disk is full, or gone.
+    """
+    if path.is_file():  # a folder, and no device, may have been written
+        with path.open("rb+") as file:
+            os.fsync(file.fileno())
 
 
 def make_durable(folder: Path) -> None:

@@ -24,11 +24,19 @@ def section(damping=0.05):
     return vr.StiffnessSection(stiffness, inertia, viscosity if damping else None)
 
 
-def frame(orders=(2, 3), damping=0.05):
-    """Two rods of different order, joined at a right angle."""
+def frame(orders=(2, 3), damping=0.05, law=None):
+    """Two rods of different order, joined at a right angle; the second may have a law of its section."""
     model = vr.Model()
     for name, a, b, order in zip("ab", ((0, 0, 0), (1, 0, 0)), ((1, 0, 0), (1, 1, 0.5)), orders, strict=True):
-        rod = vr.Rod.straight(a, b, section=section(damping), elements=2, order=order, d1=(0, 0.3, 1))
+        rod = vr.Rod.straight(
+            a,
+            b,
+            section=section(damping),
+            elements=2,
+            order=order,
+            d1=(0, 0.3, 1),
+            law=law if name == "b" else None,
+        )
         model.add(name, rod)
     model.attach("a.end", "b.start")
     return model
@@ -66,6 +74,22 @@ class Moved:
         r, q = np.empty((self.n, 3)), np.empty((self.n, 4))
         retract(self.state.r, self.state.q, increment, r, q)
         return r, q
+
+
+def law_response(at, strain, rate, law):
+    """Forces ``(e, points, 6)``, energies and powers ``(e, points)`` of the law of rod b, by its Python function."""
+    e = at.elements
+    force, energy, power = np.zeros_like(strain), np.zeros(strain.shape[:2]), np.zeros(strain.shape[:2])
+    own = {int(section) for section in np.flatnonzero(e.laws.address)}
+    for a, order in enumerate(e.order):
+        for g in range(order):
+            if int(e.section[a, g]) in own:
+                numbers = law.parameters(e.stiffness[e.section[a, g]])
+                tangents = np.zeros((2, 6, 6))
+                energy[a, g], power[a, g] = law.respond(
+                    numbers, strain[a, g], rate[a, g], force[a, g], *tangents
+                )
+    return force, energy, power
 
 
 def adjoint(x):

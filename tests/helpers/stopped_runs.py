@@ -11,7 +11,8 @@ import traceback
 import viscorod as vr
 from viscorod.results.files.journal import FOLDER
 
-FILES = ("states.bin", "states.json", "layout.nc", "checkpoint.npz", "before.npz")
+TWINS = ("states.json", "states.twin.json", "layout.nc", "layout.twin.nc")
+FILES = ("states.bin", *TWINS, "checkpoint.npz", "before.npz")
 KINDS = ("missing", "empty", "cut", "flip", "zeros", "other", "longer")
 GIVEN = {"duration": 0.4, "integrator": "midpoint", "time_step": 0.02, "output_interval": 0.008}
 

@@ -11,7 +11,7 @@ from viscorod import programs as vd
 from viscorod.analyses.check import check
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.casefile.case import parse_case
-from viscorod.solve.settings import EquilibriumSettings
+from viscorod.solve.settings.statics import EquilibriumSettings
 
 MU = 2e-4
 PRIMARY_LINE = [[float(word) for word in line.split()] for line in PRIMARY.splitlines()[10:14]]

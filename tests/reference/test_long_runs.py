@@ -25,7 +25,7 @@ from viscorod.analyses.case_run import as_model
 from viscorod.casefile.shipped import shipped_case
 from viscorod.cli import run_commands
 from viscorod.cli.app import app
-from viscorod.results.files import journal, storage
+from viscorod.results.files import checkpoint_file, journal, storage
 from viscorod.results.files import stream as streaming
 from viscorod.results.files.journal import FOLDER, Journal, checkpoint, contents
 
@@ -59,7 +59,15 @@ RUNS = {
     "intrinsic": lambda: (swing(), {"duration": 3.0, "formulation": "intrinsic"}),
     "Maxwell": lambda: (maxwell(), {"duration": 2.0}),
     "joints": lambda: shipped("four_bar"),
+    "drag": lambda: (in_water(), {"duration": 1.0}),
 }
+
+
+def in_water():
+    model = swing()
+    flow = {"density": 1000.0, "width": 0.01, "velocity": (0, 0, 0.05)}
+    model.drag("beam", coefficient_across=1.2, linear_along=0.1, time=vr.Ramp(0.2, 0.4), **flow)
+    return model
 
 
 def pushed():
@@ -225,7 +233,7 @@ def test_a_run_stopped_by_another_version_is_refused(tmp_path, eager, monkeypatc
     """Contract: a saved state that this version would misread is not resumed."""
     with pytest.raises(vr.SolveError):
         swing().simulate(1.0, folder=tmp_path, stop=lambda: "enough")
-    monkeypatch.setattr(journal, "EDITION", journal.EDITION + 1)
+    monkeypatch.setattr(checkpoint_file, "EDITION", checkpoint_file.EDITION + 1)
     with pytest.raises(vr.InputError, match="stopped by another version"):
         swing().simulate(1.0, folder=tmp_path, resume=True)
 

@@ -276,7 +276,8 @@ def test_whirling_rod_keeps_whirling(formulation):
     """Solvers against each other: a transient that starts from the steady rotation keeps its strains for 3 turns."""
     from viscorod.analyses.discrete import DiscreteModel
     from viscorod.analyses.motion import stepping
-    from viscorod.solve.settings import SimulateSettings, SteadySettings
+    from viscorod.solve.settings.motion import SimulateSettings
+    from viscorod.solve.settings.steady import SteadySettings
     from viscorod.solve.steady.rotation_search import Search
     from viscorod.solve.transient.transient_solver import Transient
 

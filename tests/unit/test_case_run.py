@@ -12,7 +12,7 @@ from viscorod.analyses.check import doubts
 from viscorod.casefile.case import parse_case
 from viscorod.casefile.shipped import shipped_case
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.solve.settings import SimulateSettings
+from viscorod.solve.settings.motion import SimulateSettings
 
 SHORT = (
     shipped_case("cantilever_swing").read_text(encoding="utf-8").replace("duration = 10.0", "duration = 0.2")

@@ -16,7 +16,8 @@ from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.rod import Rod
 from viscorod.model.sections.section_profile import Piecewise, Taper
 from viscorod.model.sections.section_shapes import Circle, Rectangle
-from viscorod.solve.settings import EquilibriumSettings, SimulateSettings
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.statics import EquilibriumSettings
 
 GOOD = """
 [materials.rubber]

@@ -20,7 +20,8 @@ from viscorod.casefile.units import Conversion
 from viscorod.cli.app import app
 from viscorod.cli.progress import reporting
 from viscorod.results.run import Equilibrium, Run
-from viscorod.solve.settings import EquilibriumSettings, SimulateSettings
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.statics import EquilibriumSettings
 
 REPORT = SimpleNamespace(
     rods=[{"rod": "beam", "length [m]": 0.3, "mass [kg]": 0.03, "elements": 2, "order": 5}],

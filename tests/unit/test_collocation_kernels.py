@@ -8,7 +8,7 @@ import pytest
 import viscorod as vr
 from helpers.finite_differences import slope_of
 from helpers.kernel_parts import from_python
-from helpers.small_frame import Moved, adjoint, closed, dense, frame
+from helpers.small_frame import Moved, adjoint, closed, dense, frame, law_response
 from viscorod.mechanics.elements.internal_force import (
     ElementWork,
     GaussStates,
@@ -17,6 +17,7 @@ from viscorod.mechanics.elements.internal_force import (
     internal_forces,
 )
 from viscorod.mechanics.elements.linearised import Operators, add_frozen_forces, carry_stress
+from viscorod.mechanics.elements.section_laws import add_lacking_work
 from viscorod.mechanics.nodes import inertia
 from viscorod.mechanics.nodes import support_rows as support_kernels
 from viscorod.solve.linear.direct import DirectSolver
@@ -24,6 +25,7 @@ from viscorod.solve.linear.plan import Plan
 from viscorod.solve.problem.external_loads import ExternalLoads
 from viscorod.solve.transient.integrators import jacobian
 
+LAW = vr.CubicBending(2.0, 0.03)
 FRAMES = {
     "orders 2 and 3": lambda: Moved(frame()),
     "orders 1 and 4": lambda: Moved(frame((1, 4))),
@@ -31,6 +33,8 @@ FRAMES = {
     "undamped": lambda: Moved(frame(damping=0.0)),
     "no offset": lambda: Moved(frame((3, 2)), offset=0.0),
     "closed": lambda: Moved(closed()),
+    "law": lambda: Moved(frame(law=LAW)),
+    "law, undamped": lambda: Moved(frame((3, 3), damping=0.0, law=LAW)),
 }
 
 
@@ -66,6 +70,11 @@ def test_internal_forces_are_those_of_the_assembly(name):
     assert elastic[0] == pytest.approx(at.system.elastic_energy(), rel=1e-12)
     rate, length = expected.strain_rate, at.system.gauss_positions().length
     loss = np.einsum("g,gi,gij,gj->", length, rate, at.system.gauss_positions().damping, rate)
+    if at.elements.laws.present:
+        _, _, lost = law_response(at, points.strain, points.strain_rate, LAW)
+        own = length @ lost.ravel()[places]
+        assert own > 0.01 * (loss or own)
+        loss += own
     assert power[0] == pytest.approx(loss, rel=1e-12, abs=1e-14)
 
 
@@ -91,9 +100,10 @@ def test_forces_of_a_stress_iterate_are_linear_in_it():
     assert mixed[0] + mixed[2] == pytest.approx(mixed[1], abs=1e-12 * np.abs(out).max())
 
 
-def test_conserved_energy():
+@pytest.mark.parametrize("law", [None, LAW])
+def test_conserved_energy(law):
     """Conservation law: the corrected section forces of the middle work exactly the change of elastic energy."""
-    at = Moved(frame())
+    at = Moved(frame(law=law))
     h = 0.02
     X = h * at.state.twist
     start = forces(at, at.state.r, at.state.q, at.state.twist)[1].strain
@@ -105,11 +115,20 @@ def test_conserved_energy():
     rate = middle.strain_rate
     before, S = middle.section_force.copy(), middle.section_force
     given = (field[None] for field in (middle.strain, rate, start, end))
-    from_python(conserve_energy)(elements, *given, h, np.zeros(S.shape[:2]), S[None])
+    defect = np.zeros(S.shape[:2])
+    if law is not None:
+        points = middle.strain[None], rate[None]
+        from_python(add_lacking_work)(
+            elements.laws, elements.order, elements.section, points, start[None], end[None], h, defect
+        )
+    from_python(conserve_energy)(elements, *given, h, defect, S[None])
     energy = 0.5 * (
         np.einsum("egi,egij,egj->eg", end, stiff, end) - np.einsum("egi,egij,egj->eg", start, stiff, start)
     )
     viscous = h * np.einsum("egi,egij,egj->eg", rate, damping, rate)
+    if law is not None:
+        energy += law_response(at, end, rate, law)[1] - law_response(at, start, rate, law)[1]
+        viscous += h * law_response(at, middle.strain, rate, law)[2]
     work = h * np.einsum("egi,egi->eg", S, rate) - viscous
     used = np.arange(start.shape[1])[None, :] < elements.order[:, None]
     assert work[used] == pytest.approx(energy[used], abs=1e-13 * np.abs(energy).max())
@@ -184,7 +203,7 @@ def test_inertia_of_the_jacobian():
     pattern = at.problem.pattern
     K, C = np.zeros((2, len(pattern.rows), 6, 6))
     mass_turning = np.empty((n, 6, 6))
-    jacobian.add_inertia(mass, twist, turning, K, C, pattern.diagonal, mass_turning)
+    jacobian.add_inertia(mass, twist, turning, K, C, pattern.diagonal, mass_turning, np.empty((6, 6)))
 
     def gyroscopic(x):
         out = np.zeros((n, 6))
@@ -217,19 +236,20 @@ def test_supported_systems_are_solved(mu):
     s.update(0.3)
     K, C, _, _, turning = jacobian_of(at)
     mass = at.problem.mass.copy()
-    jacobian.add_inertia(mass, at.state.twist, turning, K, C, pattern.diagonal, np.empty((n, 6, 6)))
+    product, scratch = np.empty((n, 6, 6)), np.empty((6, 6))
+    jacobian.add_inertia(mass, at.state.twist, turning, K, C, pattern.diagonal, product, scratch)
     whole_K, whole_C = dense(pattern, K), dense(pattern, C)
     m = len(s.set.nodes)
     found = support_kernels.Directions.of(m)
     poses = at.state.r, at.state.q
-    jacobian.project(s.nodes, s.target, np.zeros((m, 6)), *poses, pattern, K, C, mass, found)
+    jacobian.project(s.nodes, s.target, np.zeros((m, 6)), *poses, pattern, K, C, mass, found, scratch[0])
 
     A = (mu * whole_C + whole_K).astype(complex)
     for k in range(n):
         A[6 * k : 6 * k + 6, 6 * k : 6 * k + 6] += mu * mu * at.problem.mass[k]
-    value, own = np.empty(6), support_kernels.Directions.of(1)
+    own = support_kernels.Directions.of(1)
     for k, node in enumerate(s.set.nodes):
-        support_kernels.support_directions(s.nodes, k, s.target, *poses, value, 0, own)
+        support_kernels.support_directions(s.nodes, k, s.target, *poses, 0, own)
         directions, dual = own.G[0], own.Z[0]
         rows = slice(6 * node, 6 * node + 6)
         fixed = s.set.fixed[k] > 0

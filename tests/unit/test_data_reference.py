@@ -22,6 +22,12 @@ def clamped(*, loaded=True, **section):
     return model
 
 
+def in_a_medium():
+    model = clamped()
+    model.drag("beam", linear_across=0.1, coefficient_across=1.2, density=1.2, width=0.1)
+    return model
+
+
 def assembled():
     model = clamped()
     model.add("plate", vr.Body.box((1.1, 0, 0), (0.2, 0.1, 0.1), density=10.0, points={"tip": (1.2, 0, 0)}))
@@ -36,6 +42,7 @@ RESULTS = {
     "Maxwell branches": lambda: clamped(
         branches=[{"time": 0.05, "stiffness": [0.1 * value for value in STIFFNESS]}]
     ).simulate(0.02),
+    "drag": lambda: in_a_medium().simulate(0.02),
     "intrinsic": lambda: clamped().simulate(0.02, formulation="intrinsic"),
     "equilibrium": lambda: clamped().equilibrium(),
     "path": lambda: clamped().path(load_factor=0.5),
@@ -45,6 +52,7 @@ BROUGHT = {
     "motion": "dissipation",
     "bodies and joints": "joint_force",
     "Maxwell branches": "branch_loss",
+    "drag": "outside",
     "path": "negative_eigenvalues",
     "steady": "eigenvalue",
 }

@@ -17,6 +17,7 @@ from viscorod.solve.linear.ordering import cuthill_mckee, half_bandwidth
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan, plans
 from viscorod.solve.linear.singular import SingularMatrixError
+from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.linear.substitution import solve
 
 KINDS = [float, complex]
@@ -102,7 +103,15 @@ def test_solutions_are_those_of_dense_matrices(model, kind):
             solve_twice(solver.factors, b, c)
             solver.check()
             scale = 1e-16 * np.linalg.cond(dense) * 1e3
-            for found, expected in ((nodal.ravel(), expected_b), (b, expected_b), (c, expected_c)):
+            d = right_side(6 * pattern.size, kind, 5)
+            expected_d = np.linalg.solve(dense.T, d)
+            turned = solver.solve(d.copy(), transposed=True)
+            for found, expected in (
+                (nodal.ravel(), expected_b),
+                (b, expected_b),
+                (c, expected_c),
+                (turned, expected_d),
+            ):
                 np.testing.assert_allclose(found, expected, atol=scale * np.abs(expected).max(), rtol=0)
 
 
@@ -257,3 +266,16 @@ def test_machine_code_on_disk_calls_the_functions_of_this_process(tmp_path):
 
     assert output().split() == ["1", "1"]
     assert output().split() == ["0", "0"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_sparse_lu_solves_the_transposed_system(kind):
+    """Against a dense matrix that is not symmetric, with conditions that have no diagonal; rows in their own units."""
+    pattern, _, nodes = MODELS["ring with multipliers"]
+    matrix = pattern.sparse(values(pattern, nodes, kind))
+    units = np.repeat(10.0 ** np.random.default_rng(6).integers(-3, 4, size=pattern.size), 6)
+    matrix = matrix * np.outer(units, units)
+    b = np.column_stack([right_side(6 * pattern.size, kind, seed) for seed in (7, 8)])
+    x = SparseLU(matrix).solve(b, transposed=True)
+    size = abs(matrix).T @ np.abs(x) + np.abs(b)
+    assert np.max(np.abs(matrix.T @ x - b) / size) < 1e-12

@@ -9,7 +9,10 @@ from helpers.finite_differences import slope_of
 from helpers.small_frame import dense
 from viscorod.mechanics.elements import geometric_element as geometric
 from viscorod.mechanics.elements.basis import gauss, lagrange
+from viscorod.mechanics.elements.gauss_batch import ElementGroup, PointFields
+from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import LANES
+from viscorod.mechanics.elements.section_laws import SectionLaws
 from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.mechanics.rotations.rotation import inverse_motion_tangent, retract
@@ -88,6 +91,7 @@ class Element:
         self.reference = 0.2 * rng.normal(size=(1, order, 6))
         self.rate_map = rng.normal(size=(m, 6, 6))
         self.prestress = 0.3 * rng.normal(size=(1, order, 6))
+        self.laws = SectionLaws.none(2)
 
     def assemble(self, r, q, twist, stress=None, moving=True):
         m, g = self.m, self.m - 1
@@ -99,26 +103,35 @@ class Element:
         self.rate_blocks = np.zeros_like(blocks)
         if stress is None:
             stress = np.zeros((1, g, 6))
-        fields = geometric.PointArrays(stress, strain, rate, S, operator, self.strain_operator)
+        fields = PointFields(stress, self.prestress, strain, rate, S, operator, self.strain_operator)
         out = geometric.Assembled(force, blocks, self.rate_blocks)
-        geometric.assemble(self.arrays, fields, r, q, twist, moving, self.rate_map, True, out)
+        geometric.assemble(self.arrays, self.group, fields, r, q, twist, moving, self.rate_map, True, out)
         K = dense(self.pattern, blocks)
         return force.ravel(), K, strain, rate, S, self.section_columns(S, operator)
 
     @property
     def arrays(self):
-        return geometric.EqualElements(
-            self.nodes, self.links, self.pattern.slots(self.nodes), self.link_r, self.link_q, self.shapes,
-            self.slopes, self.weights, np.array([self.half]), self.section, self.C, self.D, np.zeros((1, 6)),
-            self.coupled, True, False, self.reference, self.prestress,
+        p = self.m - 1
+
+        def by_order(table):  # only the highest order is used
+            return np.concatenate([np.zeros((p, *table.shape)), table[None]])
+
+        return Elements(
+            np.full(len(self.nodes), p), self.nodes, self.links, self.link_r, self.link_q, by_order(self.shapes),
+            by_order(self.slopes), by_order(self.weights), np.array([self.half]), self.section, self.C, self.D, True,
+            self.reference, self.pattern.slots(self.nodes), self.laws,
         )  # fmt: skip
+
+    @property
+    def group(self):
+        return ElementGroup(0, len(self.nodes), self.m - 1, self.coupled, True, False)
 
     def section_columns(self, S, operator):
         """The change of the section forces per unit increment, as Newton's method carries them."""
         columns = np.empty((6 * self.m, *S.shape))
         for column, u in zip(columns, np.eye(6 * self.m), strict=True):
-            fields = geometric.PointArrays(S, S, S, S, operator, operator)
-            geometric.update_stress(self.arrays, fields, u.reshape(self.m, 6), column)
+            fields = PointFields(S, S, S, S, S, operator, operator)
+            geometric.update_stress(self.arrays, self.group, fields, u.reshape(self.m, 6), column)
         return np.moveaxis(columns - S, 0, -1)
 
     def attached(self, r, q):
@@ -214,12 +227,13 @@ def test_every_element_of_a_batch_is_assembled(count):
     points = np.zeros((3, count, 1, 6))
     elements = e.arrays._replace(
         nodes=nodes, links=repeat[0], slots=pattern.slots(nodes), half_lengths=np.full(count, e.half),
-        section=repeat[1], reference=repeat[2], prestress=repeat[3],
+        section=repeat[1], reference=repeat[2], order=np.ones(count, dtype=np.int64),
     )  # fmt: skip
     operator = np.zeros((-(-count // LANES), 2, 6, 6, LANES))
-    fields = geometric.PointArrays(np.zeros((count, 1, 6)), *points, operator, operator[:0])
+    fields = PointFields(np.zeros((count, 1, 6)), repeat[3], *points, operator, operator[:0])
     out = geometric.Assembled(total, blocks, np.zeros((0, 6, 6)))
-    geometric.assemble(elements, fields, r, q, twist, True, rate_map, True, out)
+    group = ElementGroup(0, count, 1, True, True, False)
+    geometric.assemble(elements, group, fields, r, q, twist, True, rate_map, True, out)
     assert total.reshape(count, -1) == pytest.approx(np.tile(force, (count, 1)), rel=1e-12)
     assert points[0] == pytest.approx(np.repeat(strain, count, axis=0), rel=1e-12)
     assert points[2] == pytest.approx(np.repeat(S, count, axis=0), rel=1e-12)
@@ -279,7 +293,8 @@ def test_station_load_is_work_conjugate_and_its_tangent_right(order, links):
         blocks = np.zeros((e.m * e.m, 6, 6))
         own = ElementNodes(e.nodes[0], e.links[0], e.link_r, e.link_q)
         wrench = PointWrench(shape[0], dead, following)
-        loading.add_station_load(own, wrench, r, q, tangent, external, blocks, slots)
+        work = loading.StationWork.of(e.m)
+        loading.add_station_load(own, wrench, r, q, tangent, external, blocks, slots, work)
         return external.ravel(), blocks
 
     force, blocks = load(np.zeros(6 * e.m), True)

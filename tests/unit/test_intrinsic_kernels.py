@@ -6,15 +6,17 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
+import viscorod as vr
 from helpers.finite_differences import slope_of
 from helpers.kernel_parts import from_python
-from helpers.small_frame import Moved, adjoint, closed, dense, frame
+from helpers.small_frame import Moved, adjoint, closed, dense, frame, law_response
 from viscorod.mechanics.elements.internal_force import ElementWork, GaussStates, internal_forces
 from viscorod.mechanics.elements.intrinsic_element import StrainMotion, advance_strains, forces_at
 from viscorod.mechanics.elements.intrinsic_linearised import linearise_intrinsic
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, RADAU
 
+LAW = vr.CubicBending(2.0, 0.03)
 FRAMES = {
     "orders 2 and 3": lambda: Moved(frame()),
     "orders 1 and 4": lambda: Moved(frame((1, 4))),
@@ -22,7 +24,14 @@ FRAMES = {
     "undamped": lambda: Moved(frame(damping=0.0)),
     "no offset": lambda: Moved(frame((3, 2)), offset=0.0),
     "closed": lambda: Moved(closed()),
+    "law": lambda: Moved(frame(law=LAW)),
 }
+KINDS = [
+    (name, linearised)
+    for name in FRAMES
+    for linearised in (False, True)
+    if not (name == "law" and linearised)
+]
 
 
 def some_strain(elements, seed=1):
@@ -47,8 +56,7 @@ def quadrature(elements):
     )
 
 
-@pytest.mark.parametrize("linearised", [False, True])
-@pytest.mark.parametrize("name", FRAMES)
+@pytest.mark.parametrize(("name", "linearised"), KINDS)
 def test_power(name, linearised):
     """Conservation law (AWP 19, 32): nodal forces work the rate of elastic energy and the dissipated power, exactly."""
     at = FRAMES[name]()
@@ -58,6 +66,10 @@ def test_power(name, linearised):
     C, D, w = e.stiffness[e.section], e.damping[e.section], quadrature(e)
     stored = np.einsum("eg,egi,egij,egj->", w, rate, C, strain)
     lost = np.einsum("eg,egi,egij,egj->", w, viscous, D, viscous)
+    if e.laws.present:
+        own, _, power = law_response(at, strain, rate, LAW)
+        lost += np.vdot(w, power)
+        stored += np.einsum("eg,egi,egi->", w, own, rate) - np.vdot(w, power)
     assert np.vdot(force, twist) == pytest.approx(stored + lost, rel=1e-12)
     assert (lost > 0.0) == e.damped
     if linearised:
@@ -93,8 +105,7 @@ def nodal_strain(elements, B, d):
     return np.einsum("eab,eb->ea", B, d[elements.nodes].reshape(e, -1)).reshape(e, g, 6)
 
 
-@pytest.mark.parametrize("linearised", [False, True])
-@pytest.mark.parametrize("name", FRAMES)
+@pytest.mark.parametrize(("name", "linearised"), KINDS)
 def test_linearised_elements(name, linearised):
     """The strain operator is that of the rates; K and C against finite differences along it."""
     at = FRAMES[name]()

@@ -11,7 +11,7 @@ from viscorod.analyses.check import check, doubts
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import InputError
 from viscorod.model.materials.measured_damping import MeasuredDamping
-from viscorod.solve.settings import EquilibriumSettings
+from viscorod.solve.settings.statics import EquilibriumSettings
 
 
 def material(**damping) -> vr.Material:

@@ -8,7 +8,9 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import Definition, nearest, path_text, show, some_of
 from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import Number, Positive
-from viscorod.solve.settings import EquilibriumSettings, PathSettings, SimulateSettings, SteadySettings
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
+from viscorod.solve.settings.steady import SteadySettings
 
 
 class Inner(Definition):

@@ -15,8 +15,8 @@ from viscorod.model.connections.place import BodyPlace, Place
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.rod import Rod
 from viscorod.model.sections.stiffness_section import StiffnessSection
-from viscorod.solve.settings import SimulateSettings
-from viscorod.solve.settings_checks import require_fit, unfit_for_steady
+from viscorod.solve.settings.checks import require_fit, unfit_for_steady
+from viscorod.solve.settings.motion import SimulateSettings
 
 MATRIX = StiffnessSection((1,) * 6, (1,) * 6)
 AXIS = (0, 3, 4)

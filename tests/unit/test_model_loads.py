@@ -6,9 +6,12 @@ from pydantic import ValidationError
 
 from viscorod.errors import InputError
 from viscorod.model.actions.initial_velocity import InitialVelocity
-from viscorod.model.actions.load import DistributedForce, Force, Gravity, Moment, MovingForce, load
+from viscorod.model.actions.load import DistributedForce, Drag, Force, Gravity, Moment, MovingForce, load
 from viscorod.model.actions.time_function import Ramp, Until
 from viscorod.model.actions.time_table import TimeTable
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.model.rod import Rod
+from viscorod.model.sections.stiffness_section import StiffnessSection
 
 
 def test_factor_is_one_without_a_function_of_time():
@@ -106,6 +109,17 @@ def test_initial_velocity_as_a_function():
             "MovingForce.start",
             "leave start out",
         ),
+        (lambda: Drag("beam"), "Drag", "without any coefficient"),
+        (lambda: Drag("beam", linear_across=-1.0), "Drag.linear_across", ">= 0"),
+        (
+            lambda: Drag("beam", linear_across=1.0, density=1.2),
+            "Drag.density",
+            "goes with a drag coefficient",
+        ),
+        (lambda: Drag("beam", coefficient_across=1.0, width=0.1), "Drag.density", "needs the density"),
+        (lambda: Drag("beam", coefficient_along=1.0, density=1.0), "Drag.width", "needs the width"),
+        (lambda: Drag("beam", linear_along=1.0, velocity=(1, 0)), "Drag.velocity", "3 numbers"),
+        (lambda: Drag("beam", linear_about=1.0, from_s=1.0, to_s=0.5), "Drag.to_s", "positive length"),
         (lambda: InitialVelocity("rod", (1, 0, 0), field=lambda s: s), "InitialVelocity", "both"),
         (lambda: InitialVelocity("rod", angular=(1, 0)), "InitialVelocity.angular", "3 numbers"),
     ],
@@ -126,3 +140,15 @@ def test_load_tables():
         load({"at": "beam.end"})
     with pytest.raises(ValidationError):  # nested tables keep their paths for the reader of the file
         load({"kind": "force", "at": "beam.end"})
+
+
+def test_arrows_of_drag_are_what_the_medium_does_to_the_shape_at_rest():
+    """Normal and tangential parts of k |u| u by hand on a rod along x; a medium at rest does nothing."""
+    model = ModelDescription()
+    model.add("beam", Rod.straight((0, 0, 0), (1, 0, 0), section=StiffnessSection([1] * 6, [1] * 6)))
+    wind = Drag(
+        "beam", coefficient_across=1.5, density=2.0, width=0.1, linear_along=0.3, velocity=(2.0, 3.0, 4.0)
+    )
+    drawn = wind.arrows(model, 0.0)
+    assert drawn.values == pytest.approx(np.tile([0.6, 0.15 * 5.0 * 3.0, 0.15 * 5.0 * 4.0], (9, 1)))
+    assert not Drag("beam", linear_across=1.0).arrows(model, 0.0).values.any()

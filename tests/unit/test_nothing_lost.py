@@ -9,12 +9,14 @@ import random
 import resource
 import shutil
 import signal
+import stat
 import subprocess
 import sys
 import threading
 import time
 import tracemalloc
 import warnings
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -26,8 +28,9 @@ from viscorod.cli.app import app
 from viscorod.pictures.viewer import view
 from viscorod.results.files import csv_text, folder_lock
 from viscorod.results.files import stream as streaming
-from viscorod.results.files.journal import FOLDER, contents
+from viscorod.results.files.journal import FOLDER, Journal, contents, damaged, last_checkpoint, mended
 from viscorod.results.files.paraview import write_paraview
+from viscorod.results.files.sealed_file import mend_twins, read_sealed, read_twins
 from viscorod.results.run import Run
 
 pytestmark = [
@@ -130,6 +133,76 @@ def test_a_file_system_without_locks_is_told(tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
 
 
+@pytest.mark.parametrize("code", ["ENOLCK", "EOPNOTSUPP", "ENOSYS", "EINVAL"])
+def test_network_folders_without_locks_are_told(tmp_path, monkeypatch, code):
+    """What flock says on NFS without a lock daemon, on FUSE and on some cluster file systems."""
+
+    def none(_handle, _how):
+        raise OSError(getattr(errno, code), os.strerror(getattr(errno, code)))
+
+    monkeypatch.setattr("fcntl.flock", none)
+    with (
+        pytest.warns(vr.AccuracyWarning, match="has no locks.*only one write there"),
+        folder_lock.locked(tmp_path),
+    ):
+        pass
+
+
+def test_a_disk_that_fails_is_no_file_system_without_locks(tmp_path, monkeypatch):
+    def broken(_handle, _how):
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    monkeypatch.setattr("fcntl.flock", broken)
+    with (
+        pytest.raises(vr.InputError, match=r"cannot be written \(Input/output error\)"),
+        folder_lock.locked(tmp_path),
+    ):
+        pass
+
+
+class Windows:
+    """The module of Windows for locks, as far as it is used: a byte of a file belongs to one open file."""
+
+    LK_NBLCK = 2
+
+    def __init__(self):
+        self.held = {}
+
+    def locking(self, handle, how, count):
+        assert (how, count) == (self.LK_NBLCK, 1)
+        place = (os.fstat(handle).st_ino, os.lseek(handle, 0, os.SEEK_CUR))
+        other = self.held.get(place)
+        if other is not None and other != handle and _is_open(other, place[0]):
+            raise PermissionError(errno.EACCES, "Permission denied")
+        self.held[place] = handle
+
+
+def _is_open(handle, number):
+    try:
+        return os.fstat(handle).st_ino == number
+    except OSError:
+        return False
+
+
+def test_locks_of_windows(tmp_path, monkeypatch):
+    """Where there is no fcntl: a byte far behind what is read is locked; closing the file frees it."""
+    windows = Windows()
+    monkeypatch.setitem(sys.modules, "fcntl", None)
+    monkeypatch.setitem(sys.modules, "msvcrt", windows)
+    with folder_lock.locked(tmp_path):
+        (place,) = windows.held
+        assert place[1] > 1 << 20
+        monkeypatch.setattr(folder_lock, "_held", {})  # as another process, which has a list of its own
+        with (
+            pytest.raises(vr.InputError, match=f"is in use: process {os.getpid()} on "),
+            folder_lock.locked(tmp_path),
+        ):
+            pass
+    with folder_lock.locked(tmp_path):
+        pass
+    assert runs.differences(runs.swing().simulate(**runs.GIVEN, folder=tmp_path)) == set()
+
+
 # --- a run that was stopped is not removed
 
 
@@ -162,8 +235,12 @@ def test_a_stopped_run_is_removed_only_by_a_word(tmp_path):
 # --- damaged journals
 
 
-@pytest.mark.parametrize("kind", runs.KINDS)
-@pytest.mark.parametrize("name", runs.FILES)
+DAMAGES = [(name, kind) for name in runs.FILES if ".twin" not in name for kind in runs.KINDS]
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"), [*DAMAGES, ("states.twin.json", "flip"), ("layout.twin.nc", "cut")]
+)
 def test_a_damaged_journal_goes_on_bit_for_bit_or_is_refused(tmp_path, name, kind):
     """Identity with the run that nobody stopped, or one message that names the file and leaves it as it is."""
     journal = runs.stopped(tmp_path)
@@ -175,7 +252,156 @@ def test_a_damaged_journal_goes_on_bit_for_bit_or_is_refused(tmp_path, name, kin
         assert journal.is_dir()
     else:
         assert runs.differences(run) == set()
-        assert (name, kind) not in [("layout.nc", "flip"), ("states.json", "flip"), ("states.bin", "flip")]
+        assert (name, kind) != ("states.bin", "flip")
+    if name in runs.TWINS:
+        assert run is not None
+        assert f"{name} was damaged or missing: it was made again" in told[0]
+        assert told[0] in run.warnings
+
+
+def test_no_damage_of_one_small_file_loses_a_run(tmp_path):
+    """Flips all over it, and its first bytes only: read as before and said; mended as it was, byte for byte."""
+    journal = runs.stopped(tmp_path)
+    known = contents(journal)
+    identity = read_sealed(journal / "states.json")[1]
+    for name in runs.TWINS:
+        path, rng = journal / name, random.Random(name)
+        main = journal / name.replace(".twin", "")
+        content = path.read_bytes()
+        size = len(content)
+        damages = [content[:end] for end in (0, 1, 27, 28, 29, size // 2, size - 1)]
+        for at in {*rng.sample(range(size), 60), *range(size - 28, size)}:
+            damages.append(content[:at] + bytes([content[at] ^ (1 << rng.randrange(8))]) + content[at + 1 :])
+        for damage in damages:
+            path.write_bytes(damage)
+            found, _, wrong = read_twins(main, identity)
+            assert found == content[:-28]
+            assert (name in wrong) == (path == main)  # the twin is not read where the file is whole
+            assert f"{name} was damaged or missing" in mend_twins(main, identity)
+            assert path.read_bytes() == content
+            assert mend_twins(main, identity) == ""
+        path.write_bytes(rng.choice(damages))
+        assert contents(journal).identical(known)
+        if path == main:
+            with pytest.warns(vr.AccuracyWarning, match=rf"{name} is damaged.*twin"):
+                part = vr.load(tmp_path)
+            assert any(f"{name} is damaged" in text for text in part.warnings)
+        assert [name in told for told in mended(journal)] == [True]
+        assert mended(journal) == damaged(journal) == []
+    for name in ("states.json", "states.twin.json"):
+        (journal / name).write_bytes(b"")
+    with pytest.raises(vr.InputError, match=r"states.json is damaged.*states.twin.json is damaged"):
+        vr.load(tmp_path)
+
+
+# --- power cuts
+
+
+class Disk:
+    """What is on a disk that keeps no more than it was told to: contents and entries of folders as of their fsync.
+
+    Attributes:
+        states: of the journal, every one a power cut could leave: ``{name: content}``, with what was promised by then.
+    """
+
+    def __init__(self, journal, monkeypatch):
+        self.journal, self.states, self.promised = journal, [], 0
+        self._contents, self._entries, self._parent = {}, {}, False
+        fsync, replace, checkpoint = os.fsync, Path.replace, Journal.checkpoint
+
+        def synced(handle):
+            fsync(handle)
+            about = os.fstat(handle)
+            if stat.S_ISREG(about.st_mode):
+                self._contents[about.st_ino] = Path(f"/proc/self/fd/{handle}").read_bytes()
+            elif self.journal.is_dir() and os.path.samestat(about, self.journal.stat()):
+                self._entries = self._now()
+            elif os.path.samestat(about, self.journal.parent.stat()):
+                self._parent = True
+            self._cut()
+
+        def replaced(path, target):
+            found = replace(path, target)
+            self._cut()
+            return found
+
+        def promised(journal, state, about):
+            checkpoint(journal, state, about)
+            self.promised = journal.count
+            self._cut()
+
+        monkeypatch.setattr(os, "fsync", synced)
+        monkeypatch.setattr(Path, "replace", replaced)
+        monkeypatch.setattr(Journal, "checkpoint", promised)
+
+    def _now(self):
+        return (
+            {path.name: path.stat().st_ino for path in self.journal.iterdir()}
+            if self.journal.is_dir()
+            else {}
+        )
+
+    def _cut(self):
+        for entries in (
+            self._entries if self._parent else {},
+            self._now(),
+        ):  # none later than told, or all of them
+            files = {name: self._contents.get(number, b"") for name, number in entries.items()}
+            if not self.states or self.states[-1] != (files, self.promised):
+                self.states.append((files, self.promised))
+
+
+@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="reads open files by their number")
+def test_a_power_cut_leaves_the_last_checkpoint(tmp_path, monkeypatch):
+    """At every moment, of a disk that keeps what was written with fsync and no more, or names before contents."""
+    with monkeypatch.context() as patch:
+        disk = Disk(tmp_path / "run" / FOLDER, patch)
+        runs.stopped(tmp_path / "run")
+    assert len(disk.states) > 30
+    assert disk.promised > 10
+    journal = tmp_path / "left" / FOLDER
+    for files, promised in disk.states:
+        shutil.rmtree(journal, ignore_errors=True)
+        journal.mkdir(parents=True)
+        for name, content in files.items():
+            (journal / name).write_bytes(content)
+        if promised:
+            found = last_checkpoint(journal)
+            assert found.count >= promised
+            assert not found.doubt
+            assert mended(journal) == []
+    assert runs.differences(runs.gone_on(journal.parent)) == set()
+
+
+def test_a_file_is_on_the_disk_before_its_name_and_its_name_before_what_it_replaces_goes(
+    tmp_path, monkeypatch
+):
+    """Order of calls at the end of a run: contents of run.nc, its name, the folder; then the journal goes."""
+    done, fsync, replace, unlink = [], os.fsync, Path.replace, Path.unlink
+
+    def synced(handle):
+        fsync(handle)
+        about = os.fstat(handle)
+        done.append("folder" if stat.S_ISDIR(about.st_mode) else about.st_ino)
+
+    def replaced(path, target):
+        number = path.stat().st_ino
+        done.append((number, Path(target).name))
+        return replace(path, target)
+
+    def unlinked(path, **more):
+        done.append(f"{path.name} goes")
+        unlink(path, **more)
+
+    monkeypatch.setattr(os, "fsync", synced)
+    monkeypatch.setattr(Path, "replace", replaced)
+    monkeypatch.setattr(Path, "unlink", unlinked)
+    runs.swing().simulate(**runs.GIVEN, folder=tmp_path)
+    number = (tmp_path / "run.nc").stat().st_ino
+    named = done.index((number, "run.nc"))
+    assert number in done[:named]
+    assert done[named + 1] == "folder"
+    assert done.index("states.bin goes") > named + 1
 
 
 def test_flipped_bits_of_the_states_are_noticed(tmp_path):

@@ -10,10 +10,12 @@ from pydantic import Field
 import viscorod as vr
 from helpers import viewer_pages as pages
 from viscorod.model.actions.load import LOADS, AnyLoad
-from viscorod.model.actions.load_effects import Arrows
-from viscorod.model.connections.place import PlaceField
+from viscorod.model.actions.load_base import AlongRod
+from viscorod.model.actions.load_effects import Arrows, PythonLaw
+from viscorod.model.connections.place import Place, PlaceField
+from viscorod.model.connections.resolved_places import position_of
 from viscorod.model.fields.metadata import Key
-from viscorod.model.fields.values import Direction, Positive, Vector
+from viscorod.model.fields.values import Direction, NonNegative, Positive, Vector
 from viscorod.model.sections.section_profile import SECTIONS
 from viscorod.model.sections.section_shapes import SHAPES, Shape
 from viscorod.pictures.drawing.model_drawing import draw_assembly
@@ -39,6 +41,58 @@ class Rope(AnyLoad):
     def arrows(self, model, t):
         feet = (model.place(self.tied_to),)
         return Arrows(f"rope at {self.tied_to}", "N", feet, self.tension * np.array([self.towards]))
+
+
+class Ground(AlongRod):
+    """Soft ground below a rod, elastic and viscous, that also holds it down."""
+
+    sees_motion = True
+    kind: Literal["ground"] = Field(default="ground", kw_only=True, repr=False)
+    stiffness: Positive = Key("force per length and depth", "N/m^2", kw_only=True)
+    viscosity: NonNegative = Key("force per length and velocity", "Pa s", default=0.0, kw_only=True)
+
+    def place(self, model, placing):
+        def wrench(r, R, twist):
+            force = self.stiffness * r[2] + self.viscosity * (R @ twist[:3])[2]
+            return np.array([*(-force * R[2]), 0.0, 0.0, 0.0])
+
+        def dissipated(r, R, twist):
+            return self.viscosity * (R @ twist[:3])[2] ** 2
+
+        start, end = self.from_s or 0.0, self.to_s
+        placing.seeing_motion(self.rod, PythonLaw(wrench, dissipated), self.factor, start=start, end=end)
+
+    def arrows(self, model, t):
+        return Arrows(f"ground below {self.rod}", "N/m", (Place(self.rod, 0.0),), np.zeros((1, 3)))
+
+
+class Dashpot(AnyLoad):
+    """A dashpot to the ground in all directions, and a spring that pulls a place to where it is built."""
+
+    sees_motion = True
+    kind: Literal["dashpot"] = Field(default="dashpot", kw_only=True, repr=False)
+    at: PlaceField = Key("place")
+    damping: Positive = Key("force per velocity", "N s/m", kw_only=True)
+    stiffness: NonNegative = Key("force per displacement", "N/m", default=0.0, kw_only=True)
+
+    def places(self):
+        return {"at": self.at}
+
+    def place(self, model, placing):
+        home = position_of(model, model.place(self.at))[0]
+
+        def wrench(r, R, twist):
+            return np.array([*(-self.damping * twist[:3] - self.stiffness * R.T @ (r - home)), 0.0, 0.0, 0.0])
+
+        def dissipated(r, R, twist):
+            return self.damping * twist[:3] @ twist[:3]
+
+        placing.seeing_motion_at(
+            self.at, PythonLaw(wrench, dissipated, at_rest=self.stiffness > 0.0), self.factor
+        )
+
+    def arrows(self, model, t):
+        return Arrows(f"dashpot at {self.at}", "N", (model.place(self.at),), np.zeros((1, 3)))
 
 
 class Hexagon(Shape):
@@ -210,3 +264,95 @@ def test_only_loads_per_length_have_a_line_through_their_tips():
 
     assert lines(Couple("beam@0.2", "beam.end", (0, 1, 0))) == 0
     assert lines(vr.DistributedForce("beam", (0, 1, 0))) == 1
+
+
+def on_ground(viscosity=0.0, **options):
+    """A slender rod on ground, with EI = 1, mass and length of 1, and its ground."""
+    section = vr.StiffnessSection([1e6, 1e6, 1e6, 1.0, 1.0, 1.0], [1, 1, 1, 1e-9, 1e-9, 2e-9])
+    model = vr.Model()
+    rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=4)
+    model.add("beam", rod)
+    model.support("beam.start", ("ux", "uy", "uz", "rx"))
+    model.support("beam.end", ("uy", "uz"))
+    model.loads.append(Ground("beam", stiffness=900.0, viscosity=viscosity))
+    return model
+
+
+def test_own_load_that_sees_motion_in_modes():
+    """Winkler 1867: omega^2 = (EI (n pi/L)^4 + k)/m on pinned ends, and zeta = c/(2 m omega)."""
+    modes = on_ground(viscosity=2.0).modes(5)
+    upright = np.sqrt((np.pi * np.arange(1, 3)) ** 4 + 900.0)
+    for omega in upright:
+        k = int(np.argmin(np.abs(2.0 * np.pi * modes.frequencies - omega)))
+        assert 2.0 * np.pi * modes.frequencies[k] == pytest.approx(omega, rel=2e-4)
+        assert modes.damping_ratios[k] == pytest.approx(2.0 / (2.0 * omega), rel=5e-4)
+
+
+@pytest.mark.parametrize(
+    "way",
+    [
+        {},
+        {"integrator": "midpoint", "time_step": 2e-3},
+        {"integrator": "generalized_alpha", "time_step": 2e-3},
+        {"formulation": "intrinsic"},
+    ],
+    ids=lambda way: way.get("integrator", way.get("formulation", "radau")),
+)
+def test_own_load_that_sees_motion_in_statics_and_motions(way):
+    """A free rod sinks by m g/k; then the ground damps it as an oscillator, and takes what it loses."""
+    section = vr.StiffnessSection([1e6, 1e6, 1e6, 1.0, 1.0, 1.0], [1, 1, 1, 1e-3, 1e-3, 2e-3])
+    model = vr.Model()
+    model.add("beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=2))
+    model.support("beam.start", ("ux", "uy", "rx", "ry", "rz"))
+    model.gravity((0, 0, -9.0), until=0.0)
+    model.loads.append(Ground("beam", stiffness=900.0, viscosity=6.0))
+    assert model.equilibrium().position("beam.end")[2] == pytest.approx(-0.01, abs=1e-9)
+    run = model.simulate(0.2, **way)
+    history = run.history("beam.end")
+    t, z = history["time"].values, history.sel(axis="z").values
+    fast = np.sqrt(900.0 - 9.0)
+    exact = -0.01 * np.exp(-3.0 * t) * (np.cos(fast * t) + 3.0 / fast * np.sin(fast * t))
+    assert z == pytest.approx(exact, abs=5e-5)
+    energy = run.energy
+    assert energy.numerical_fraction < 5e-3
+    assert energy.outside[-1] + energy.kinetic[-1] == pytest.approx(energy.external[-1], rel=5e-3)
+
+
+def test_own_load_at_the_point_of_a_body_is_the_spring_that_it_imitates():
+    """The same spring and damper to the ground, as a spring and as a load: frequencies, ratios and equilibria."""
+    section = vr.StiffnessSection([1e3, 1e3, 1e3, 1.0, 2.0, 1.0], [1, 1, 1, 1e-3, 1e-3, 2e-3])
+    found = []
+    for own in (True, False):
+        model = vr.Model()
+        model.add("beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=2))
+        model.add(
+            "plate", vr.Body.box((1.1, 0, 0), (0.2, 0.1, 0.1), density=10.0, points={"tip": (1.2, 0.1, 0)})
+        )
+        model.attach("beam.end", "plate")
+        model.clamp("beam.start")
+        model.gravity((0, 0, -2.0))
+        if own:
+            model.loads.append(Dashpot("plate.tip", damping=0.1, stiffness=3.0))
+        else:
+            three = ("ux", "uy", "uz")
+            model.spring("plate.tip", stiffness=dict.fromkeys(three, 3.0), damping=dict.fromkeys(three, 0.1))
+        modes = model.modes(4)
+        rest = model.equilibrium().position("plate.tip")
+        found.append(np.concatenate([modes.frequencies, modes.damping_ratios, rest]))
+    assert found[0] == pytest.approx(found[1], rel=1e-6, abs=1e-9)
+
+
+def test_mistakes_in_functions_of_own_loads_are_told():
+    """An exception in a law called from compiled code reaches the caller."""
+    model = on_ground()
+
+    class Trap(Ground):
+        def place(self, model, placing):
+            def wrench(r, R, twist):
+                raise ZeroDivisionError("in the ground")
+
+            placing.seeing_motion(self.rod, PythonLaw(wrench), self.factor)
+
+    model.loads.append(Trap("beam", stiffness=1.0))
+    with pytest.raises(ZeroDivisionError, match="in the ground"):
+        model.equilibrium()

@@ -16,6 +16,7 @@ from viscorod.model.connections.joint import JOINTS
 from viscorod.model.connections.spring import SPRINGS
 from viscorod.model.connections.support import SUPPORTS
 from viscorod.model.materials.material import DAMPINGS
+from viscorod.model.sections.section_laws import SECTION_LAWS
 from viscorod.model.sections.section_shapes import SHAPES
 
 HEAVY = ("xarray", "pandas", "numba", "scipy", "pydantic", "matplotlib", "rich", "typer")
@@ -42,7 +43,7 @@ def test_former_package_warns():
 
 REGISTRIES = {
     "shape": SHAPES, "load": LOADS, "joint": JOINTS, "spring": SPRINGS, "support": SUPPORTS,
-    "damping": DAMPINGS, "body": BODIES, "event": EVENTS, "time": TIME_FUNCTIONS,
+    "law": SECTION_LAWS, "damping": DAMPINGS, "body": BODIES, "event": EVENTS, "time": TIME_FUNCTIONS,
 }  # fmt: skip
 EVERYTHING = Path(__file__).parents[1] / "property" / "everything.toml"
 

@@ -147,6 +147,19 @@ def test_what_the_steps_lost_is_told_everywhere(tmp_path):
     assert any(text in told for told in vr.load(tmp_path / "run.nc").warnings)
 
 
+def test_a_motion_computed_again_warns_of_its_last_mesh_only():
+    """A step of the axial force on an undamped bar runs along it as a front, for which the first mesh is too coarse."""
+    steel = vr.Material(youngs_modulus=2.1e11, poissons_ratio=0.3, density=7850.0)
+    model = vr.Model()
+    model.add("bar", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Circle(0.005), material=steel))
+    model.clamp("bar.start")
+    model.force("bar.end", (-50.0, 0, 0), until=0.0)
+    with pytest.warns(vr.AccuracyWarning) as caught:
+        run = model.simulate(1.5e-3, tolerance=1e-7)
+    assert run.data.attrs["warnings"] == json.dumps([str(record.message) for record in caught])
+    assert {record.filename for record in caught} == {__file__}
+
+
 @pytest.mark.parametrize(
     ("factor", "words"),
     [

@@ -13,7 +13,7 @@ from viscorod.mechanics.elements.intrinsic_element import StrainMotion, forces_a
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.external_loads import ExternalLoads
-from viscorod.solve.settings import SteadySettings
+from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.steady.geometric_steady import GeometricSteady
 from viscorod.solve.steady.intrinsic_steady import IntrinsicSteady
 from viscorod.solve.steady.rigid_rotation import (

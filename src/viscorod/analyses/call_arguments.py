@@ -20,13 +20,10 @@ from viscorod.errors import InputError
 from viscorod.model.fields.arguments import given
 from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.metadata import Check, Key
-from viscorod.solve.settings import (
-    CoSimulationSettings,
-    EquilibriumSettings,
-    PathSettings,
-    SimulateSettings,
-    SteadySettings,
-)
+from viscorod.solve.settings.co_simulation import CoSimulationSettings
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
+from viscorod.solve.settings.steady import SteadySettings
 
 __all__ = [
     "CallOptions",

@@ -19,7 +19,9 @@ from viscorod.analyses.refinement import refined, refined_motion
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.solve.settings import EquilibriumSettings, PathSettings, SimulateSettings, SteadySettings
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
+from viscorod.solve.settings.steady import SteadySettings
 
 if TYPE_CHECKING:
     from viscorod.results.run import Equilibrium, Run

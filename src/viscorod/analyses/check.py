@@ -13,14 +13,16 @@ from viscorod.model.connections.joint_base import AnyJoint, ResolvedJoint
 from viscorod.model.connections.spring import AnySpring, ResolvedSpring
 from viscorod.model.connections.spring_laws import Laws
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.model.fields.definition import some_of
+from viscorod.model.fields.definition import show, some_of
 from viscorod.model.rod import Rod
 from viscorod.solve.constraints.rigid_motions import free_motions, many_parts
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.settings import AnySettings, SimulateSettings, SteadySettings
-from viscorod.solve.settings_checks import require_fit
+from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.checks import require_fit
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.typing import Floats
 
@@ -48,6 +50,7 @@ class CheckReport:
         bodies: name, mass [kg], principal inertia [kg m^2] of every rigid body.
         joints: name, kind, places, motions that are free or driven, where it is and its gap [m] in the reference shape.
         springs: name, kind, places, motions with stiffness and damping.
+        media: loads that see motion, with the numbers of their laws.
         frequencies: of the first small vibrations about the unloaded shape [Hz], rigid motions left out;
             damping_ratios, mode_names: of the same.
         rigid_motions: motions that nothing resists, in words.
@@ -71,6 +74,7 @@ class CheckReport:
     bodies: list[dict[str, object]] = field(default_factory=list)
     joints: list[dict[str, object]] = field(default_factory=list)
     springs: list[dict[str, object]] = field(default_factory=list)
+    media: list[dict[str, object]] = field(default_factory=list)
     conditions: int = 0
     materials: list[dict[str, object]] = field(default_factory=list)
     assumptions: list[str] = field(default_factory=list)
@@ -110,6 +114,11 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
         springs=[
             _spring_row(spring, given)
             for spring, given in zip(model.resolved_springs(), model.springs, strict=True)
+        ],
+        media=[
+            {"load": load.name or load.word, "rod": getattr(load, "rod", ""), **load.figures()}
+            for load in model.loads
+            if load.sees_motion
         ],
         conditions=solver.system.constraints.rows,
         linear_solver=problem.plan.description,
@@ -282,6 +291,8 @@ def _section_rows(name: str, rod: Rod) -> list[dict[str, object]]:
         if D.any() or not len(branches):
             for i, component in enumerate(COMPONENTS):
                 row[f"{component} time [s]"] = "" if held[i] else float(D[i, i] / C[i, i])
+        if rod.law is not None:
+            row["law beside these"] = show(rod.law.to_dict())
         row |= _couplings("coupling", "", C, held) | _couplings("viscous coupling", " s", D, held)
         offset = np.array([M[1, 5], -M[0, 5]]) / M[0, 0]
         if np.hypot(*offset) > SMALL * np.sqrt(M[5, 5] / M[0, 0]):

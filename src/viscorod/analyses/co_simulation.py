@@ -21,7 +21,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.result_places import ResultPlace
 from viscorod.results.run import Run
 from viscorod.solve.history import StationReader
-from viscorod.solve.settings import CoSimulationSettings
+from viscorod.solve.settings.co_simulation import CoSimulationSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.saved_state import SavedTree

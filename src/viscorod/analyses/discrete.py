@@ -42,8 +42,10 @@ from viscorod.solve.problem.division import Divisions
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.mesh_watch import MeshWatch
-from viscorod.solve.settings import AnySettings, EquilibriumSettings, PathSettings, SimulateSettings
-from viscorod.solve.settings_checks import require_fit
+from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.checks import require_fit
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.statics.newton import NewtonReport
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.transient.integrators.contract import StepReport

@@ -15,7 +15,7 @@ from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.run import Equilibrium
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import EnergyAccount, History, Snapshot
-from viscorod.solve.settings import EquilibriumSettings
+from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.start import Start
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.stability import stability_attributes

@@ -19,7 +19,7 @@ from viscorod.analyses.call_arguments import (
 )
 from viscorod.checks import checked
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.solve.settings import ModesSettings
+from viscorod.solve.settings.modes import ModesSettings
 
 if TYPE_CHECKING:
     from viscorod.analyses.co_simulation import CoSimulation

@@ -9,7 +9,7 @@ from viscorod.solve.constraints.rigid_motions import many_parts
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes import vibrations
 from viscorod.solve.modes.vibrations import Modes
-from viscorod.solve.settings import ModesSettings
+from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.start import Start
 
 __all__ = ["modes"]

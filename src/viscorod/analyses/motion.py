@@ -35,7 +35,7 @@ from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.initial_shape import strain_rods
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.start_modes import StartModes
-from viscorod.solve.settings import SimulateSettings
+from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.halved_steps import HalvedSteps
@@ -73,12 +73,13 @@ def motion(discrete: DiscreteModel, settings: SimulateSettings) -> Run:
         data = dataset("simulate", discrete.problem, discrete.system.gauss_positions(), history, labels)
         return annotated(data, "simulate")
 
+    integrated = _integrates_strains(settings)
     if options.folder is None:
-        return _motion(discrete, settings, labels, Stream(Gathered(), build))
-    stream = JournalStream(options.folder, build, labels, resume=options.resume)
+        return _motion(discrete, settings, labels, Stream(Gathered(), build, sampled=integrated))
+    stream = JournalStream(options.folder, build, labels, resume=options.resume, sampled=integrated)
     try:
         if stream.doubt:
-            warn(stream.doubt)
+            warn(stream.doubt, at_once=True)
         return _motion(discrete, settings, labels, stream)
     finally:
         stream.journal.close()
@@ -297,9 +298,14 @@ def described(
         found["drift_position"], found["drift_velocity"] = transient.integrator.drift
     if settings.dynamics == "nonlinear":
         found["linear_solver"] = discrete.problem.plan.description
-    if settings.formulation == "intrinsic" and settings.dynamics == "nonlinear":
+    if _integrates_strains(settings):
         found["pose_gap"], found["rotation_gap"] = pose_gap(discrete.system, transient.result.history)
     return found
+
+
+def _integrates_strains(settings: SimulateSettings) -> bool:
+    """Return whether strains are integrated in time beside the poses, so that both can be compared."""
+    return settings.formulation == "intrinsic" and settings.dynamics == "nonlinear"
 
 
 def failure(discrete: DiscreteModel, transient: Transient) -> str:

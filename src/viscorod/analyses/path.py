@@ -15,7 +15,7 @@ from viscorod.results.data_schema import AXES
 from viscorod.results.run import Equilibrium
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import EnergyAccount, History, Snapshot, StationReader
-from viscorod.solve.settings import PathSettings
+from viscorod.solve.settings.statics import PathSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.path_follower import Path, PathFollower
 from viscorod.solve.statics.special_points import PathPoint

@@ -13,7 +13,7 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
-from viscorod.errors import InputError, SolveError
+from viscorod.errors import InputError, SolveError, last_warnings
 from viscorod.results.files.folder_lock import claimed
 from viscorod.results.files.journal import FOLDER, about
 from viscorod.results.run import Run
@@ -22,7 +22,10 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.modes.vibrations import Modes
 from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES
-from viscorod.solve.settings import Meshed, ModesSettings, SimulateSettings, SteadySettings
+from viscorod.solve.settings.mesh import Meshed
+from viscorod.solve.settings.modes import ModesSettings
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.steady import SteadySettings
 from viscorod.typing import Floats
 
 __all__ = ["frequency_errors", "refined", "refined_modes", "refined_motion"]
@@ -89,19 +92,21 @@ def _refined_motion(
     discrete: DiscreteModel,
     settings: SimulateSettings,
 ) -> Run:
-    run = analysis(discrete, settings)
-    for _ in range(MOST_REPEATS):
-        motion, forces = REPEATED * settings.accuracy, np.inf
-        divisions = None if discrete.watch.unknown else discrete.watch.refined(motion, forces)
-        if divisions is None:
-            break
-        logging.getLogger("viscorod").info(
-            "viscorod: the mesh is too coarse for this motion; again on a finer one"
-        )
-        discrete = discrete.on_mesh(divisions)
-        if discrete.options.resume:  # what was stopped is complete
-            discrete = discrete.renewed(replace(discrete.options, resume=False), {})
+    with last_warnings() as told:
         run = analysis(discrete, settings)
+        for _ in range(MOST_REPEATS):
+            motion, forces = REPEATED * settings.accuracy, np.inf
+            divisions = None if discrete.watch.unknown else discrete.watch.refined(motion, forces)
+            if divisions is None:
+                break
+            logging.getLogger("viscorod").info(
+                "viscorod: the mesh is too coarse for this motion; again on a finer one"
+            )
+            discrete = discrete.on_mesh(divisions)
+            if discrete.options.resume:  # what was stopped is complete
+                discrete = discrete.renewed(replace(discrete.options, resume=False), {})
+            told.clear()
+            run = analysis(discrete, settings)
     return run
 
 

@@ -11,7 +11,7 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import Fault, InputError
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.fields.definition import did_you_mean, show, some_of
-from viscorod.solve.settings import EquilibriumSettings
+from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.statics.stage import Stage
 
 __all__ = ["stages_of"]

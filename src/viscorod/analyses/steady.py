@@ -17,7 +17,7 @@ from viscorod.solve.modes.damped import REAL
 from viscorod.solve.modes.linearisation import nodal_motions
 from viscorod.solve.modes.mode_names import StrainEnergies, numbered
 from viscorod.solve.modes.vibrations import station_shapes
-from viscorod.solve.settings import SteadySettings
+from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.statics.newton import interruption
 from viscorod.solve.steady.rotation_search import Search
 from viscorod.solve.steady.stability import FAR, SLOW, Stability

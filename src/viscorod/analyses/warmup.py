@@ -31,7 +31,7 @@ from viscorod.model.sections.section_shapes import Rectangle
 from viscorod.model.sections.stiffness_section import MaxwellBranch, StiffnessSection
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.registry import FORMULATIONS, Formulation
-from viscorod.solve.settings import SimulateSettings
+from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.radau import Radau
@@ -143,6 +143,7 @@ def small_model() -> Model:
     model.moment(f"beam@{0.3 * SIZE}", (1e-6, 0, 0))
     model.distributed_force("beam", (0, 0, 1e-3))
     model.moving_force("beam", (0, 0, 1e-3), speed=0.5 * SIZE / SPAN)
+    model.drag("beam", linear_across=1e-3)
     return model
 
 

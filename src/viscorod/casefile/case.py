@@ -18,7 +18,7 @@ from viscorod.errors import Fault, InputError
 from viscorod.limits import DEEPEST_NESTING, LARGEST_CASE
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import nearest
-from viscorod.solve.settings import AnySettings
+from viscorod.solve.settings.analysis import AnySettings
 
 __all__ = ["Case", "case_from_dict", "load_case", "parse_case"]
 

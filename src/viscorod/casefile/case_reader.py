@@ -34,13 +34,10 @@ from viscorod.model.fields.values import choose, name_of_part
 from viscorod.model.materials.material import Material
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.section_profile import Piecewise, Taper, one_section
-from viscorod.solve.settings import (
-    AnySettings,
-    EquilibriumSettings,
-    PathSettings,
-    SimulateSettings,
-    SteadySettings,
-)
+from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
+from viscorod.solve.settings.steady import SteadySettings
 
 __all__ = ["ANALYSES", "CaseReader"]
 
@@ -59,7 +56,7 @@ LISTS = ("supports", "loads", "attachments", "joints", "springs", "velocities", 
 KEYS = ("title", *TABLES, *LISTS, *ANALYSES)
 
 SECTION_KEYS = ("section", "sections", "taper")
-PLAIN_KEYS = ("elements", "order", "d1", "twist", "constraints")
+PLAIN_KEYS = ("elements", "order", "d1", "twist", "constraints", "law")
 ROD_KEYS = (*SECTION_KEYS, "material", *PLAIN_KEYS)
 
 

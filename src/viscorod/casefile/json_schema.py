@@ -27,10 +27,11 @@ from viscorod.model.materials.complex_moduli import ModulusTable
 from viscorod.model.materials.material import DAMPINGS, KelvinVoigt, Material
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.composite import CompositeRegion
+from viscorod.model.sections.section_laws import SECTION_LAWS
 from viscorod.model.sections.section_profile import SECTIONS, Piece, Taper
 from viscorod.model.sections.stiffness_section import MaxwellBranch
 from viscorod.solve.formulations.registry import FORMULATIONS
-from viscorod.solve.stage_settings import Stage
+from viscorod.solve.settings.stages import Stage
 from viscorod.solve.start import Start
 from viscorod.solve.transient.integrators import INTEGRATORS
 
@@ -42,6 +43,7 @@ DRAFT = "http://json-schema.org/draft-07/schema#"
 GROUPS: dict[str, tuple[str, Mapping[str, type[Definition]], type[Definition] | None]] = {
     "damping": ("damping", DAMPINGS, KelvinVoigt),
     "section": ("sections", SECTIONS, None),
+    "law": ("laws", SECTION_LAWS, None),
     "body": ("bodies", BODIES, Body),
     "support": ("supports", SUPPORTS, Support),
     "load": ("loads", LOADS, None),

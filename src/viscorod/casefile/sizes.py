@@ -22,7 +22,9 @@ from viscorod.limits import (
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import path_text, show
 from viscorod.model.rod import DEFAULT_ORDER, Rod
-from viscorod.solve.settings import AnySettings, PathSettings, SimulateSettings
+from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.statics import PathSettings
 
 __all__ = ["size_problems", "too_deep"]
 

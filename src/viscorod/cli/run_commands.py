@@ -114,7 +114,7 @@ def _compute(
     from viscorod.results.files.journal import FOLDER
     from viscorod.results.files.journal import empty as remove
     from viscorod.results.run import Run
-    from viscorod.solve.settings import SimulateSettings
+    from viscorod.solve.settings.motion import SimulateSettings
 
     settings = case.settings
     static = not isinstance(settings, SimulateSettings)

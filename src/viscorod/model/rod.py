@@ -20,9 +20,11 @@ from viscorod.model.fields.forms import named_or, quantity
 from viscorod.model.fields.metadata import Check, Key, accepts
 from viscorod.model.fields.values import OptionalDirection, choose, number, whole_number
 from viscorod.model.materials.material import Material
+from viscorod.model.sections.law_base import AnySectionLaw
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.model.sections.section_kinks import SAMPLES as MANY_SAMPLES
 from viscorod.model.sections.section_kinks import kinks
+from viscorod.model.sections.section_laws import section_law
 from viscorod.model.sections.section_profile import Piecewise, SectionProfile, Taper, section_profile
 from viscorod.model.strain_constraints import constrained_strains, constraint_words
 from viscorod.typing import Floats
@@ -132,6 +134,9 @@ class Rod(Definition):
         "words shear_1, shear_2, stretch, bend_1, bend_2, twist",
         default=(),
     )
+    law: Annotated[AnySectionLaw | None, section_law] = Key(
+        "law of the section forces beside those of stiffness and damping", default=None
+    )
 
     @classmethod
     def straight(
@@ -146,6 +151,7 @@ class Rod(Definition):
         d1: Point | None = None,
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
+        law: AnySectionLaw | None = None,
     ) -> Self:
         """Make a straight rod; see `Straight`."""
         return cls._along(Straight, {"start": start, "end": end}, locals())
@@ -166,6 +172,7 @@ class Rod(Definition):
         d1: Point | None = None,
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
+        law: AnySectionLaw | None = None,
     ) -> Self:
         """Make a rod along a circular arc; see `Arc`."""
         given = {"start": start, "tangent": tangent, "normal": normal, "radius": radius, "angle": angle}
@@ -189,6 +196,7 @@ class Rod(Definition):
         d1: Point | None = None,
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
+        law: AnySectionLaw | None = None,
     ) -> Self:
         """Make a rod along a helix; see `Helix`."""
         given = {"radius": radius, "pitch": pitch, "turns": turns, "centre": centre, "axis": axis}
@@ -206,6 +214,7 @@ class Rod(Definition):
         d1: Point | None = None,
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
+        law: AnySectionLaw | None = None,
     ) -> Self:
         """Make a rod along a smooth curve through points; see `ThroughPoints`."""
         return cls._along(ThroughPoints, {"points": points}, locals())
@@ -222,6 +231,7 @@ class Rod(Definition):
         d1: Point | None = None,
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
+        law: AnySectionLaw | None = None,
     ) -> Self:
         """Make a rod along a curve given by a function; see `ParametricCurve`."""
         return cls._along(ParametricCurve, {"function": function}, locals())
@@ -323,6 +333,10 @@ class Rod(Definition):
     def assumptions(self) -> list[str]:
         """What is assumed of its sections and material, one sentence each."""
         found = [] if self.material is None else list(self.material.assumptions)
+        if self.law is not None:
+            found.append(
+                f"its sections have the law {type(self.law).__name__}, which times and moduli of the damping leave out"
+            )
         if self.is_cable:
             found.append(
                 f"a cable, which bends and twists at no cost: {SLACK:g} of its axial stiffness times length squared "

@@ -25,19 +25,18 @@ def case_text(rod: Rod, pieces: int = 40, *, title: str = "Blade") -> str:
     of their law; the initial twist is in them. A curved rod becomes a spline through the ends of the pieces.
 
     Args:
-        rod: any rod without Maxwell branches.
+        rod: any rod without Maxwell branches and without a law of its sections.
         pieces: number of sections.
         title: of the case.
 
     Raises:
-        InputError: the rod has Maxwell branches.
+        InputError: the rod has Maxwell branches or a law.
     """
-    if rod.relaxing:
-        raise InputError(
-            Fault(
-                "rod", "", "its sections have Maxwell branches", "write the case by hand, with its material"
-            )
+    if rod.relaxing or rod.law is not None:
+        what = (
+            "its sections have Maxwell branches" if rod.relaxing else "its sections have a law of their own"
         )
+        raise InputError(Fault("rod", "", what, "write the case by hand, with its material and law"))
     ends = np.linspace(0.0, rod.length, pieces + 1)
     middles = (ends[1:] + ends[:-1]) / 2.0
     points, start = rod.frames(ends)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.mechanics.elements.section_laws import PARAMETERS, POWER, law_values
 from viscorod.mechanics.nodes import inertia
 from viscorod.results.data_schema import DIMENSION, LABELS
 from viscorod.results.joint_histories import bodies_of_stations, connections, unique
@@ -18,6 +19,14 @@ from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+def _lost_in_laws(problem: Problem, gauss: GaussPositions, strain: Floats, rate: Floats) -> Floats:
+    """Return the power per length that the laws of sections dissipate at all states and Gauss points ``(k, m)``."""
+    values = np.zeros((len(strain) * len(gauss.section), PARAMETERS))
+    sections = np.tile(gauss.section, len(strain))
+    law_values(problem.laws, sections, strain.reshape(-1, 6), rate.reshape(-1, 6), values)
+    return values[:, POWER].reshape(len(strain), -1)
 
 
 def dataset(
@@ -72,9 +81,14 @@ def dataset(
         rate = np.array([snapshot.strain_rate for snapshot in snapshots])
         momentum = _momenta(problem, r, q, twist)
         power = np.einsum("kgi,gij,kgj->kg", rate, gauss.damping, rate)
+        if problem.laws.present:
+            strain = np.array([snapshot.strain for snapshot in snapshots])
+            power += _lost_in_laws(problem, gauss, strain, rate)
         if problem.relaxing:
             power += np.array([snapshot.branch_power for snapshot in snapshots])
             variables["branch_loss"] = ((along, "branch"), np.array(history.branches))
+        if problem.motion_loads:
+            variables["outside"] = (along, energy[:, 5])
         variables |= {
             "dissipation": (points, power),
             "viscous": (along, energy[:, 2]),

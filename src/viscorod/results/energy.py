@@ -20,7 +20,7 @@ _SQUARED_ROUND_OFF = 1e-24
 class Energy:
     """Energies over time [J], arrays of the length of ``time`` [s].
 
-    At every time ``kinetic + elastic + viscous - external - numerical`` is what ``kinetic + elastic`` was at
+    At every time ``kinetic + elastic + viscous + outside - external - numerical`` is what ``kinetic + elastic`` was at
     the start.
 
     Attributes:
@@ -28,7 +28,9 @@ class Energy:
         kinetic: energy of motion.
         elastic: energy stored in the strains and in springs, those of joints too.
         viscous: energy lost to viscosity and in dampers so far.
-        external: work of loads (gravity among them), moving supports and motors so far.
+        external: work of loads (gravity among them), moving supports and motors so far. Of drag it has what the moving
+            medium would do to sections at rest.
+        outside: energy lost outside of the rods so far: what drag takes beyond that because they move; zero without.
         numerical: remainder that the integration made or lost, positive where it made energy.
         scale: elastic energy at a strain of one: round-off of the shape is its 1e-24th part.
         branches: energy that each Maxwell branch lost so far, parts of ``viscous`` ``(times, branches)``;
@@ -44,12 +46,17 @@ class Energy:
     scale: float = 0.0
     branches: Floats = field(default_factory=lambda: np.zeros((0, 0)))
     relaxation_times: Floats = field(default_factory=lambda: np.zeros(0))
+    outside: Floats = field(default_factory=lambda: np.zeros(1))
 
     @classmethod
     def of(cls, data: xr.Dataset) -> Energy:
         """Read the account from the data set of a run."""
         names = ("time", "kinetic", "elastic", "viscous", "external", "numerical")
         columns = {name: np.asarray(data[name].values, dtype=float) for name in names}
+        if "outside" in data:
+            columns["outside"] = np.asarray(data["outside"].values, dtype=float)
+        else:
+            columns["outside"] = np.zeros_like(columns["time"])
         if "branch_loss" in data:
             columns["branches"] = np.asarray(data["branch_loss"].values, dtype=float)
             columns["relaxation_times"] = np.asarray(data["relaxation_time"].values, dtype=float)
@@ -64,13 +71,14 @@ class Energy:
     def moved(self) -> float:
         """Exchanged energy [J], the scale of the account.
 
-        The largest of: range of the kinetic energy, range of the elastic energy, viscous loss, and largest
-        amount of work done by or against the loads and supports. Zero if all of it is round-off.
+        The largest of: range of the kinetic energy, range of the elastic energy, viscous loss, loss to
+        drag, and largest amount of work done by or against the loads and supports. Zero if all of it is round-off.
         """
         moved = max(
             float(np.ptp(self.kinetic)),
             float(np.ptp(self.elastic)),
             float(np.max(self.viscous)),
+            float(np.max(np.abs(self.outside))),
             float(np.max(np.abs(self.external))),
         )
         floor = max(_ROUND_OFF * float(np.max(self.total)), _SQUARED_ROUND_OFF * self.scale)
@@ -92,6 +100,7 @@ class Energy:
                 (f"  in branches of {time:.3g} s", loss[-1])
                 for time, loss in zip(self.relaxation_times, self.branches.T, strict=True)
             ),
+            *([("lost to drag, outside", self.outside[-1])] if self.outside.any() else []),
             ("work of loads and supports", self.external[-1]),
             ("numerical remainder", self.numerical[-1]),
         ]

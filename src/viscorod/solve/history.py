@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -79,17 +79,27 @@ class Progressing(Protocol):
     elastic: float
     work: float
     loss: float
+    outside: float
 
     @property
     def branch_loss(self) -> Floats:
         """Energy dissipated by each Maxwell branch ``(n,)`` [J], part of ``loss``."""
 
 
+class StepShare(NamedTuple):
+    """What happened in a part of a step [J]: work, viscous loss, and what loads dissipated outside."""
+
+    work: float
+    loss: float
+    outside: float
+
+
 @dataclass
 class EnergyAccount:
     """Energies so far [J].
 
-    ``numerical`` closes the balance; ``branches`` are dissipated by each Maxwell branch, parts of ``viscous``.
+    ``outside`` is what loads dissipated; ``numerical`` closes the balance;
+    ``branches`` are dissipated by each Maxwell branch, parts of ``viscous``.
     """
 
     kinetic: float = 0.0
@@ -97,38 +107,43 @@ class EnergyAccount:
     viscous: float = 0.0
     external: float = 0.0
     start: float = 0.0
+    outside: float = 0.0
     branches: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def numerical(self) -> float:
         """T + W + D - P - (T + W)_0: energy that the time integration produced (negative: lost)."""
-        return self.kinetic + self.elastic + self.viscous - self.external - self.start
+        return self.kinetic + self.elastic + self.viscous + self.outside - self.external - self.start
 
     def copy(self) -> EnergyAccount:
         """Return an independent copy."""
-        return EnergyAccount(
-            self.kinetic, self.elastic, self.viscous, self.external, self.start, self.branches
-        )
+        return replace(self)
 
     def add(self, step: Progressing) -> None:
         """Add a step."""
         self.kinetic, self.elastic = step.kinetic, step.elastic
         self.external += step.work
         self.viscous += step.loss
+        self.outside += step.outside
         self.branches = self.branches + step.branch_loss
 
     def between(
-        self, end: EnergyAccount, part: float, kinetic: float, work: float, loss: float, branch_loss: Floats
+        self, end: EnergyAccount, part: float, kinetic: float, step: StepShare, branch_loss: Floats
     ) -> EnergyAccount:
-        """Return the account at a ``part`` of the step that led from here to ``end``.
+        """Return the account at a ``part`` of the step that led from here to ``end``, with what happened up to there.
 
         The remainder is known at the ends of steps only, and linear between; the elastic energy is what the balance
         leaves.
         """
-        viscous, external = self.viscous + loss, self.external + work
+        viscous, external, outside = (
+            self.viscous + step.loss,
+            self.external + step.work,
+            self.outside + step.outside,
+        )
         remainder = (1.0 - part) * self.numerical + part * end.numerical
-        elastic = max(remainder - (kinetic + viscous - external - self.start), 0.0)
-        return EnergyAccount(kinetic, elastic, viscous, external, self.start, self.branches + branch_loss)
+        elastic = max(remainder - (kinetic + viscous + outside - external - self.start), 0.0)
+        branches = self.branches + branch_loss
+        return EnergyAccount(kinetic, elastic, viscous, external, self.start, outside, branches)
 
 
 class Snapshot(NamedTuple):
@@ -204,7 +219,7 @@ class History:
 
     instant: list[float] = field(default_factory=list)
     snapshots: list[Snapshot] = field(default_factory=list)
-    energy: list[tuple[float, float, float, float, float]] = field(default_factory=list)
+    energy: list[tuple[float, float, float, float, float, float]] = field(default_factory=list)
     step_size: list[float] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
     branches: list[Floats] = field(default_factory=list)  # energy lost by each Maxwell branch so far
@@ -227,7 +242,14 @@ class History:
             self.start = snapshot
         self.snapshots.append(snapshot)
         self.energy.append(
-            (account.kinetic, account.elastic, account.viscous, account.external, account.numerical)
+            (
+                account.kinetic,
+                account.elastic,
+                account.viscous,
+                account.external,
+                account.numerical,
+                account.outside,
+            )
         )
         self.branches.append(account.branches)
         self.step_size.append(step_size)

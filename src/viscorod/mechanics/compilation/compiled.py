@@ -152,7 +152,11 @@ def on_disk(compiled: Any) -> bool:
 
 
 def lane_kernel(function: Kernel) -> Kernel:
-    """Compile ``function`` into its callers only: loops over lanes vectorise where row lengths are constants."""
+    """Compile ``function`` into its callers only, without reference counts.
+
+    Loops over lanes vectorise where row lengths are constants, formulas stay in registers, and parts of a step take
+    bundles of arrays without a copy of all that describes them.
+    """
     if PURE_PYTHON:
         return function
     compiled = _njit(

@@ -47,7 +47,7 @@ def gather_nodes(
     for lane in range(count):
         e = element[lane]
         before: Quaternion = (0.0, (0.0, 0.0, 0.0))
-        for k in range(nodes.shape[1]):
+        for k in range(node.shape[0]):
             n, link = nodes[e, k], links[e, k]
             place, turn = vector(r, n, 0), quaternion(q, n)
             v, w = vector(twist, n, 0), vector(twist, n, 3)

@@ -12,21 +12,20 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel
-from viscorod.mechanics.elements.gathering import (
-    add_blocks,
-    add_forces,
-    gather_nodes,
-    gather_rate_maps,
-    gather_sections,
+from viscorod.mechanics.elements.gathering import add_forces, gather_nodes
+from viscorod.mechanics.elements.gauss_batch import (
+    Batch,
+    ElementGroup,
+    PointFields,
+    add_column,
+    change_by_node,
+    gather_points,
+    keep_columns,
+    respond,
+    scatter_points,
 )
+from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import (
-    AT_FORCE,
-    AT_RATE,
-    AT_SHAPE,
-    AT_SLOPE,
-    AT_STRAIN,
-    AT_STRESS,
-    AT_WEIGHT,
     LANES,
     MAP_ROWS,
     NODE_ROWS,
@@ -35,18 +34,14 @@ from viscorod.mechanics.elements.lanes import (
     forces_on,
     interpolate,
     rates,
-    section_forces,
 )
+from viscorod.mechanics.elements.section_laws import stored_and_lost
 from viscorod.mechanics.elements.strain import element_poses, gauss_point
 from viscorod.mechanics.elements.tangent_lanes import (
     FLAT_ROWS,
-    add_frame_rotation,
     add_turned_forces,
-    block_of,
     conjugate_stress,
-    follow_twist,
     force_columns,
-    rate_columns,
     section_columns,
     strain_columns,
 )
@@ -55,62 +50,7 @@ from viscorod.mechanics.rotations.vectors import (
     quaternion,
     vector,
 )
-from viscorod.typing import Floats, Integers
-
-
-class EqualElements(NamedTuple):
-    """Elements of one order, which have m nodes and points Gauss points each.
-
-    Attributes:
-        nodes, links: ``(elements, m)``, shared node and attachment (or -1) of every element node.
-        slots: ``(elements, m, m)``, number of the block in the row of node k and the column of node j.
-        link_positions, link_quaternions: constant relative poses of the attachments.
-        shapes, slopes: basis and its derivative in xi at the Gauss points ``(points, m)``; weights ``(points,)``.
-        half_lengths: half the reference arc length of each element [m].
-        section: index of the section at every Gauss point ``(elements, points)``.
-        stiffness, damping: section matrices C and D ``(sections, 6, 6)``; ``coupled`` False takes them as diagonal,
-            ``damped`` False skips D.
-        held: marks strains whose section force is the stress ``(sections, 6)``; ``constrained`` False: there are none.
-        reference: strains of the unstressed shape ``(elements, points, 6)``.
-        prestress: section forces in addition to C eps + D eps_t, likewise; no elements if there are none.
-    """
-
-    nodes: Integers
-    links: Integers
-    slots: Integers
-    link_positions: Floats
-    link_quaternions: Floats
-    shapes: Floats
-    slopes: Floats
-    weights: Floats
-    half_lengths: Floats
-    section: Integers
-    stiffness: Floats
-    damping: Floats
-    held: Floats
-    coupled: bool
-    damped: bool
-    constrained: bool
-    reference: Floats
-    prestress: Floats
-
-
-class PointArrays(NamedTuple):
-    """Fields at the Gauss points of equal-order elements ``(elements, points, 6)``.
-
-    Attributes:
-        stress: section force used in the geometric stiffness (the mixed iterate), the only input.
-        strain, strain_rate, section_force: (V, U) - reference, its rate, C eps + D eps_t + prestress.
-        operator: change of the section force per nodal increment ``(batches, m, 6, 6, LANES)`` (column, row).
-        strain_operator: change of the strain, laid out like ``operator``; no batches if it is not wanted.
-    """
-
-    stress: Floats
-    strain: Floats
-    strain_rate: Floats
-    section_force: Floats
-    operator: Floats
-    strain_operator: Floats
+from viscorod.typing import Floats
 
 
 class Assembled(NamedTuple):
@@ -128,30 +68,39 @@ class Assembled(NamedTuple):
 
 
 @kernel
-def strains(elements: EqualElements, r: Floats, q: Floats, out: Floats, frames: Floats) -> None:
-    """Evaluate ``(V, U)`` at every Gauss point of equal-order elements into ``out`` (elements, points, 6).
+def strains(elements: Elements, r: Floats, q: Floats, out: Floats, frames: Floats) -> None:
+    """Evaluate ``(V, U)`` at every Gauss point into ``out`` (e, points, 6).
 
-    ``frames`` (elements, points, 4) receives the unit quaternions of the sections.
+    ``frames`` (e, points, 4) receives the unit quaternions of the sections.
     """
-    nodes, links, _, link_positions, link_quaternions, shapes, slopes = elements[:7]
-    half_lengths = elements.half_lengths
-    m = nodes.shape[1]
-    re = np.empty((m, 3))
-    qe = np.empty((m, 4))
-    p = np.empty((m, 4))
-    slope = np.empty(m)
+    nodes, links, shapes, slopes = elements.nodes, elements.links, elements.shapes, elements.slopes
+    most = nodes.shape[1]
+    re, qe, p, slope = np.empty((most, 3)), np.empty((most, 4)), np.empty((most, 4)), np.empty(most)
     for e in range(nodes.shape[0]):
-        element_poses(nodes[e], links[e], link_positions, link_quaternions, r, q, re, qe)
-        for g in range(shapes.shape[0]):
+        order = elements.order[e]
+        m = order + 1
+        element_poses(
+            nodes[e, :m],
+            links[e, :m],
+            elements.link_positions,
+            elements.link_quaternions,
+            r,
+            q,
+            re[:m],
+            qe[:m],
+        )
+        for g in range(order):
             for k in range(m):
-                slope[k] = slopes[g, k] / half_lengths[e]
-            gauss_point(shapes[g], slope, re, qe, out[e, g, 0:3], out[e, g, 3:6], p, frames[e, g])
+                slope[k] = slopes[order, g, k] / elements.half_lengths[e]
+            V, U = out[e, g, 0:3], out[e, g, 3:6]
+            gauss_point(shapes[order, g, :m], slope[:m], re[:m], qe[:m], V, U, p[:m], frames[e, g])
 
 
 @kernel
 def assemble(
-    elements: EqualElements,
-    fields: PointArrays,
+    elements: Elements,
+    group: ElementGroup,
+    fields: PointFields,
     r: Floats,
     q: Floats,
     twist: Floats,
@@ -160,141 +109,71 @@ def assemble(
     with_tangent: bool,
     out: Assembled,
 ) -> None:
-    """Add the internal forces of equal-order elements, and their tangent, in one pass over the Gauss points.
+    """Add the internal forces of a group of elements, and their tangent, in one pass over the Gauss points.
 
     Args:
-        fields: the stress is read, the others are written; operators with the tangent only.
+        fields: stress and prestress are read, the others are written; operators with the tangent only.
         r, q, twist: nodal positions, unit quaternions and body twists; ``moving`` False means that all twists vanish.
         rate_map: d(twist)/d(increment) of every node ``(n, 6, 6)``; read only if sections are damped and ``moving``.
         out: added to.
 
-    model.md section 4: ``f = sum_g w_g B^T (C eps + D eps_t)``.
+    model.md section 4: ``f = sum_g w_g B^T S``, and ``df = sum_g w_g [B^T (C B + D (E + B T)) + geometric] d``.
     """
-    nodes, links, slots, link_positions, link_quaternions, shapes, slopes, weights = elements[:8]
-    half_lengths, section, stiffness, damping, held = elements[8:13]
-    coupled, damped, constrained, reference, prestress = elements[13:]
-    stress, strain, strain_rate, section_force, operator, strain_operator = fields
-    force, blocks, rate_blocks = out
-    m = nodes.shape[1]
-    points = shapes.shape[0]
-    total = nodes.shape[0] * points
-    viscous = damped and moving
-    separate = damped and with_tangent and rate_blocks.shape[0] > 0
-    point = np.zeros((1, POINT_ROWS, LANES))
-    node = np.zeros((m, NODE_ROWS, LANES))
-    maps = np.zeros((3 * m, MAP_ROWS, LANES))
-    C = np.zeros((6, 6, LANES))
-    D = np.zeros((6, 6, LANES))
-    B = np.empty((6, 6, LANES))
-    E = np.empty((6, 6, LANES))
-    A = np.empty((6, 6, LANES))
-    T = np.empty((6, 6, LANES))
-    F = np.empty((6, FLAT_ROWS, LANES))
-    block = np.empty((6, 6, LANES))
-    nodal = np.empty((1, 6, LANES))
-    element = np.empty(LANES, np.int64)
-    place = np.empty(LANES, np.int64)
-    e = g = 0
+    nodes, links, link_positions, link_quaternions = elements[1:5]
+    m, total = group.order + 1, group.size * group.order
+    viscous = group.damped and moving
+    separate = group.damped and with_tangent and out.rate_blocks.shape[0] > 0
+    square = (6, 6, LANES)
+    batch = Batch(
+        np.empty(LANES, np.int64), np.empty(LANES, np.int64), np.zeros((1, POINT_ROWS, LANES)),
+        np.zeros((m, NODE_ROWS, LANES)), np.zeros((3 * m, MAP_ROWS, LANES)), np.zeros(square), np.zeros(square),
+        np.empty(square), np.empty(square), np.empty(square), np.empty((6, FLAT_ROWS, LANES)), np.empty(square),
+        np.empty(square), np.empty((1, 6, LANES)), np.empty(6), np.empty(6),
+    )  # fmt: skip
+    element, point, node, maps, nodal = batch.element, batch.point, batch.node, batch.maps, batch.nodal
     for first in range(0, total, LANES):
-        count = min(LANES, total - first)
-        for lane in range(count):
-            if g == points:
-                e, g = e + 1, 0
-            element[lane], place[lane] = e, g
-            weight = weights[g] * half_lengths[e]
-            point[0, AT_WEIGHT, lane] = weight
-            for k in range(m):
-                node[k, AT_SHAPE, lane] = shapes[g, k]
-                node[k, AT_SLOPE, lane] = slopes[g, k] / half_lengths[e]
-            for i in range(6):
-                point[0, AT_STRAIN + i, lane] = -reference[e, g, i]
-                point[0, AT_STRESS + i, lane] = weight * stress[e, g, i]
-            g += 1
+        count, number = min(LANES, total - first), first // LANES
+        gather_points(elements, group, fields.stress, first, count, batch)
         gather_nodes(count, element, nodes, links, link_positions, link_quaternions, r, q, twist, node)
-        gather_sections(count, element, place, section, coupled, stiffness, C)
-        if damped:
-            gather_sections(count, element, place, section, coupled, damping, D)
         interpolate(count, point, node, maps)
         if viscous:
             rates(count, point, node, maps)
-        section_forces(count, coupled, viscous, C, D, point)
-        if prestress.shape[0] > 0:
-            for lane in range(count):
-                for i in range(6):
-                    point[0, AT_FORCE + i, lane] += prestress[element[lane], place[lane], i]
-        if constrained:
-            for lane in range(count):
-                of = section[element[lane], place[lane]]
-                for i in range(6):
-                    if held[of, i] != 0.0:
-                        point[0, AT_FORCE + i, lane] = (
-                            point[0, AT_STRESS + i, lane] / point[0, AT_WEIGHT, lane]
-                        )
+        respond(elements, group, fields.prestress, viscous, count, batch)
         conjugate_section_forces(count, point)
-        for lane in range(count):
-            at, of = element[lane], place[lane]
-            for i in range(6):
-                strain[at, of, i] = point[0, AT_STRAIN + i, lane]
-                strain_rate[at, of, i] = point[0, AT_RATE + i, lane]
-                section_force[at, of, i] = point[0, AT_FORCE + i, lane]
+        scatter_points(fields, count, batch)
         for k in range(m):
             forces_on(count, point, node, maps, k, nodal)
-            add_forces(count, element, k, nodes, links, link_positions, link_quaternions, nodal, force)
+            add_forces(count, element, k, nodes, links, link_positions, link_quaternions, nodal, out.force)
         if not with_tangent:
             continue
         conjugate_stress(count, point)
         for j in range(m):
-            strain_columns(count, point, node, maps, j, B)
-            if strain_operator.shape[0] > 0:
-                for b in range(6):
-                    for i in range(6):
-                        for lane in range(count):
-                            strain_operator[first // LANES, j, b, i, lane] = B[b, i, lane]
-            for apart in range(2 if separate else 1):  # the tangent, then the damping matrix alone
-                section_columns(count, coupled, D if apart else C, B, True, A)
-                if viscous and not apart:
-                    gather_rate_maps(
-                        count, element, j, nodes, links, link_positions, link_quaternions, rate_map, T
-                    )
-                    rate_columns(count, point, node, maps, j, E)
-                    follow_twist(count, B, T, E)
-                    section_columns(count, coupled, D, E, False, A)
-                force_columns(count, point, A, F)
-                if not apart:
-                    add_turned_forces(count, point, node, maps, j, F)
-                    for b in range(6):
-                        for i in range(6):
-                            for lane in range(count):
-                                operator[first // LANES, j, b, i, lane] = A[b, i, lane]
-                for k in range(m):
-                    block_of(count, node, maps, k, F, block)
-                    if k == j and not apart:
-                        add_frame_rotation(count, point, node, maps, k, block)
-                    add_blocks(
-                        count,
-                        element,
-                        k,
-                        j,
-                        links,
-                        link_positions,
-                        link_quaternions,
-                        slots,
-                        block,
-                        rate_blocks if apart else blocks,
-                    )
+            strain_columns(count, point, node, maps, j, batch.B)
+            if fields.strain_operator.shape[0] > 0:
+                keep_columns(count, batch.B, fields.strain_operator[number, j])
+            change_by_node(elements, group, viscous, rate_map, count, j, batch)
+            keep_columns(count, batch.A, fields.operator[number, j])
+            force_columns(count, point, batch.A, batch.F)
+            add_turned_forces(count, point, node, maps, j, batch.F)
+            add_column(elements, True, count, j, batch, out.blocks)
+            if separate:  # the damping matrix alone
+                section_columns(count, group.coupled, batch.D, batch.B, True, batch.A)
+                force_columns(count, point, batch.A, batch.F)
+                add_column(elements, False, count, j, batch, out.rate_blocks)
 
 
 @kernel
-def update_stress(elements: EqualElements, fields: PointArrays, increment: Floats, stress: Floats) -> None:
+def update_stress(
+    elements: Elements, group: ElementGroup, fields: PointFields, increment: Floats, stress: Floats
+) -> None:
     """Update the section force of the last iterate by the Newton increment: ``stress = S + A dx``.
 
     This is the mixed (stress as an independent iterate) Newton step with the stress eliminated point by point.
     """
-    nodes, links, _, link_positions, link_quaternions = elements[:5]
+    nodes, links, link_positions, link_quaternions = elements[1:5]
     section_force, operator = fields.section_force, fields.operator
-    m = nodes.shape[1]
-    points = section_force.shape[1]
-    total = nodes.shape[0] * points
+    points = group.order
+    total = group.size * points
     change = np.empty((6, LANES))
     x = np.empty((6, LANES))
     for first in range(0, total, LANES):
@@ -303,9 +182,9 @@ def update_stress(elements: EqualElements, fields: PointArrays, increment: Float
         for i in range(6):
             for lane in range(count):
                 change[i, lane] = 0.0
-        for k in range(m):
+        for k in range(points + 1):
             for lane in range(count):
-                e = (first + lane) // points
+                e = group.first + (first + lane) // points
                 n, link = nodes[e, k], links[e, k]
                 if link < 0:
                     for i in range(6):
@@ -323,49 +202,32 @@ def update_stress(elements: EqualElements, fields: PointArrays, increment: Float
                         change[i, lane] += operator[batch, k, j, i, lane] * x[j, lane]
         for lane in range(count):
             e, g = divmod(first + lane, points)
+            e += group.first
             for i in range(6):
                 stress[e, g, i] = section_force[e, g, i] + change[i, lane]
 
 
 @kernel
-def elastic_energy(
-    weights: Floats, half_lengths: Floats, section: Integers, stiffness: Floats, strain: Floats
-) -> float:
-    """Return the elastic energy [J], ``1/2 int eps.C eps``, from the strains at the Gauss points."""
-    total = 0.0
-    for e in range(strain.shape[0]):
-        for g in range(strain.shape[1]):
-            C = stiffness[section[e, g]]
-            weight = weights[g] * half_lengths[e]
-            for i in range(6):
-                for j in range(6):
-                    total += 0.5 * weight * strain[e, g, i] * C[i, j] * strain[e, g, j]
-    return total
-
-
-@kernel
-def viscous_loss(
-    weights: Floats,
-    half_lengths: Floats,
-    section: Integers,
-    damping: Floats,
-    strain: Floats,
-    earlier: Floats,
-    duration: float,
-) -> float:
+def viscous_loss(elements: Elements, strain: Floats, earlier: Floats, duration: float) -> float:
     """Return the energy [J] lost between two strain states, ``int d_eps.D d_eps / duration`` (never negative).
 
     The mean rate of the step replaces the rate: of second order, and insensitive to ringing about the mean.
     """
+    orders, section, damping, laws = elements.order, elements.section, elements.damping, elements.laws
     total = 0.0
-    d = np.empty(6)
+    d, middle = np.empty(6), np.empty(6)
     for e in range(strain.shape[0]):
-        for g in range(strain.shape[1]):
+        for g in range(orders[e]):
             D = damping[section[e, g]]
-            weight = weights[g] * half_lengths[e]
+            weight = elements.weights[orders[e], g] * elements.half_lengths[e]
             for i in range(6):
                 d[i] = strain[e, g, i] - earlier[e, g, i]
             for i in range(6):
                 for j in range(6):
                     total += weight * d[i] * D[i, j] * d[j] / duration
+            if laws.present:
+                for i in range(6):
+                    middle[i], d[i] = strain[e, g, i] - 0.5 * d[i], d[i] / duration
+                _, lost = stored_and_lost(laws, section[e, g], middle, d)
+                total += weight * duration * lost
     return total

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
+from viscorod.mechanics.elements.section_laws import SectionLaws, add_law_force, stored_and_lost
 from viscorod.mechanics.elements.variation import (
     conjugate_forces,
     first_variation,
@@ -54,6 +55,7 @@ class Elements(NamedTuple):
         stiffness, damping: section matrices C and D ``(sections, 6, 6)``; damped: any D is not zero.
         reference: strains of the unstressed shape ``(e, points, 6)``.
         slots: number of the matrix block in the row of node k and the column of node j ``(e, most nodes, most nodes)``.
+        laws: of the sections, beside C and D.
     """
 
     order: Integers
@@ -71,10 +73,11 @@ class Elements(NamedTuple):
     damped: bool
     reference: Floats
     slots: Integers
+    laws: SectionLaws
 
 
 class GaussStates(NamedTuple):
-    """Strain, its rate, section force ``C eps + D eps_t`` and stress iterate at all Gauss points of some states.
+    """Strain, its rate, section force ``C eps + D eps_t + s`` and stress iterate at all Gauss points of some states.
 
     Arrays ``(s, e, points, 6)``.
     """
@@ -190,7 +193,7 @@ def internal_forces(
         work: scratch.
     """
     orders, nodes, links, link_positions, link_quaternions, shapes, slopes, weights = elements[:8]
-    half_lengths, section, stiffness, damping, damped, reference = elements[8:14]
+    half_lengths, section, stiffness, damping, damped, reference, _, laws = elements[8:]
     R, Q, T, F, P = work
     strain, strain_rate, S, sigma = points
     none = (0.0, (0.0, 0.0, 0.0))
@@ -236,6 +239,8 @@ def internal_forces(
                         for j in range(6):
                             total += damping[of, i, j] * strain_rate[at, e, g, j]
                     S[at, e, g, i] = total
+                if laws.present:
+                    add_law_force(laws, of, strain[at, e, g], strain_rate[at, e, g], S[at, e, g])
                 weight = weights[order, g] * half
                 N = weight * sigma[at, e, g, 0], weight * sigma[at, e, g, 1], weight * sigma[at, e, g, 2]
                 M = weight * sigma[at, e, g, 3], weight * sigma[at, e, g, 4], weight * sigma[at, e, g, 5]
@@ -296,11 +301,13 @@ def energies(
 ) -> None:
     """Write the elastic energies [J], ``int eps.C eps / 2``, and dissipated powers [W], ``int eps_t.D eps_t``.
 
+    Those of the laws of sections are added.
+
     Args:
         strain, strain_rate: of some states ``(s, e, points, 6)``; elastic, dissipated: outputs ``(s,)``.
     """
     orders, weights, half_lengths = elements[0], elements[7], elements[8]
-    section, C, D = elements[9], elements[10], elements[11]
+    section, C, D, laws = elements[9], elements[10], elements[11], elements.laws
     for at in range(strain.shape[0]):
         energy = 0.0
         power = 0.0
@@ -313,4 +320,7 @@ def energies(
                     for j in range(6):
                         energy += 0.5 * weight * strain[at, e, g, i] * C[of, i, j] * strain[at, e, g, j]
                         power += weight * strain_rate[at, e, g, i] * D[of, i, j] * strain_rate[at, e, g, j]
+                if laws.present:
+                    stored, lost = stored_and_lost(laws, of, strain[at, e, g], strain_rate[at, e, g])
+                    energy, power = energy + weight * stored, power + weight * lost
         elastic[at], dissipated[at] = energy, power

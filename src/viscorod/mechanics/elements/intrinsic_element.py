@@ -21,6 +21,7 @@ import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, lane_kernel, part
 from viscorod.mechanics.elements.internal_force import Elements, GaussStates, scatter
+from viscorod.mechanics.elements.section_laws import add_law_force
 from viscorod.mechanics.nodes.attached_poses import attached_twist
 from viscorod.mechanics.rotations.vectors import (
     Vector,
@@ -233,7 +234,8 @@ def advance_strains(
 
 @part
 def section_forces(elements: Elements, strain: Floats, strain_rate: Floats, S: Floats) -> None:
-    """Write ``C eps + D eps_t`` (or ``D b``) of all Gauss points ``(s, e, points, 6)``."""
+    """Write ``C eps + D eps_t`` (or ``D b``) and the forces of laws at all Gauss points ``(s, e, points, 6)``."""
+    laws = elements.laws
     orders, section, C, D, damped = elements[0], elements[9], elements[10], elements[11], elements[12]
     for s in range(S.shape[0]):
         for e in range(orders.shape[0]):
@@ -247,6 +249,8 @@ def section_forces(elements: Elements, strain: Floats, strain_rate: Floats, S: F
                         for j in range(6):
                             total += D[of, i, j] * strain_rate[s, e, g, j]
                     S[s, e, g, i] = total
+                if laws.present:
+                    add_law_force(laws, of, strain[s, e, g], strain_rate[s, e, g], S[s, e, g])
 
 
 @part

@@ -1,6 +1,6 @@
 """Operators of the section forces of all elements at one state, which collocation methods keep for several steps.
 
-At fixed ``C, D`` the section forces of a Gauss point vary by
+With the present ``C, D``, those of laws included, the section forces of a Gauss point vary by
 
     dS = C B d + D (E d + B dx1),     dx1 = (d)' + ad(x1) d
 
@@ -15,9 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
-from viscorod.mechanics.elements.geometric_element import EqualElements, PointArrays
+from viscorod.mechanics.elements.gauss_batch import ElementGroup, PointFields
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import LANES
+from viscorod.mechanics.elements.section_laws import add_law_tangents
 from viscorod.mechanics.nodes.attached_poses import link_map, map_columns
 from viscorod.typing import Floats
 
@@ -38,44 +39,49 @@ class Operators(NamedTuple):
 
 
 @kernel
-def collect(elements: EqualElements, fields: PointArrays, first: int, operators: Operators) -> None:
-    """Write the operators of equal-order elements after an assembly with the tangent.
+def collect(elements: Elements, group: ElementGroup, fields: PointFields, operators: Operators) -> None:
+    """Write the operators of a group of elements after an assembly with the tangent.
 
     Increments of attached nodes are those of their own nodes in the assembly; here they become those of the shared
     nodes.
 
     Args:
-        fields: of the assembly, with the change of the strain; first: number of the first element; operators: outputs.
+        fields: of the assembly, with the change of the strain; operators: outputs.
     """
-    nodes, links, _, link_positions, link_quaternions = elements[:5]
-    section, damping, damped = elements.section, elements.damping, elements.damped
+    links, section, damping, laws = elements.links, elements.section, elements.damping, elements.laws
     strain_columns, force_columns = fields.strain_operator, fields.operator
     B, A, P = operators
-    points = section.shape[1]
-    X = np.empty((6, 6))
-    for e in range(nodes.shape[0]):
-        to = first + e
-        for g in range(points):
-            batch, lane = divmod(e * points + g, LANES)
-            of = section[e, g]
-            for k in range(nodes.shape[1]):
-                for i in range(6):
-                    for j in range(6):
-                        row, column = 6 * g + i, 6 * k + j
-                        B[to, row, column] = strain_columns[batch, k, j, i, lane]
-                        A[to, row, column] = force_columns[batch, k, j, i, lane]
-                        if damped:
-                            total = 0.0
-                            for a in range(6):
-                                total += damping[of, i, a] * strain_columns[batch, k, j, a, lane]
-                            P[to, row, column] = total
-        for k in range(nodes.shape[1]):
+    points = group.order
+    X, C, D = np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6))
+    for number in range(group.size * points):
+        batch, lane = divmod(number, LANES)
+        e, g = divmod(number, points)
+        e += group.first
+        of = section[e, g]
+        for i in range(6):
+            for j in range(6):
+                D[i, j] = damping[of, i, j]
+        if laws.present:
+            add_law_tangents(laws, of, fields.strain[e, g], fields.strain_rate[e, g], C, D)
+        for k in range(points + 1):
+            for i in range(6):
+                for j in range(6):
+                    row, column = 6 * g + i, 6 * k + j
+                    B[e, row, column] = strain_columns[batch, k, j, i, lane]
+                    A[e, row, column] = force_columns[batch, k, j, i, lane]
+                    if group.damped:
+                        total = 0.0
+                        for a in range(6):
+                            total += D[i, a] * strain_columns[batch, k, j, a, lane]
+                        P[e, row, column] = total
+    for e in range(group.first, group.first + group.size):
+        for k in range(points + 1):
             link = links[e, k]
             if link >= 0:
-                link_map(link_positions[link], link_quaternions[link], X)
-                map_columns(B[to], 6 * k, X)
-                map_columns(A[to], 6 * k, X)
-                map_columns(P[to], 6 * k, X)
+                link_map(elements.link_positions[link], elements.link_quaternions[link], X)
+                map_columns(B[e], 6 * k, X)
+                map_columns(A[e], 6 * k, X)
+                map_columns(P[e], 6 * k, X)
 
 
 @part

@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 
 from viscorod.mechanics.compilation.compiled import lane_kernel, part
-from viscorod.mechanics.rotations.exponential_map import inverse_coefficients
+from viscorod.mechanics.rotations.exponential_map import inverse_coefficients, pulled
 from viscorod.mechanics.rotations.vectors import (
     Quaternion,
     Vector,
@@ -31,6 +31,7 @@ from viscorod.mechanics.rotations.vectors import (
     rotated,
     rotated_back,
     scaled,
+    unit,
     vector,
 )
 from viscorod.typing import Floats, Integers
@@ -87,20 +88,6 @@ def relative(c: int, geometry: Floats, qa: Quaternion, qb: Quaternion) -> Vector
     s = math.sqrt(dot(d, d))
     factor = 2.0 * sign if s < 1e-8 else 2.0 * math.atan2(s, sign * d0) * sign / s
     return scaled(factor, d)
-
-
-@lane_kernel
-def unit(i: int) -> Vector:
-    """Return a unit vector."""
-    return 1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0
-
-
-@lane_kernel
-def pulled(psi: Vector, e: Vector, sign: float) -> Vector:
-    """Return ``T(psi)^-T e`` for sign 1 and ``T(psi)^-1 e`` for -1, T the right tangent of the exponential."""
-    c, _ = inverse_coefficients(dot(psi, psi))
-    once = cross(psi, e)
-    return plus(plus(e, -0.5 * sign, once), c, cross(psi, once))
 
 
 @lane_kernel

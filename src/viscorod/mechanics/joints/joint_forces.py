@@ -87,16 +87,22 @@ class JointStates(NamedTuple):
 
 
 class SpringOperators(NamedTuple):
-    """Frozen operators of all coordinates ``(c, 12)``: gradients, and the force's change per increment and rate."""
+    """Frozen operators of all coordinates ``(c, 12)``: gradients, and the force's change per increment and rate.
+
+    ``scratch (2, 12)`` and ``turning (12, 12)`` are for making them.
+    """
 
     gradients: Floats
     A: Floats
     P: Floats
+    scratch: Floats
+    turning: Floats
 
     @classmethod
     def of(cls, count: int) -> SpringOperators:
         """Allocate for a number of coordinates."""
-        return cls(np.zeros((count, 12)), np.zeros((count, 12)), np.zeros((count, 12)))
+        gradients, A, P = np.zeros((3, count, 12))
+        return cls(gradients, A, P, np.zeros((2, 12)), np.zeros((12, 12)))
 
 
 @part

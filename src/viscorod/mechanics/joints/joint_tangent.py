@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.joints.joint_coordinates import add_gradient_change, place_of
 from viscorod.mechanics.joints.joint_forces import Joints, SpringOperators, gradient_of
@@ -50,11 +48,9 @@ def add_joint_tangent(
         operators: output.
     """
     near, force, stiffness, damping = slopes
-    gradients, A, P = operators
+    gradients, A, P, scratch, turning = operators
     moving = rate_map.shape[0] > 0
     nodes, kind, geometry, place, _, _, _, _, slots, up, down = joints
-    scratch = np.empty((2, 12))
-    turning = np.empty((12, 12))
     for c in range(kind.shape[0]):
         gradient = gradients[c]
         gradient_of(c, joints, r, q, near[c], gradient)

@@ -2,36 +2,57 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.elements.strain import element_poses, gauss_point, half_products
 from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench, link_map, map_columns, map_rows
 from viscorod.mechanics.rotations.rotation import add_skew, rotate_back, rotation_matrix
+from viscorod.mechanics.rotations.vectors import (
+    Quaternion,
+    Vector,
+    quaternion,
+    rotated_back,
+    stage_vector,
+    vector,
+)
 from viscorod.typing import Floats, Integers
 
 
 @part
-def add_levers(lever: Floats, q: Floats, with_tangent: bool, external: Floats, block: Floats) -> None:
-    """Add the moment of dead forces at arms to ``external (6,)``, and its derivative, negative, to ``block (6, 6)``.
-
-    Args:
-        lever: sum of arms (body axes) times forces (global axes) ``(3, 3)`` [N m]; q: quaternion of the node.
-    """
-    R = np.empty((3, 3))
-    N = np.empty((3, 3))  # arms times forces in body axes
-    rotation_matrix(q, R)
-    for b in range(3):
-        for c in range(3):
-            N[b, c] = lever[b, 0] * R[0, c] + lever[b, 1] * R[1, c] + lever[b, 2] * R[2, c]
+def add_turning(f: Vector, row: int, slot: int, blocks: Floats) -> None:
+    """Subtract the derivative ``[f]x`` of a vector that stays in space, from three rows of a block, body axes."""
     for a in range(3):
         b, c = (a + 1) % 3, (a + 2) % 3
-        external[3 + a] += N[b, c] - N[c, b]
+        blocks[slot, 3 + b, row + a] += f[c]
+        blocks[slot, 3 + c, row + a] -= f[b]
+
+
+@part
+def add_levers(
+    levers: Floats, k: int, turn: Quaternion, with_tangent: bool, external: Floats, blocks: Floats, slot: int
+) -> None:
+    """Add the moment of dead forces at arms to ``external (n, 6)``, and subtract its derivative from a block.
+
+    Args:
+        levers: sums of arms (body axes) times forces (global axes) ``(n, 3, 3)`` [N m]; k, turn: the node.
+    """
+    # arms times forces in body axes
+    N = (
+        rotated_back(turn, stage_vector(levers, k, 0, 0)),
+        rotated_back(turn, stage_vector(levers, k, 1, 0)),
+        rotated_back(turn, stage_vector(levers, k, 2, 0)),
+    )
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        external[k, 3 + a] += N[b][c] - N[c][b]
         if with_tangent:
             # forces turn back in body axes, N[b] x theta
-            block[3 + a, 3 + a] += N[b, b] + N[c, c]
-            block[3 + a, 3 + b] -= N[b, a]
-            block[3 + a, 3 + c] -= N[c, a]
+            blocks[slot, 3 + a, 3 + a] += N[b][b] + N[c][c]
+            blocks[slot, 3 + b, 3 + a] -= N[b][a]
+            blocks[slot, 3 + c, 3 + a] -= N[c][a]
 
 
 @kernel
@@ -60,35 +81,52 @@ def add_nodal_loads(
         external: ``(n, 6)``, body components, added to.
         blocks: of the matrix ``(b, 6, 6)`` (see ``geometric_element.assemble``); diagonal: those of the nodes ``(n,)``.
     """
-    f = np.empty(3)
-    m = np.empty(3)
-    g = np.empty(3)
-    block = np.empty((6, 6))
     heavy = gravity[0] != 0.0 or gravity[1] != 0.0 or gravity[2] != 0.0
     for k in nodes:
-        rotate_back(q[k], dead[k, 0:3], f)
-        rotate_back(q[k], dead[k, 3:6], m)
+        turn, slot = quaternion(q, k), diagonal[k]
+        f, m = rotated_back(turn, vector(dead, k, 0)), rotated_back(turn, vector(dead, k, 3))
         for i in range(3):
             external[k, i] += f[i] + following[k, i]
             external[k, 3 + i] += m[i] + following[k, 3 + i]
         if with_tangent:
-            block[:, :] = 0.0
-            add_skew(f, -1.0, block[0:3, 3:6])
-            add_skew(m, -1.0, block[3:6, 3:6])
+            add_turning(f, 0, slot, blocks)
+            add_turning(m, 3, slot, blocks)
         if levers.shape[0] > 0:
-            add_levers(levers[k], q[k], with_tangent, external[k], block)
+            add_levers(levers, k, turn, with_tangent, external, blocks, slot)
         if heavy:
-            rotate_back(q[k], gravity, g)
+            g0, g1, g2 = rotated_back(turn, (gravity[0], gravity[1], gravity[2]))
             for i in range(6):
-                external[k, i] += mass[k, i, 0] * g[0] + mass[k, i, 1] * g[1] + mass[k, i, 2] * g[2]
+                external[k, i] += mass[k, i, 0] * g0 + mass[k, i, 1] * g1 + mass[k, i, 2] * g2
                 if with_tangent:
-                    block[i, 3] -= mass[k, i, 1] * g[2] - mass[k, i, 2] * g[1]
-                    block[i, 4] -= mass[k, i, 2] * g[0] - mass[k, i, 0] * g[2]
-                    block[i, 5] -= mass[k, i, 0] * g[1] - mass[k, i, 1] * g[0]
-        if with_tangent:
-            for j in range(3, 6):
-                for i in range(6):
-                    blocks[diagonal[k], j, i] += block[i, j]
+                    blocks[slot, 3, i] -= mass[k, i, 1] * g2 - mass[k, i, 2] * g1
+                    blocks[slot, 4, i] -= mass[k, i, 2] * g0 - mass[k, i, 0] * g2
+                    blocks[slot, 5, i] -= mass[k, i, 0] * g1 - mass[k, i, 1] * g0
+
+
+class StationWork(NamedTuple):
+    """Scratch of a wrench inside an element of at most ``m`` nodes: poses, products of quaternions, nodal forces, maps.
+
+    The rest are vectors and one block.
+    """
+
+    r: Floats
+    q: Floats
+    p: Floats
+    Q: Floats
+    L: Floats
+    f: Floats
+    X: Floats
+    slope: Floats
+    frame: Floats
+    wrench: Floats
+    block: Floats
+
+    @classmethod
+    def of(cls, m: int) -> StationWork:
+        """Allocate for ``m`` nodes."""
+        r, q, p, f = np.zeros((m, 3)), np.zeros((m, 4)), np.zeros((m, 4)), np.zeros((m, 6))
+        Q, L, X = np.zeros((m, 3, 3)), np.zeros((m, 4, 3)), np.zeros((m, 6, 6))
+        return cls(r, q, p, Q, L, f, X, np.zeros(m), np.zeros(4), np.zeros((5, 3)), np.zeros((6, 6)))
 
 
 @kernel
@@ -101,6 +139,7 @@ def add_station_load(
     external: Floats,
     blocks: Floats,
     slots: Integers,
+    work: StationWork,
 ) -> None:
     """Add one concentrated wrench inside an element to ``external`` and subtract its derivative from the matrix.
 
@@ -111,24 +150,13 @@ def add_station_load(
     nodes, links, link_positions, link_quaternions = own
     shape, dead, following = load
     n = nodes.shape[0]
-    re = np.empty((n, 3))
-    qe = np.empty((n, 4))
-    p = np.empty((n, 4))
-    frame = np.empty(4)
-    V = np.empty(3)
-    U = np.empty(3)
-    slope = np.zeros(n)
-    Q = np.empty((n, 3, 3))
-    L = np.empty((n, 4, 3))
-    f = np.empty((n, 6))
-    X = np.empty((n, 6, 6))
+    re, qe, p = work.r[:n], work.q[:n], work.p[:n]
+    Q, L, f, X, slope, frame = work.Q, work.L, work.f, work.X, work.slope[:n], work.frame
+    F, m, md, V, U = work.wrench[0], work.wrench[1], work.wrench[2], work.wrench[3], work.wrench[4]
     element_poses(nodes, links, link_positions, link_quaternions, r, q, re, qe)
     gauss_point(shape, slope, re, qe, V, U, p, frame)
-    md = np.empty(3)
-    F = np.empty(3)
     rotate_back(frame, dead[0:3], F)
     rotate_back(frame, dead[3:6], md)
-    m = np.empty(3)
     for i in range(3):
         F[i] += following[i]
         m[i] = md[i] + following[3 + i]
@@ -146,11 +174,24 @@ def add_station_load(
                     external[nodes[k], i] += X[k, a, i] * f[k, a]
             else:
                 external[nodes[k], i] += f[k, i]
-    if not with_tangent:
-        return
-    block = np.empty((6, 6))
-    K = block[:, 3:6]
-    y = np.empty(4)
+    if with_tangent:
+        add_station_tangent(load, md, m, links, blocks, slots, work)
+
+
+@part
+def add_station_tangent(
+    load: PointWrench,
+    md: Floats,
+    m: Floats,
+    links: Integers,
+    blocks: Floats,
+    slots: Integers,
+    work: StationWork,
+) -> None:
+    """Subtract the derivative; ``md`` and ``m (3,)`` are the dead moment and the whole one in the section's axes."""
+    shape, following = load.shape, load.following
+    p, Q, L, f, X, block = work.p, work.Q, work.L, work.f, work.X, work.block
+    K, n = block[:, 3:6], shape.shape[0]
     for k in range(n):
         for j in range(n):
             block[:, :] = 0.0
@@ -161,8 +202,7 @@ def add_station_load(
                 for i in range(3):
                     K[3 + i, i] -= trace
             for i in range(3):
-                for a in range(4):
-                    y[a] = shape[j] * L[j, a, i]
+                y = shape[j] * L[j, 0, i], shape[j] * L[j, 1, i], shape[j] * L[j, 2, i], shape[j] * L[j, 3, i]
                 dot = m[0] * y[1] + m[1] * y[2] + m[2] * y[3]
                 for a in range(3):
                     b, c = (a + 1) % 3, (a + 2) % 3

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from viscorod.mechanics.compilation.compiled import kernel, lane_kernel, part
 from viscorod.mechanics.rotations.rotation import rotation_matrix
 from viscorod.mechanics.rotations.vectors import (
@@ -44,9 +42,9 @@ class PointWrench(NamedTuple):
 @kernel
 def link_map(position: Floats, quaternion: Floats, X: Floats) -> None:
     """Write ``X`` (6, 6): the body increment at a rigidly attached pose from that of the shared node."""
-    R = np.empty((3, 3))
-    rotation_matrix(quaternion, R)
     X[:, :] = 0.0
+    R = X[3:6, 0:3]  # for the moment
+    rotation_matrix(quaternion, R)
     for i in range(3):
         for j in range(3):
             X[i, j] = R[j, i]
@@ -55,32 +53,30 @@ def link_map(position: Floats, quaternion: Floats, X: Floats) -> None:
         X[i, 3] = R[2, i] * position[1] - R[1, i] * position[2]
         X[i, 4] = R[0, i] * position[2] - R[2, i] * position[0]
         X[i, 5] = R[1, i] * position[0] - R[0, i] * position[1]
+    R[:, :] = 0.0
 
 
 @part
 def map_columns(A: Floats, col: int, X: Floats) -> None:
     """Multiply six columns of ``A`` from ``col`` on by ``X`` (6, 6)."""
-    row = np.empty(6)
     for i in range(A.shape[0]):
+        old = A[i, col], A[i, col + 1], A[i, col + 2], A[i, col + 3], A[i, col + 4], A[i, col + 5]
         for j in range(6):
-            row[j] = 0.0
+            A[i, col + j] = 0.0
             for a in range(6):
-                row[j] += A[i, col + a] * X[a, j]
-        for j in range(6):
-            A[i, col + j] = row[j]
+                A[i, col + j] += old[a] * X[a, j]
 
 
 @part
 def map_rows(A: Floats, first: int, X: Floats) -> None:
     """Multiply six rows of ``A`` from ``first`` on by the transpose of ``X`` (6, 6)."""
-    column = np.empty(6)
+    n = first
     for j in range(A.shape[1]):
+        old = A[n, j], A[n + 1, j], A[n + 2, j], A[n + 3, j], A[n + 4, j], A[n + 5, j]
         for i in range(6):
-            column[i] = 0.0
+            A[n + i, j] = 0.0
             for a in range(6):
-                column[i] += X[a, i] * A[first + a, j]
-        for i in range(6):
-            A[first + i, j] = column[i]
+                A[n + i, j] += X[a, i] * old[a]
 
 
 @lane_kernel

@@ -20,18 +20,25 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
-from viscorod.mechanics.nodes.prescribed_motion import step_to_target
-from viscorod.mechanics.rotations.exponential_map import inverse_coefficients
-from viscorod.mechanics.rotations.rotation import (
-    add_skew,
-    inverse_rotation_tangent,
-    relative_rotation,
-    rotate,
-    rotation_matrix,
-    rotation_tangent,
-    turned,
+from viscorod.mechanics.nodes.prescribed_motion import axis, step_to_target, turned_by
+from viscorod.mechanics.rotations.exponential_map import inverse_coefficients, logarithm, pulled, tangent_of
+from viscorod.mechanics.rotations.vectors import (
+    conjugate,
+    cross,
+    difference,
+    dot,
+    plus,
+    product,
+    put,
+    put_stage,
+    quaternion,
+    rotated,
+    rotated_back,
+    scaled,
+    stage_quaternion,
+    unit,
+    vector,
 )
-from viscorod.mechanics.rotations.vectors import cross, entries
 from viscorod.typing import Floats, Integers
 
 ROUND_OFF = 1e-9
@@ -54,16 +61,22 @@ class SupportedNodes(NamedTuple):
 
 
 class Directions(NamedTuple):
-    """Directions of supports: derivatives ``G`` and duals ``Z (m, 6, 6)``, and the free rotations ``psi (m, 3)``."""
+    """Directions of supports: derivatives ``G`` and duals ``Z (m, 6, 6)``; free rotations and components in a state.
+
+    Attributes:
+        psi: free rotations ``(m, 3)``; value: measured components ``(m, 6)``.
+    """
 
     G: Floats
     Z: Floats
     psi: Floats
+    value: Floats
 
     @classmethod
     def of(cls, count: int) -> Directions:
         """Allocate for a number of supports."""
-        return cls(np.zeros((count, 6, 6)), np.zeros((count, 6, 6)), np.zeros((count, 3)))
+        square = np.zeros((2, count, 6, 6))
+        return cls(square[0], square[1], np.zeros((count, 3)), np.zeros((count, 6)))
 
 
 @part
@@ -76,19 +89,6 @@ def in_body(axes: Floats) -> bool:
     return True
 
 
-@part
-def target_frame(axes: Floats, q0: Floats, fixed: Floats, target: Floats, out: Floats) -> None:
-    """Write the quaternion of a node that has turned by the held components of its target alone."""
-    R = np.empty((3, 3))
-    rotation_matrix(q0, R)
-    theta = np.zeros(3)
-    for a in range(3):
-        for i in range(3):
-            for b in range(3):
-                theta[a] += R[b, a] * axes[b, i] * fixed[3 + i] * target[3 + i]
-    turned(q0, theta, out)
-
-
 @kernel
 def support_directions(
     supports: SupportedNodes,
@@ -96,92 +96,72 @@ def support_directions(
     target: Floats,
     r: Floats,
     q: Floats,
-    value: Floats,
     to: int,
     directions: Directions,
 ) -> None:
-    """Write the measured components ``value`` of support ``s`` and its directions, as number ``to`` of them.
+    """Write the directions of support ``s`` and the components that it measures, as number ``to`` of them.
 
     Args:
         target: prescribed values of all supports ``(m, 6)`` [m, rad]; r, q: poses of all nodes.
     """
-    node, fixed, axes, r0 = supports.nodes[s], supports.fixed[s], supports.axes[s], supports.r0[s]
-    G, Z, psi = directions.G[to], directions.Z[to], directions.psi[to]
-    if in_body(axes):
+    nodes, fixed, axes, r0, q0 = supports
+    G, Z, psi, value = directions
+    if in_body(axes[s]):
         for i in range(6):
-            value[i] = 0.0
+            value[to, i] = 0.0
             for j in range(6):
-                G[i, j] = Z[i, j] = 1.0 if i == j else 0.0
-        for i in range(3):
-            psi[i] = 0.0
+                G[to, i, j] = Z[to, i, j] = 1.0 if i == j else 0.0
+        put(psi, to, 0, (0.0, 0.0, 0.0))
         return
-    R = np.empty((3, 3))
-    Rt = np.empty((3, 3))
-    T = np.empty((3, 3))
-    Ti = np.empty((3, 3))
-    qt = np.empty(4)
-    target_frame(axes, supports.q0[s], fixed, target[s], qt)
-    rotation_matrix(q[node], R)
-    rotation_matrix(qt, Rt)
-    relative_rotation(qt, q[node], psi)
-    rotation_tangent(psi, T)
-    inverse_rotation_tangent(psi, Ti)
-    for i in range(6):
-        for j in range(6):
-            G[i, j] = Z[i, j] = 0.0
+    node = nodes[s]
+    turn = (0.0, 0.0, 0.0)  # that the held components of the target make alone
     for i in range(3):
-        value[i] = 0.0
-        value[3 + i] = fixed[3 + i] * target[s, 3 + i]
-        for a in range(3):
-            value[i] += axes[a, i] * (r[node, a] - r0[a])
-            e = 0.0  # component a of axis i in the frame of the target
-            for b in range(3):
-                e += Rt[b, a] * axes[b, i]
-            value[3 + i] += e * psi[a]
-            for j in range(3):
-                G[i, j] += axes[a, i] * R[a, j]
-                Z[j, i] += axes[a, i] * R[a, j]
-                G[3 + i, 3 + j] += e * Ti[a, j]
-                Z[3 + j, 3 + i] += e * T[j, a]
+        turn = plus(turn, fixed[s, 3 + i] * target[s, 3 + i], axis(axes, s, i))
+    here, there = quaternion(q, node), turned_by(quaternion(q0, s), turn)
+    free = logarithm(product(conjugate(there), here))
+    away = difference(vector(r, node, 0), vector(r0, s, 0))
+    put(psi, to, 0, free)
+    for i in range(3):
+        e = axis(axes, s, i)
+        own, turned = rotated_back(here, e), rotated_back(there, e)
+        up, down = tangent_of(free, turned), pulled(free, turned, 1.0)
+        value[to, i] = dot(e, away)
+        value[to, 3 + i] = fixed[s, 3 + i] * target[s, 3 + i] + dot(turned, free)
+        for j in range(3):
+            G[to, i, j] = Z[to, j, i] = own[j]
+            G[to, 3 + i, 3 + j] = down[j]
+            Z[to, 3 + j, 3 + i] = up[j]
+            G[to, i, 3 + j] = G[to, 3 + i, j] = Z[to, 3 + j, i] = Z[to, j, 3 + i] = 0.0
 
 
 @part
-def reaction_stiffness(G: Floats, psi: Floats, reaction: Floats, out: Floats) -> None:
-    """Write the derivative of ``G^T reaction`` per body increment ``(6, 6)`` at constant reaction components.
+def subtract_reaction_stiffness(
+    s: int, directions: Directions, reaction: Floats, slot: int, blocks: Floats
+) -> None:
+    """Subtract the derivative of ``G^T reaction`` per body increment, at constant ``reaction (m, 6)``, from a block.
 
     The force turns with the node, ``d(R^T f) = (R^T f) x theta``; the moment is ``T^-T m`` with m constant in the
     frame of the target and ``T^-T m = m - psi x m/2 + c psi x (psi x m)``.
     """
-    T = np.empty((3, 3))
-    Ti = np.empty((3, 3))
-    D = np.zeros((3, 3))
-    f = np.zeros(3)
-    m = np.zeros(3)
-    rotation_tangent(psi, T)
-    inverse_rotation_tangent(psi, Ti)
+    G, free = directions.G, vector(directions.psi, s, 0)
+    f = moment = (0.0, 0.0, 0.0)
     for i in range(3):
-        for a in range(3):
-            f[i] += G[a, i] * reaction[a]
-            for j in range(3):
-                m[i] += T[j, i] * G[3 + a, 3 + j] * reaction[3 + a]
-    c, slope = inverse_coefficients(psi[0] ** 2 + psi[1] ** 2 + psi[2] ** 2)
-    turn = entries(psi, 0)
-    once = cross(turn, entries(m, 0))
-    twice = cross(turn, once)
-    add_skew(m, 0.5, D)
-    add_skew(once, -c, D)
-    for i in range(3):
-        for j in range(3):
-            D[i, j] += slope * twice[i] * psi[j] - c * m[i] * psi[j]
-        D[i, i] += c * (psi[0] * m[0] + psi[1] * m[1] + psi[2] * m[2])
-    for i in range(6):
-        for j in range(6):
-            out[i, j] = 0.0
-    add_skew(f, 1.0, out[0:3, 3:6])
-    for i in range(3):
-        for j in range(3):
-            for a in range(3):
-                out[3 + i, 3 + j] += D[i, a] * Ti[a, j]
+        f = plus(f, reaction[s, i], (G[s, i, 0], G[s, i, 1], G[s, i, 2]))
+        moment = plus(moment, reaction[s, 3 + i], (G[s, 3 + i, 3], G[s, 3 + i, 4], G[s, 3 + i, 5]))
+    m = tangent_of(scaled(-1.0, free), moment)
+    c, slope = inverse_coefficients(dot(free, free))
+    once = cross(free, m)
+    twice = cross(free, once)
+    for j in range(3):
+        x = pulled(free, unit(j), -1.0)  # change of psi
+        along = dot(free, x)
+        change = plus(scaled(0.5, cross(m, x)), -c, cross(once, x))
+        change = plus(plus(change, slope * along, twice), c * dot(free, m), x)
+        change = plus(change, -c * along, m)
+        push = cross(f, unit(j))
+        for i in range(3):
+            blocks[slot, 3 + j, i] -= push[i]
+            blocks[slot, 3 + j, 3 + i] -= change[i]
 
 
 @kernel
@@ -203,11 +183,10 @@ def impose(
         directions: output of :func:`support_directions` for all.
     """
     nodes, fixed, axes, r0, q0 = supports
-    Z = directions.Z
-    value = np.empty(6)
+    Z, value = directions.Z, directions.value
     for s in range(nodes.shape[0]):
         k = nodes[s]
-        support_directions(supports, s, target, r, q, value, s, directions)
+        support_directions(supports, s, target, r, q, s, directions)
         complete = not in_body(axes[s])
         for i in range(6):
             reaction[s, i] = 0.0
@@ -216,7 +195,7 @@ def impose(
             if fixed[s, i] == 0.0:
                 complete = False
         if complete:
-            step_to_target(axes[s], r0[s], q0[s], target[s], r[k], q[k], residual[k])
+            step_to_target(s, axes, r0, q0, target, r, q, k, residual)
             for i in range(6):
                 residual[k, i] = -residual[k, i]
         else:
@@ -225,7 +204,7 @@ def impose(
                     residual[k, i] = reaction[s, i]
                     reaction[s, i] = 0.0
                 else:
-                    residual[k, i] = value[i] - target[s, i]
+                    residual[k, i] = value[s, i] - target[s, i]
 
 
 @kernel
@@ -248,9 +227,8 @@ def impose_tangent(
             row k those that are ``across`` from them, and both have the block ``diagonal[k]``.
     """
     nodes, fixed, axes = supports[:3]
-    G, Z, psi = directions
+    G, Z = directions.G, directions.Z
     old = np.empty((6, 6))
-    block = np.empty((6, 6))
     weight = np.empty(6)
     for s in range(nodes.shape[0]):
         k = nodes[s]
@@ -283,10 +261,7 @@ def impose_tangent(
             else:
                 complete = False
         if not complete and not in_section_axes:
-            reaction_stiffness(G[s], psi[s], reaction[s], block)
-            for j in range(6):
-                for i in range(6):
-                    blocks[own, j, i] -= block[i, j]
+            subtract_reaction_stiffness(s, directions, reaction, own, blocks)
         for transposed in range(starts[k], starts[k + 1]):
             slot = across[transposed]
             for j in range(6):
@@ -320,18 +295,17 @@ def reaction_wrenches(
     ``out (states, m, 6)``; ``directions`` of one support are scratch.
     """
     nodes, fixed, G = supports.nodes, supports.fixed, directions.G
-    value = np.empty(6)
-    wrench = np.empty(6)
     for state in range(r.shape[0]):
         for s in range(nodes.shape[0]):
-            qk = q[state, nodes[s]]
-            support_directions(supports, s, target[state], r[state], q[state], value, 0, directions)
-            for j in range(6):
-                wrench[j] = 0.0
-                for i in range(6):
-                    wrench[j] += G[0, i, j] * fixed[s, i] * reaction[state, s, i]
-            rotate(qk, wrench[0:3], out[state, s, 0:3])
-            rotate(qk, wrench[3:6], out[state, s, 3:6])
+            support_directions(supports, s, target[state], r[state], q[state], 0, directions)
+            force = moment = (0.0, 0.0, 0.0)
+            for i in range(6):
+                exerted = fixed[s, i] * reaction[state, s, i]
+                force = plus(force, exerted, vector(G[0], i, 0))
+                moment = plus(moment, exerted, vector(G[0], i, 3))
+            here = stage_quaternion(q, state, nodes[s])
+            put_stage(out, state, s, 0, rotated(here, force))
+            put_stage(out, state, s, 3, rotated(here, moment))
 
 
 @part

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 
-from viscorod.mechanics.compilation.compiled import part
+from viscorod.mechanics.compilation.compiled import lane_kernel, part
 from viscorod.mechanics.rotations.vectors import (
     Quaternion,
     Vector,
@@ -92,6 +92,33 @@ def logarithm(q: Quaternion) -> Vector:
     sine = math.sqrt(dot(q[1], q[1]))
     factor = 2.0 * sign if sine < 1e-8 else 2.0 * math.atan2(sine, sign * q[0]) * sign / sine
     return scaled(factor, q[1])
+
+
+@part
+def tangent_of(theta: Vector, x: Vector) -> Vector:
+    """Return ``T(theta) x``: the body angular velocity where ``theta`` changes by ``x`` per time."""
+    A, B = versine_coefficients(dot(theta, theta))
+    once = cross(theta, x)
+    return plus(plus(x, -A, once), B, cross(theta, once))
+
+
+@part
+def tangent_change(theta: Vector, rate: Vector, x: Vector) -> Vector:
+    """Return the derivative of :func:`tangent_of` along ``rate`` at constant ``x``."""
+    phi2 = dot(theta, theta)
+    A, B = versine_coefficients(phi2)
+    A_slope, B_slope = versine_slopes(phi2, A, B)
+    along, once, first = dot(theta, rate), cross(theta, x), cross(rate, x)
+    total = plus(scaled(-A, first), B, plus(cross(rate, once), 1.0, cross(theta, first)))
+    return plus(plus(total, -A_slope * along, once), B_slope * along, cross(theta, once))
+
+
+@lane_kernel
+def pulled(theta: Vector, x: Vector, sign: float) -> Vector:
+    """Return ``T(theta)^-T x`` for sign 1 and ``T(theta)^-1 x`` for -1."""
+    C, _ = inverse_coefficients(dot(theta, theta))
+    once = cross(theta, x)
+    return plus(plus(x, -0.5 * sign, once), C, cross(theta, once))
 
 
 @part

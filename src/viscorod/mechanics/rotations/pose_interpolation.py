@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.rotations.nodal_motion import coordinate_rates, coordinates, place
 from viscorod.typing import Floats
@@ -55,6 +53,7 @@ def interpolate(
     r: Floats,
     q: Floats,
     twist: Floats,
+    scratch: Floats,
 ) -> None:
     """Write poses and body twists of all nodes at ``parts (k,)`` (0 to 1) of an interval of ``h`` [s].
 
@@ -65,15 +64,12 @@ def interpolate(
         start, end: poses, twists and their rates at both ends.
         split: per node, whether displacement and rotation are separate coordinates.
         smooth: use the rates (degree 5, error of order 6) or not (degree 3, error of order 4).
-        r, q, twist: outputs ``(k, n, 3)``, ``(k, n, 4)``, ``(k, n, 6)``.
+        r, q, twist: outputs ``(k, n, 3)``, ``(k, n, 4)``, ``(k, n, 6)``; scratch: ``(10, 6)``.
     """
-    X = np.zeros((2, 6))
-    speed = np.empty((2, 6))
-    acceleration = np.empty((2, 6))
-    one = np.empty(6)
-    other = np.empty(6)
-    at = np.empty(6)
-    at_rate = np.empty(6)
+    X, speed, acceleration = scratch[0:2], scratch[2:4], scratch[4:6]
+    one, other, at, at_rate = scratch[6], scratch[7], scratch[8], scratch[9]
+    for i in range(6):
+        X[0, i] = 0.0
     for k in range(split.shape[0]):
         apart = split[k] != 0.0
         coordinates(start.r[k], start.q[k], end.r[k], end.q[k], apart, X[1])

@@ -16,20 +16,15 @@ from viscorod.mechanics.rotations.exponential_map import (
     logarithm,
     pose_after,
     screw_translation,
-    versine_coefficients,
-    versine_slopes,
 )
 from viscorod.mechanics.rotations.vectors import (
     Vector,
-    conjugate,
+    difference,
     dot,
     entries,
-    normalised,
-    product,
     put,
     put4,
     put_entries,
-    put_quaternion,
     quaternion,
     quaternion_of,
     rotated,
@@ -98,51 +93,6 @@ def retract(r: Floats, q: Floats, increment: Floats, r_new: Floats, q_new: Float
         put4(q_new, k, turn)
 
 
-@part
-def turned(q: Floats, theta: Floats, out: Floats) -> None:
-    """Write the unit quaternion ``q exp(theta)`` into ``out``."""
-    put_quaternion(out, normalised(product(quaternion_of(q), exponential(entries(theta, 0)))))
-
-
-@part
-def rotation_tangent(theta: Floats, out: Floats) -> None:
-    """Write ``T(theta)`` into ``out``: body angular velocity ``w = T theta_t`` where ``R = R0 exp(theta)``."""
-    phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
-    a, b = versine_coefficients(phi2)
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = b * theta[i] * theta[j]
-        out[i, i] += 1.0 - b * phi2
-    add_skew(theta, -a, out)
-
-
-@part
-def rotation_tangent_rate(theta: Floats, rate: Floats, out: Floats) -> None:
-    """Write the directional derivative of ``T(theta)`` along ``rate`` into ``out``."""
-    phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
-    a, b = versine_coefficients(phi2)
-    a1, b1 = versine_slopes(phi2, a, b)
-    t = theta[0] * rate[0] + theta[1] * rate[1] + theta[2] * rate[2]
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = b * (theta[i] * rate[j] + rate[i] * theta[j]) + b1 * t * theta[i] * theta[j]
-        out[i, i] -= 2.0 * b * t + b1 * t * phi2
-    add_skew(rate, -a, out)
-    add_skew(theta, -a1 * t, out)
-
-
-@part
-def inverse_rotation_tangent(theta: Floats, out: Floats) -> None:
-    """Write ``T(theta)^-1`` into ``out``."""
-    phi2 = theta[0] ** 2 + theta[1] ** 2 + theta[2] ** 2
-    c, _ = inverse_coefficients(phi2)
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = c * theta[i] * theta[j]
-        out[i, i] += 1.0 - c * phi2
-    add_skew(theta, 0.5, out)
-
-
 @kernel
 def inverse_motion_tangent(increment: Floats, scale: float, out: Floats) -> None:
     """Write ``scale`` times the inverse right tangent of the exponential on SE(3) into ``out``.
@@ -162,7 +112,7 @@ def inverse_motion_tangent(increment: Floats, scale: float, out: Floats) -> None
         phi2 = dot(theta, theta)
         t = dot(theta, a)
         c, d = inverse_coefficients(phi2)
-        # as inverse_rotation_tangent, and its derivative along a; slices would cost more than the formula
+        # T^-1 of rotations, and its derivative along a; slices would cost more than the formula
         for i in range(3):
             for j in range(3):
                 turn = c * theta[i] * theta[j]
@@ -208,13 +158,33 @@ def increment_size(increment: Floats, length: float) -> float:
     return size
 
 
+@kernel
+def motion_extent(
+    r0: Floats, q0: Floats, r: Floats, q: Floats, twist: Floats, length: float
+) -> tuple[float, float]:
+    """Return how far nodes moved, and how fast they are: displacements over ``length``, rotations in rad.
+
+    Args:
+        r0, q0: where they come from, ``(n, 3)`` [m], ``(n, 4)``; r, q, twist: where they are, body twists ``(n, 6)``.
+    """
+    far = turned = fast = spin = 0.0
+    for k in range(r.shape[0]):
+        away = difference(vector(r, k, 0), vector(r0, k, 0))
+        far = max(far, dot(away, away))
+        near = other = 0.0  # squared chords to both quaternions of the orientation
+        for a in range(4):
+            near += (q[k, a] - q0[k, a]) ** 2
+            other += (q[k, a] + q0[k, a]) ** 2
+        turned = max(turned, min(near, other))
+        v, w = vector(twist, k, 0), vector(twist, k, 3)
+        fast, spin = max(fast, dot(v, v)), max(spin, dot(w, w))
+    return (
+        max(math.sqrt(far) / length, 2.0 * math.sqrt(turned)),
+        max(math.sqrt(fast) / length, math.sqrt(spin)),
+    )
+
+
 @part
 def rotation_vector(q: Floats, out: Floats) -> None:
     """Write the rotation vector of the unit quaternion ``q`` (the shorter way round, |out| <= pi) into ``out``."""
     put_entries(out, 0, logarithm(quaternion_of(q)))
-
-
-@part
-def relative_rotation(q0: Floats, q: Floats, out: Floats) -> None:
-    """Write the rotation vector of ``conj(q0) q`` into ``out``."""
-    put_entries(out, 0, logarithm(product(conjugate(quaternion_of(q0)), quaternion_of(q))))

@@ -26,6 +26,12 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 @lane_kernel
+def unit(i: int) -> Vector:
+    """Return the unit vector along axis ``i``."""
+    return 1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0
+
+
+@lane_kernel
 def scaled(s: float, a: Vector) -> Vector:
     """Return ``s a``."""
     return s * a[0], s * a[1], s * a[2]

@@ -14,20 +14,19 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, TypeA
 import numpy as np
 from pydantic import Field, model_validator
 
+from viscorod.model.actions.drag import Drag
+from viscorod.model.actions.load_base import AlongRod, AnyLoad, refused, refused_rod
 from viscorod.model.actions.load_effects import Arrows, Placing
 from viscorod.model.actions.time_table import TimeField
 from viscorod.model.actions.travel import on_rod, passages
-from viscorod.model.connections.place import Place, PlaceField, find_rod, station_on
-from viscorod.model.fields.definition import Definition, RefusedError, show, some_of
+from viscorod.model.connections.place import Place, PlaceField
+from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import (
     TRIPLE,
     Flag,
     Name,
-    OptionalNonNegative,
     OptionalNumber,
-    OptionalPositive,
-    OptionalText,
     Vector,
     choose,
     vector,
@@ -42,6 +41,7 @@ __all__ = [
     "AnyLoad",
     "DistributedForce",
     "DistributedMoment",
+    "Drag",
     "Force",
     "Gravity",
     "Moment",
@@ -49,111 +49,11 @@ __all__ = [
     "load",
 ]
 
-ALONG = 9
-"""Arrows of a load that is spread along a rod."""
-
 Density: TypeAlias = Sequence[float] | Callable[[float], Sequence[float]]
 """Load per length: three numbers, or a function of the arc length (in Python only)."""
 
 COMPONENTS = "{}, global components; along d1, d2, d3 if it follows"
 FOLLOWING = "whether it turns with the section"
-
-
-class AnyLoad(Definition):
-    """Base class of loads: a factor that depends on the time."""
-
-    tag: ClassVar[str | None] = "kind"
-
-    #: Whether it is a moment.
-    turning: ClassVar[bool] = False
-    #: Whether its place or direction changes with time.
-    travels: ClassVar[bool] = False
-
-    name: OptionalText = Key(
-        "by which stages of an equilibrium call it; its kind unless given", default=None, kw_only=True
-    )
-    time: TimeField = Key("function of time that scales it", default=None, kw_only=True)
-    until: OptionalNumber = Key("time from which on it is zero", "s", default=None, kw_only=True)
-
-    def factor(self, t: float, before: bool = False) -> float:
-        """Return the factor at time `t` (the limit from the left if `before`)."""
-        if self.until is not None and not (t < self.until or (before and t == self.until)):
-            return 0.0
-        return 1.0 if self.time is None else self.time.value(t, before)
-
-    @property
-    def breakpoints(self) -> tuple[float, ...]:
-        """Times at which the factor, its rate or its acceleration is not smooth, increasing, s."""
-        return self._with_until(() if self.time is None else self.time.breakpoints)
-
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        """Times at which the factor jumps, increasing, s."""
-        times = self._with_until(() if self.time is None else self.time.jumps)
-        return tuple(t for t in times if self.factor(t) != self.factor(t, before=True))
-
-    def _with_until(self, times: tuple[float, ...]) -> tuple[float, ...]:
-        if self.until is None:
-            return times
-        return (*(t for t in times if t < self.until), self.until)
-
-    @property
-    def word(self) -> str:
-        """The word for its kind."""
-        return str(type(self).model_fields["kind"].default)
-
-    @property
-    def follows(self) -> bool:
-        """Whether it turns with the sections."""
-        return bool(getattr(self, "following", False))
-
-    def places(self) -> dict[str, str]:
-        """Return the places that it names, by the key that names each."""
-        return {}
-
-    def misfits(self, model: ModelDescription) -> Iterator[RefusedError]:
-        """Yield what is wrong with it in this model, each with its key: by default the places that do not exist."""
-        for key, text in self.places().items():
-            yield from _refused(key, model.place, text)
-
-    def breaks(self, model: ModelDescription) -> list[Place]:
-        """Return the stations of rods where elements should end: by default the places that it names."""
-        places = [model.place(text) for text in self.places().values()]
-        return [place for place in places if isinstance(place, Place)]
-
-    def passages(self, model: ModelDescription) -> list[float]:
-        """Return the times at which it comes upon the model or leaves it, s, beside those of its factor."""
-        del model
-        return []
-
-    @abstractmethod
-    def place(self, model: ModelDescription, placing: Placing) -> None:
-        """Put its wrenches on the model."""
-
-    @abstractmethod
-    def arrows(self, model: ModelDescription, t: float) -> Arrows:
-        """Return what is drawn of it at time `t`; asked once for all times unless it `travels`."""
-
-
-def _refused(key: str, check: Callable[..., object], *values: object) -> Iterator[RefusedError]:
-    """Yield what `check` refuses, under `key`."""
-    try:
-        check(*values)
-    except RefusedError as error:
-        yield RefusedError(error.why, error.instead, found=error.found or "", at=(key,))
-
-
-def _refused_rod(name: str, model: ModelDescription) -> Iterator[RefusedError]:
-    """Yield why a rod cannot be loaded along its length."""
-    if name in model.bodies:
-        yield RefusedError(
-            "this is a rigid body, and such a load acts along a rod",
-            f"load the body with a force or moment at {name!r}, or name one of {some_of(model.rods)}",
-            found=show(name),
-            at=("rod",),
-        )
-    else:
-        yield from _refused("rod", find_rod, name, model.rods)
 
 
 class _AtPlace(AnyLoad):
@@ -214,27 +114,9 @@ def _density(value: Any) -> Density:
 DensityField = Annotated[Density, _density]
 
 
-class _Distributed(AnyLoad):
-    rod: Name = Key("name of the rod")
+class _Distributed(AlongRod):
     value: DensityField
     following: Flag = Key(FOLLOWING, default=False)
-    from_s: OptionalNonNegative = Key(
-        "arc length where it starts, {}; left out, the rod's start", "m", default=None, kw_only=True
-    )
-    to_s: OptionalPositive = Key(
-        "arc length where it ends, {}; left out, the rod's end", "m", default=None, kw_only=True
-    )
-
-    @model_validator(mode="after")
-    def _forward(self) -> Self:
-        if self.to_s is not None and self.to_s <= (self.from_s or 0.0):
-            raise RefusedError(
-                "the loaded part must have a positive length",
-                f"give a station above {show(self.from_s or 0.0)}",
-                found=show(self.to_s),
-                at=("to_s",),
-            )
-        return self
 
     def density(self, s: float) -> Floats:
         """Load per reference length (3,) at the arc length `s`, without factor and limits."""
@@ -250,18 +132,9 @@ class _Distributed(AnyLoad):
             ) from None
 
     def misfits(self, model: ModelDescription) -> Iterator[RefusedError]:
-        refused = list(_refused_rod(self.rod, model))
-        yield from refused
-        if refused:
-            return
-        rod = model.rods[self.rod]
-        for key, s in (("from_s", self.from_s), ("to_s", self.to_s)):
-            yield from _refused(key, station_on, rod, s or 0.0, self.rod)
-        yield from _refused("value", self.density, rod.length / 2.0)
-
-    def breaks(self, model: ModelDescription) -> list[Place]:
-        del model
-        return [Place(self.rod, s) for s in (self.from_s, self.to_s) if s is not None]
+        yield from super().misfits(model)
+        if self.rod in model.rods:
+            yield from refused("value", self.density, model.rods[self.rod].length / 2.0)
 
     def place(self, model: ModelDescription, placing: Placing) -> None:
         del model
@@ -275,7 +148,7 @@ class _Distributed(AnyLoad):
 
     def arrows(self, model: ModelDescription, t: float) -> Arrows:
         del t
-        stations = np.linspace(self.from_s or 0.0, self.to_s or model.rods[self.rod].length, ALONG).tolist()
+        stations = self.feet(model)
         unit, feet = "N m/m" if self.turning else "N/m", tuple(Place(self.rod, s) for s in stations)
         values = np.array([self.density(s) for s in stations])
         return Arrows(f"load along {self.rod}", unit, feet, values, self.following, self.turning)
@@ -359,7 +232,7 @@ class MovingForce(AnyLoad):
 
     def misfits(self, model: ModelDescription) -> Iterator[RefusedError]:
         """Yield why there is no such rod."""
-        yield from _refused_rod(self.rod, model)
+        yield from refused_rod(self.rod, model)
 
     def passages(self, model: ModelDescription) -> list[float]:
         """Return the times at which it passes an end of its rod, s."""
@@ -389,6 +262,7 @@ LOADS: dict[str, type[AnyLoad]] = {
     "distributed_moment": DistributedMoment,
     "gravity": Gravity,
     "moving_force": MovingForce,
+    "drag": Drag,
 }
 """The loads by their word in a case file; a new one is one class and one line here, or ``LOADS["word"] = Kind``."""
 

@@ -9,10 +9,51 @@ from typing import Protocol, TypeAlias
 from viscorod.model.connections.place import AnyPlace
 from viscorod.typing import Floats
 
-__all__ = ["Arrows", "Placing", "TimeFactor"]
+__all__ = ["Arrows", "CompiledLaw", "MotionLaw", "Placing", "PythonLaw", "TimeFactor"]
 
 TimeFactor: TypeAlias = Callable[[float, bool], float]
 """A function of the time t, s, and of whether its limit from the left is meant."""
+
+
+@dataclass(frozen=True)
+class CompiledLaw:
+    """A law of a load that sees motion which ``mechanics.nodes.motion_loads`` knows.
+
+    Attributes:
+        word: of `LAWS` there; numbers: that it takes.
+        axis: a direction (3,) in space that it depends on; zero if it depends on none.
+        at_rest: whether it acts on what is at rest.
+    """
+
+    word: str
+    numbers: tuple[float, ...]
+    axis: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    at_rest: bool = True
+
+
+def _nothing(r: Floats, R: Floats, twist: Floats) -> float:
+    del r, R, twist
+    return 0.0
+
+
+@dataclass(frozen=True)
+class PythonLaw:
+    """A law of a load that sees motion, as Python functions of position (3,), rotation matrix (3, 3) and twist (6,).
+
+    The twist has velocity (m/s) and angular velocity (rad/s) along d1, d2, d3. Derivatives are taken by differences.
+
+    Attributes:
+        wrench: force and moment (6,) along d1, d2, d3; per length (N/m, N) of what lies along a rod.
+        dissipated: power that it turns into heat outside of the model, likewise; none unless given.
+        at_rest: whether it acts on what is at rest.
+    """
+
+    wrench: Callable[[Floats, Floats, Floats], Floats]
+    dissipated: Callable[[Floats, Floats, Floats], float] = _nothing
+    at_rest: bool = True
+
+
+MotionLaw: TypeAlias = CompiledLaw | PythonLaw
 
 
 class Placing(Protocol):
@@ -40,6 +81,20 @@ class Placing(Protocol):
         self, rod: str, position: TimeFactor, wrench: Floats, factor: TimeFactor, *, following: bool = False
     ) -> None:
         """Let a wrench travel along a rod; its arc length, m, is a function of time. Beside the rod it does not act."""
+
+    def seeing_motion(
+        self,
+        rod: str,
+        law: MotionLaw,
+        factor: TimeFactor,
+        *,
+        start: float = 0.0,
+        end: float | None = None,
+    ) -> None:
+        """Let a law that sees the motion of the sections act per length on a rod from `start` to `end`, m."""
+
+    def seeing_motion_at(self, place: str, law: MotionLaw, factor: TimeFactor) -> None:
+        """Let a law that sees the motion of a place act there; what it says is not per length then."""
 
     def everywhere(self, acceleration: Floats, factor: TimeFactor) -> None:
         """Let everything have weight; the acceleration (3,) in m/s^2, global axes."""

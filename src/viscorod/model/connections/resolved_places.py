@@ -130,12 +130,17 @@ def same(model: ModelDescription, a: AnyPlace, b: AnyPlace) -> bool:
 
 
 def required_breaks(model: ModelDescription) -> list[Place]:
-    """Return places at which elements must end, whatever the mesh: supports, attachments, joints, springs."""
+    """Return places at which elements must end, whatever the mesh: supports, attachments, joints, springs, drag.
+
+    Loads that see motion act at nodes, each for a part of an element: an element that lies in them in part has no such
+    parts.
+    """
     texts = [support.at for support in model.supports]
     texts += [text for attachment in model.attachments for text in (attachment.a, attachment.b)]
     texts += [text for joint in model.joints for text in joint.ends if text != GROUND]
     texts += [text for spring in model.springs for text in spring.ends if text != GROUND]
-    return [place for place in (find(model, text) for text in texts) if isinstance(place, Place)]
+    places = [place for place in (find(model, text) for text in texts) if isinstance(place, Place)]
+    return places + [place for load in model.loads if load.sees_motion for place in load.breaks(model)]
 
 
 def required_stations(model: ModelDescription, name: str) -> tuple[float, ...]:

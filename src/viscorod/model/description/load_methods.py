@@ -8,6 +8,7 @@ from viscorod.model.actions.load import (
     AnyLoad,
     DistributedForce,
     DistributedMoment,
+    Drag,
     Force,
     Gravity,
     Moment,
@@ -132,3 +133,28 @@ class Loaded:
         self.loads.append(
             MovingForce(**travel, **given(following=following, time=time, until=until, name=name))
         )
+
+    def drag(
+        self,
+        rod: str,
+        *,
+        linear_across: float = 0.0,
+        linear_along: float = 0.0,
+        linear_about: float = 0.0,
+        coefficient_across: float | None = None,
+        coefficient_along: float | None = None,
+        density: float | None = None,
+        width: float | None = None,
+        velocity: Vector = (0.0, 0.0, 0.0),
+        time: Time = None,
+        until: float | None = None,
+        from_s: float | None = None,
+        to_s: float | None = None,
+        name: str | None = None,
+    ) -> None:
+        """Let the medium around a rod resist its motion, or flow past it; see `Drag`."""
+        linear = given(linear_across=linear_across, linear_along=linear_along, linear_about=linear_about)
+        quadratic = given(coefficient_across=coefficient_across, coefficient_along=coefficient_along)
+        medium = given(density=density, width=width, velocity=velocity)
+        span = given(rod=rod, time=time, until=until, from_s=from_s, to_s=to_s, name=name)
+        self.loads.append(Drag(**span, **linear, **quadratic, **medium))

@@ -8,6 +8,7 @@ import numpy as np
 
 from viscorod.pictures.style import (
     BLUE,
+    GREEN,
     GREY,
     INK,
     ORANGE,
@@ -33,7 +34,14 @@ _ROUND_OFF = 1e-14  # percent
 def draw_energy(run: Run) -> Figure:
     """Return the figure of the account: what is where, and the numerical remainder against what moved."""
     energy = run.energy
-    parts = (energy.viscous, energy.elastic, energy.kinetic)
+    names = [
+        "lost to viscosity" if np.any(energy.viscous) else "lost to viscosity (none)",
+        "elastic",
+        "kinetic",
+    ]
+    parts, colours = [energy.viscous, energy.elastic, energy.kinetic], [ORANGE, SKY, BLUE]
+    if energy.outside.any():
+        names, parts, colours = ["lost to drag", *names], [energy.outside, *parts], [GREEN, *colours]
     top = np.sum(parts, axis=0)
     supplied = energy.total[0] + energy.external
     scale, unit = scaled("J", np.maximum(top, supplied))
@@ -47,12 +55,8 @@ def draw_energy(run: Run) -> Figure:
     upper.stackplot(
         energy.time,
         *(scale * part for part in parts),
-        labels=(
-            "lost to viscosity" if np.any(energy.viscous) else "lost to viscosity (none)",
-            "elastic",
-            "kinetic",
-        ),
-        colors=(ORANGE, SKY, BLUE),
+        labels=names,
+        colors=colours,
         linewidth=0.0,
     )
     upper.fill_between(
@@ -68,7 +72,7 @@ def draw_energy(run: Run) -> Figure:
     if energy.time.size > 1:
         upper.set_xlim(energy.time[0], energy.time[-1])
     upper.set_ylim(bottom=min(0.0, 1.05 * scale * float(supplied.min())))
-    legend_above(upper, 5)
+    legend_above(upper, 5 if len(names) == 3 else 3)
 
     clean(lower, "time [s]", "|numerical| [% of moved]")
     moved = energy.moved

@@ -110,6 +110,8 @@ def energy_of(result: Result, samples: Integers, pack: Pack) -> dict[str, Any]:
     if isinstance(result, Run):
         account: Energy = result.energy
         stacked = [("lost to viscosity", account.viscous), ("elastic", account.elastic)]
+        if account.outside.any():
+            stacked.insert(0, ("lost to drag", account.outside))
         stacked.append(("kinetic", account.kinetic))
         supplied = account.total[0] + account.external
         factor, unit = scaled("J", np.maximum(np.sum([v for _, v in stacked], axis=0), supplied))

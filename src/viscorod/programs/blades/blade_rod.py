@@ -20,9 +20,9 @@ from viscorod.programs.blades.beamdyn_blade import (
     write_beamdyn_blade_file,
 )
 from viscorod.programs.blades.beamdyn_line import BladeTwist, LineLike, beamdyn_axis, reference_line
-from viscorod.programs.branches import refuse_branches
 from viscorod.programs.energy_creation import check_product
 from viscorod.programs.matrices import by_sizes
+from viscorod.programs.own_laws import refuse_own_laws
 from viscorod.programs.times import component_times, symmetric_damping
 from viscorod.typing import Floats
 
@@ -180,7 +180,7 @@ def blade_from_rod(
             Fault("stations", f"{len(np.atleast_1d(fractions))} numbers", "they must rise from 0 to 1",
                     "give fractions of the length, such as 0, 0.5, 1")
         )  # fmt: skip
-    refuse_branches(rod, fractions * rod.length)
+    refuse_own_laws(rod, fractions * rod.length)
     matrices = [rod.matrices_at(float(s)) for s in fractions * rod.length]
     stiffness, damping, inertia = (np.array(parts) for parts in zip(*matrices, strict=True))
     times = np.array([component_times(c, d) for c, d in zip(stiffness, damping, strict=True)])

@@ -26,8 +26,8 @@ from viscorod.model.sections.stiffness_section import StiffnessSection
 from viscorod.programs.axial_first import from_axial_first, to_axial_first
 from viscorod.programs.blades.beamdyn_line import ReferenceLine
 from viscorod.programs.blades.blade_rod import Law, product_damping
-from viscorod.programs.branches import refuse_branches
 from viscorod.programs.matrices import symmetric_part
+from viscorod.programs.own_laws import refuse_own_laws
 from viscorod.programs.times import component_times, six_times, symmetric_damping
 from viscorod.typing import Floats
 
@@ -121,7 +121,7 @@ def gxbeam_from_rod(rod: Rod, elements: int) -> dict[str, Any]:
         np.linspace(0.0, rod.length, elements + 1),
         (np.arange(elements) + 0.5) * rod.length / elements,
     )
-    refuse_branches(rod, middles)
+    refuse_own_laws(rod, middles)
     points, _ = rod.frames(ends)
     _, axes = rod.frames(middles)
     matrices = [rod.matrices_at(float(s)) for s in middles]

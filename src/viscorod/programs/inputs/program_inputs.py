@@ -15,9 +15,9 @@ from viscorod.model.materials.material import Material
 from viscorod.model.rod import Rod
 from viscorod.model.sections.isotropic_section import MaterialSection
 from viscorod.model.sections.stiffness_section import STRAINS
-from viscorod.programs.branches import refuse_branches
 from viscorod.programs.energy_creation import creates_energy, least_power
 from viscorod.programs.matrices import by_sizes, symmetric_part
+from viscorod.programs.own_laws import refuse_own_laws
 from viscorod.programs.times import MaterialFit, component_times, fit_material, symmetric_damping
 from viscorod.typing import Floats
 
@@ -59,7 +59,7 @@ class SectionData:
         Raises:
             InputError: the section has Maxwell branches, which the Kelvin-Voigt laws of other programs do not have.
         """
-        refuse_branches(rod, [s])
+        refuse_own_laws(rod, [s])
         section = rod.section_at(s)
         shaped = section if isinstance(section, MaterialSection) else None
         return cls(*rod.matrices_at(s), material=rod.material if shaped else None, section=shaped)

@@ -10,7 +10,6 @@ its CRC-32 (four bytes each, largest first) and the word "viscorod". Values of a
 from __future__ import annotations
 
 import json
-import os
 import struct
 import zlib
 from pathlib import Path
@@ -52,8 +51,6 @@ def write_tail(path: Path) -> None:
         text = json.dumps({"bytes": sums}, separators=(",", ":")).encode()
         stream.seek(size)
         stream.write(text + _END.pack(len(text), zlib.crc32(text), _WORD))
-        stream.flush()
-        os.fsync(stream.fileno())
 
 
 def require_tail_fits(path: Path) -> None:

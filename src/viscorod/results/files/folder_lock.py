@@ -25,6 +25,9 @@ __all__ = ["claimed", "locked", "require_free", "require_stopped"]
 _TRIES = 100
 _FAR = 1 << 30  # where Windows locks a byte: it lets nobody read what is locked
 
+_NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
+"""What systems say of a file system without locks, most of them one on a network."""
+
 _guard = threading.Lock()
 _held: WeakValueDictionary[str, FolderLock] = WeakValueDictionary()
 
@@ -153,6 +156,8 @@ class FolderLock:
                 holder = file.read(200)
             raise self._refused(holder.decode("utf-8", "replace")) from None
         except OSError as error:
+            if error.errno not in _NO_LOCKS:
+                raise
             warn(
                 f"{self.folder}: this file system has no locks ({error.strerror or error}), so that nothing keeps a "
                 "second run out of this folder: let only one write there at a time"
@@ -202,8 +207,10 @@ def _lock(file: IO[bytes]) -> None:
 
         windows: Any = msvcrt
         file.seek(_FAR)
-        windows.locking(file.fileno(), windows.LK_NBLCK, 1)
-        file.seek(0)
+        try:
+            windows.locking(file.fileno(), windows.LK_NBLCK, 1)
+        finally:
+            file.seek(0)  # where the holder's name is read
     else:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 

@@ -4,6 +4,7 @@ A journal is a folder with
 
 * ``layout.nc``: the data set without its states: coordinates, constants, attributes;
 * ``states.bin``: one record of fixed size for every state, in the order of ``states.json``;
+* ``layout.twin.nc`` and ``states.twin.json``: the two small files once more, since nothing can be read without them;
 * ``checkpoint.npz``: from what the run can go on (see ``solve.transient.saved_state``), with the number of
   states at that time, and ``before.npz``, the checkpoint before it;
 * ``lock``: locked while a run writes here (see ``folder_lock``).
@@ -22,18 +23,25 @@ import os
 import secrets
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from io import FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from zipfile import BadZipFile
 
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.results.files.checkpoint_file import Checkpoint, packed_checkpoint, plain, read_checkpoint
 from viscorod.results.files.records import Layout, RecordFile, octets
-from viscorod.results.files.sealed_file import IDENTITY, read_sealed, write_sealed
+from viscorod.results.files.sealed_file import (
+    IDENTITY,
+    mend_twins,
+    read_twins,
+    twin,
+    write_sealed,
+    write_twins,
+)
 from viscorod.results.files.storage import packed, write
 from viscorod.whole_files import make_durable, system_errors
 
@@ -50,25 +58,6 @@ _CHECKPOINT, _BEFORE = "checkpoint.npz", "before.npz"
 _OVER = "over.json"  # what states.json becomes before a journal is removed
 CHUNK = 16e6
 """Bytes of states that are in memory at once."""
-EDITION = 4
-"""Edition of saved states, whose parts go by the names of attributes: it grows when one of them changes."""
-
-
-@dataclass(frozen=True)
-class Checkpoint:
-    """From what a run goes on.
-
-    Attributes:
-        state: as ``solve.transient.saved_state`` returned it; None at the beginning.
-        count: states of the journal at that time.
-        about: what was said about it.
-        doubt: what is damaged, so that this is not the last one; empty usually.
-    """
-
-    state: Any
-    count: int
-    about: Mapping[str, Any]
-    doubt: str = ""
 
 
 class Journal:
@@ -134,11 +123,15 @@ class Journal:
             name: {"dims": v.dims, "attrs": v.attrs, "coordinate": name in data.coords}
             for name, v in first.items()
         }
-        text = json.dumps({"fields": fields, "variables": described}, default=_plain)
+        text = json.dumps({"fields": fields, "variables": described}, default=plain)
         static = data.drop_vars(list(first))
-        write_sealed(self.folder / _LAYOUT, packed(static), self._identity)
-        write_sealed(self.folder / _FIELDS, text.encode(), self._identity)
-        make_durable(self.folder)
+        write_twins(self.folder / _LAYOUT, packed(static), self._identity)
+        write_twins(self.folder / _FIELDS, text.encode(), self._identity)
+        for folder in (
+            self.folder,
+            *self.folder.absolute().parents[:2],
+        ):  # which may have been made for this run
+            make_durable(folder)
         self._layout = Layout(fields, self._identity)
 
     def checkpoint(self, state: Any, about: Mapping[str, Any]) -> None:
@@ -147,15 +140,10 @@ class Journal:
         Raises:
             OSError: the disk is full, or gone.
         """
-        arrays: dict[str, Any] = {}
-        tree = _flattened(state, arrays)
-        content = {"edition": EDITION, "tree": tree, "count": self.count, "about": dict(about)}
-        text = json.dumps(content, default=_plain)
-        os.fsync(self._open().fileno())
-        packed = io.BytesIO()
-        np.savez(packed, text=np.frombuffer(text.encode(), dtype=np.uint8), **arrays)
+        os.fsync(self._open().fileno())  # the states that it counts are on the disk before it is
+        content = packed_checkpoint(state, self.count, about)
         before = self.folder / _BEFORE if self.count > self._checked else None
-        write_sealed(self.folder / _CHECKPOINT, packed.getbuffer(), self._identity, before)
+        write_sealed(self.folder / _CHECKPOINT, content, self._identity, before)
         self._checked = self.count
         make_durable(self.folder)
 
@@ -182,8 +170,9 @@ def empty(folder: Path) -> None:
         OSError: something cannot be removed.
     """
     over = folder / _OVER
-    with suppress(FileNotFoundError):
-        (folder / _FIELDS).replace(over)
+    for name in (_FIELDS, twin(folder / _FIELDS).name):  # of which one may be missing
+        with suppress(FileNotFoundError):
+            (folder / name).replace(over)
     for path in folder.iterdir():
         if path.name not in (LOCK, _OVER):
             path.unlink()
@@ -195,7 +184,8 @@ def holds_run(folder: Path) -> bool:
     if not folder.is_dir():
         return False
     there = {path.name for path in folder.iterdir()}
-    begun = there & {_LAYOUT, _FIELDS, _CHECKPOINT, _BEFORE}
+    described = {_FIELDS, twin(folder / _FIELDS).name, _LAYOUT, twin(folder / _LAYOUT).name}
+    begun = there & (described | {_CHECKPOINT, _BEFORE})
     states = folder / _RECORDS
     return _OVER not in there and bool(begun or (_RECORDS in there and states.stat().st_size))
 
@@ -225,7 +215,7 @@ def last_checkpoint(folder: Path) -> Checkpoint:
     wrong: list[str] = []
     for name in (_CHECKPOINT, _BEFORE):
         try:
-            found = _checkpoint(folder / name, identity)
+            found = read_checkpoint(folder / name, identity)
         except FileNotFoundError:
             continue
         except InputError as error:
@@ -256,26 +246,10 @@ def checkpoint(folder: Path) -> tuple[Any, int, dict[str, Any]]:
         InputError: it does not exist, or cannot be read.
     """
     try:
-        found = _checkpoint(folder / _CHECKPOINT, None)
+        found = read_checkpoint(folder / _CHECKPOINT, None)
     except FileNotFoundError:
         raise InputError(f"{folder} holds no checkpoint: the run stopped before the first one") from None
     return found.state, found.count, dict(found.about)
-
-
-def _checkpoint(path: Path, identity: bytes | None) -> Checkpoint:
-    content, _ = read_sealed(path, identity)
-    try:
-        with np.load(io.BytesIO(content), allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        text = json.loads(arrays.pop("text").tobytes())
-        if text.get("edition") == EDITION:
-            return Checkpoint(_rebuilt(text["tree"], arrays), int(text["count"]), text["about"])
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, BadZipFile) as error:
-        raise InputError(f"{path} cannot be read ({error})") from None
-    raise InputError(
-        f"{path.parent}: the run was stopped by another version of viscorod, whose state this one would misread; "
-        "go on with that version, or run the case again"
-    )
 
 
 def contents(folder: Path, count: int | None = None) -> xr.Dataset:
@@ -308,13 +282,33 @@ def _of_records(
     return _static(folder, identity).assign(variables).assign_coords(coordinates), rows
 
 
+def mended(folder: Path) -> list[str]:
+    """Make what is damaged of the small files again from their twins; say what was, in sentences.
+
+    Raises:
+        InputError: of one of them neither is whole.
+    """
+    identity = _described(folder)[1]
+    pairs = (folder / _FIELDS, folder / _LAYOUT)
+    return [told for told in (mend_twins(path, identity) for path in pairs) if told]
+
+
+def damaged(folder: Path) -> list[str]:
+    """Return which of the small files are damaged, so that their twins are read, in sentences."""
+    layout = folder / _LAYOUT
+    found = [read_twins(folder / _FIELDS)[2], read_twins(layout, _described(folder)[1])[2]]
+    return [told for told in found if told]
+
+
 def _described(folder: Path) -> tuple[Layout, bytes, dict[str, Any]]:
     """Return what a record of a journal holds, its identity, and dimensions and attributes of the variables."""
     path = folder / _FIELDS
     try:
-        content, identity = read_sealed(path)
+        if (folder / _OVER).exists():  # it is being removed
+            raise FileNotFoundError
+        content, identity, _ = read_twins(path)
     except FileNotFoundError:
-        told = "is incomplete: states.json is missing" if holds_run(folder) else "holds no state of a run yet"
+        told = f"is incomplete: {_FIELDS} is missing" if holds_run(folder) else "holds no state of a run yet"
         raise InputError(f"{folder} {told}; nothing to read or to go on from") from None
     try:
         told = json.loads(content)
@@ -332,7 +326,7 @@ def _static(folder: Path, identity: bytes) -> xr.Dataset:
 
     path = folder / _LAYOUT
     try:
-        content, _ = read_sealed(path, identity)
+        content, _, _ = read_twins(path, identity)
     except FileNotFoundError:
         raise InputError(f"{folder} is incomplete: {_LAYOUT} is missing") from None
     try:
@@ -380,27 +374,3 @@ def complete(
         with suppress(OSError):
             empty(folder)
     return path
-
-
-def _flattened(tree: Any, arrays: dict[str, np.ndarray]) -> Any:
-    """Return a tree with the numbers of its arrays in their places; the arrays go into ``arrays``."""
-    if isinstance(tree, np.ndarray):
-        arrays[f"a{len(arrays)}"] = tree
-        return {"array": len(arrays) - 1}
-    if isinstance(tree, dict):
-        return {"dict": {key: _flattened(item, arrays) for key, item in tree.items()}}
-    if isinstance(tree, list):
-        return [_flattened(item, arrays) for item in tree]
-    return tree
-
-
-def _rebuilt(tree: Any, arrays: Mapping[str, np.ndarray]) -> Any:
-    if isinstance(tree, dict):
-        if "array" in tree:
-            return arrays[f"a{tree['array']}"]
-        return {key: _rebuilt(item, arrays) for key, item in tree["dict"].items()}
-    return [_rebuilt(item, arrays) for item in tree] if isinstance(tree, list) else tree
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else list(value)

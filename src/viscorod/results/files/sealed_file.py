@@ -1,4 +1,7 @@
-"""Small files of a journal, each with a checksum at its end: each is whole and of this journal, or is refused."""
+"""Small files of a journal, each with a checksum at its end: each is whole and of this journal, or is refused.
+
+What a journal cannot be read without is there twice: the file, and its twin beside it.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,9 @@ from contextlib import suppress
 from pathlib import Path
 
 from viscorod.errors import InputError
+from viscorod.whole_files import make_durable, system_errors
 
-__all__ = ["IDENTITY", "read_sealed", "write_sealed"]
+__all__ = ["IDENTITY", "mend_twins", "read_sealed", "read_twins", "twin", "write_sealed", "write_twins"]
 
 IDENTITY = 8
 """Bytes that tell journals apart."""
@@ -60,3 +64,56 @@ def read_sealed(path: Path, identity: bytes | None = None) -> tuple[bytes, bytes
     if identity is not None and found != identity:
         raise InputError(f"{path} belongs to another run")
     return content, found
+
+
+def twin(path: Path) -> Path:
+    """Return the place of the second copy of a file."""
+    return path.with_name(f"{path.stem}.twin{path.suffix}")
+
+
+def write_twins(path: Path, content: bytes | memoryview, identity: bytes) -> None:
+    """Write a file and its twin, the file last; see :func:`write_sealed`.
+
+    Raises:
+        OSError: they cannot be written.
+    """
+    for place in (twin(path), path):
+        write_sealed(place, content, identity)
+
+
+def read_twins(path: Path, identity: bytes | None = None) -> tuple[bytes, bytes, str]:
+    """Return what :func:`read_sealed` does, of the twin where the file is damaged or missing; and what is wrong.
+
+    Raises:
+        FileNotFoundError: there is neither. InputError: neither is whole.
+    """
+    try:
+        return *read_sealed(path, identity), ""
+    except (FileNotFoundError, InputError) as error:
+        wrong = f"{path} is missing" if isinstance(error, FileNotFoundError) else str(error)
+        try:
+            found = read_sealed(twin(path), identity)
+        except FileNotFoundError:
+            raise error from None
+        except InputError as other:
+            raise InputError(f"{wrong}; {other}") from None
+        return *found, f"{wrong}: its twin {twin(path).name} was read instead"
+
+
+def mend_twins(path: Path, identity: bytes | None = None) -> str:
+    """Make a file that is damaged or missing again from its whole twin, or the twin from the file; say so, or "".
+
+    Raises:
+        FileNotFoundError: there is neither. InputError: neither is whole, or the disk takes no other one.
+    """
+    content, found, wrong = read_twins(path, identity)
+    other, whole = (path, twin(path)) if wrong else (twin(path), path)
+    try:
+        if not wrong and read_sealed(other, found)[0] == content:
+            return ""
+    except (FileNotFoundError, InputError):
+        pass
+    with system_errors(other):
+        write_sealed(other, content, found)
+        make_durable(other.parent)
+    return f"{other} was damaged or missing: it was made again from {whole.name}"

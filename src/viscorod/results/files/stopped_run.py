@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from viscorod.errors import InputError, warn
-from viscorod.results.files.journal import FOLDER, checkpoint, contents
+from viscorod.results.files.journal import FOLDER, checkpoint, contents, damaged
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,7 +31,7 @@ def result_file(folder: Path) -> Path:
 
 
 def stopped_run(journal: Path) -> xr.Dataset:
-    """Return the states of a journal so far; a doubt says how many of them are damaged.
+    """Return the states of a journal so far; doubts say what is damaged.
 
     Raises:
         InputError: nothing was written yet, or it is damaged.
@@ -46,11 +46,12 @@ def stopped_run(journal: Path) -> xr.Dataset:
         "message": f"These are the states until {reached}, of a run that has not ended",
         "warnings": data.attrs.get("doubts", "[]"),
     }
-    counted = 0
+    doubts, counted = damaged(journal), 0
     with suppress(InputError):
         counted = checkpoint(journal)[1]
     if time.size < counted:
-        doubt = f"{journal} is damaged: {time.size} of {counted} states are whole, until {reached}"
-        attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), doubt])
+        doubts.append(f"{journal} is damaged: {time.size} of {counted} states are whole, until {reached}")
+    for doubt in doubts:
         warn(doubt)
+    attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), *doubts])
     return data.assign_attrs(attrs)

@@ -18,7 +18,7 @@ from viscorod.results.files.file_tail import require_tail_fits, write_tail
 from viscorod.results.files.hdf5_output import Hdf5Output, hdf5_output, uninterrupted
 from viscorod.results.files.pieces_of_arrays import piece_shape
 from viscorod.results.files.plain_file import require_levels_readable, require_plain, require_written
-from viscorod.whole_files import make_durable, replacing
+from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,7 +67,6 @@ def write(
             uninterrupted(partial(_write_parts, output, parts, before, piece), output.abandon)
         if new.is_file():  # and no device
             write_tail(new)
-    make_durable(path.parent)
     return path
 
 

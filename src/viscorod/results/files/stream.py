@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results.files.journal import FOLDER, Journal, about, complete, last_checkpoint
+from viscorod.results.files.journal import FOLDER, Journal, about, complete, last_checkpoint, mended
 from viscorod.solve.history import EnergyAccount, History, Snapshot
 from viscorod.solve.transient.pose_check import MOST
 from viscorod.whole_files import why_not
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 FLUSH = 1.0
 """Seconds of wall time after which states are written at the latest."""
 
-MANY = 256
+MANY = 1024
 """States that are kept at most before they are written."""
 MUCH = 64e6
 """Bytes of states that are kept at most, unless one has more."""
@@ -57,11 +57,12 @@ class Stream(History):
     Args:
         sink: where they go.
         build: makes a data set of a history.
+        sampled: some states stay here, evenly chosen, for :meth:`sample`.
     """
 
-    def __init__(self, sink: Sink, build: Callable[[History], xr.Dataset]) -> None:
+    def __init__(self, sink: Sink, build: Callable[[History], xr.Dataset], *, sampled: bool = False) -> None:
         super().__init__()
-        self.sink, self.build = sink, build
+        self.sink, self.build, self.sampled = sink, build, sampled
         self._gone = sink.count
         self._signs: np.ndarray | None = None
         self._most = MANY
@@ -82,13 +83,13 @@ class Stream(History):
         if len(self.instant) >= self._most:
             self.flush()
         super().record(instant, snapshot, account, step_size, iterations)
-        if self.count % self._stride == 0:
+        if self.sampled and self.count % self._stride == 0:
             self._samples.append(_own(snapshot))
             if len(self._samples) >= 2 * MOST:  # half as many, twice as far apart
                 self._samples, self._stride = self._samples[::2], 2 * self._stride
 
     def sample(self, most: int) -> list[Snapshot]:
-        """See :class:`~viscorod.solve.history.History`: of a run that went on, those since then."""
+        """See :class:`~viscorod.solve.history.History`: if ``sampled``; of a run that went on, those since then."""
         return self._samples[:: max(1, len(self._samples) // most)]
 
     def flush(self) -> None:
@@ -126,10 +127,11 @@ class JournalStream(Stream):
         build: makes a data set of a history.
         attributes: of the run; ``case`` and ``settings`` among them have to be those of a run that goes on.
         resume: go on from the checkpoint of the journal that is there.
+        sampled: see :class:`Stream`.
 
     Attributes:
         checkpoint: the state from which to go on, None at the beginning.
-        doubt: what was damaged in it, so that it went back to an earlier state; empty usually.
+        doubt: what was damaged in it, so that it was mended or went back to an earlier state; empty usually.
         broken: states can no longer be written.
     """
 
@@ -140,21 +142,25 @@ class JournalStream(Stream):
         attributes: Mapping[str, str],
         *,
         resume: bool = False,
+        sampled: bool = False,
     ) -> None:
         self.folder = folder
         place, found = folder / FOLDER, None
+        told: list[str] = []
         if resume:
             _require_same(about(place), attributes, folder)
+            told = mended(place)
             found = last_checkpoint(place)
         self.journal = Journal(place, keep=None if found is None else found.count)
-        super().__init__(self.journal, build)
+        super().__init__(self.journal, build, sampled=sampled)
         self.checkpoint: Any = None
-        self.doubt, self.broken = "", False
+        self.broken = False
         if found is not None and found.state is not None:
             self.checkpoint, self._signs = found.state, np.array(found.about["signs"])
-            self.doubt = "; ".join(filter(None, [found.about["doubt"], found.doubt]))
+            told = [found.about["doubt"], *told, found.doubt]
             if found.doubt:
                 self.journal.forget_last_checkpoint()
+        self.doubt = "; ".join(filter(None, told))
         self._flushed = self._checked = -np.inf
         self._cost = 0.0
 

@@ -28,6 +28,8 @@ _NAMES = (
 
 RESISTED = 1e-6
 """Stiffness against a motion, as a part of all forces over the length, from which on loads resist it."""
+ROUND_OFF = 1e-8
+"""The same for one translation, as a part of what adds up to it, that is no more than rounding."""
 MANY = 120
 """Parts that joints join above which their free motions are not found one by one: full matrices would be too large."""
 
@@ -333,6 +335,8 @@ def undetermined(
         stiffness: tangent there, loads included, before supports ``(6 n, 6 n)``.
         motions: from :func:`free_motions`.
     """
+    if any(load.law.at_rest for load in problem.motion_loads):  # such as a foundation
+        motions = [m for m in motions if not (m.translation and _resisted(m, stiffness))]
     if not motions:
         return []
     force = float(np.abs(external[:, :3]).sum()) + float(np.abs(external[:, 3:]).sum()) / problem.length
@@ -346,6 +350,12 @@ def undetermined(
     loose = values < RESISTED * force / problem.length
     share = np.abs(vectors[:, loose]).max(axis=1, initial=0.0)
     return [m for m, part in zip(motions, share, strict=True) if part > 0.1]
+
+
+def _resisted(motion: FreeMotion, stiffness: sparse.csc_array) -> bool:
+    """Return whether a stiffness resists a motion by more than round-off."""
+    x = motion.increments.ravel()
+    return bool(x @ (stiffness @ x) > ROUND_OFF * (np.abs(x) @ (abs(stiffness) @ np.abs(x))))
 
 
 def _parts(problem: Problem) -> tuple[int, np.ndarray]:

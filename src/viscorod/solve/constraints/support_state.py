@@ -159,9 +159,9 @@ class SupportState:
 
     def _directions(self, k: int, state: State) -> tuple[Floats, Floats, Floats, Floats]:
         """Return the components of a support's motion, their derivative G, dual directions Z, and psi."""
-        value, found = np.empty(6), supports.Directions.of(1)
-        supports.support_directions(self.nodes, k, self.target, state.r, state.q, value, 0, found)
-        return value, found.G[0], found.Z[0], found.psi[0]
+        found = supports.Directions.of(1)
+        supports.support_directions(self.nodes, k, self.target, state.r, state.q, 0, found)
+        return found.value[0], found.G[0], found.Z[0], found.psi[0]
 
     def measured(self, state: State) -> Floats:
         """Return the motions of all supports in a state ``(m, 6)``, rotations nearest to the present targets."""
@@ -209,10 +209,16 @@ class SupportState:
             ``(free, free)``; ``(6 n, free)``, from these motions to body increments of the nodes.
         """
         self.impose(state, residual, matrix, tangent=True)
-        size, free = 6 * self.problem.size, self.free_rows()
-        unit = sparse.diags_array(np.where(free % 6 < 3, self.problem.length, 1.0))
-        basis = sparse.csc_array(self.free_basis(state) @ unit)
-        return sparse.csr_array(unit @ (matrix.sparse()[:size, :size] @ basis)[free]), basis
+        free = self.free_rows()
+        unit = np.where(free % 6 < 3, self.problem.length, 1.0)
+        basis = self.free_basis(state)
+        basis.data *= np.repeat(unit, np.diff(basis.indptr))
+        starts = matrix.pattern.starts
+        for k in self.partial:
+            node, Z = self.set.nodes[k], self._directions(int(k), state)[2]
+            column = slice(starts[node], starts[node + 1])
+            matrix.blocks[column] = Z.T @ matrix.blocks[column]
+        return matrix.pattern.part(matrix.blocks, free, unit), basis
 
     def project_twists(self, state: State) -> None:
         """Give partially supported nodes exactly the prescribed velocity components."""

@@ -21,12 +21,14 @@ class Formulation(NamedTuple):
         constraints: it has joints and constrained strains.
         branches: it has Maxwell branches.
         linear: it has linear dynamics.
+        laws: it has laws of sections.
     """
 
     make: Callable[[Problem], System]
     constraints: bool = True
     branches: bool = True
     linear: bool = False
+    laws: bool = True
 
 
 _INTRINSIC = deferred("formulations.intrinsic_system:IntrinsicSystem")
@@ -35,7 +37,7 @@ FORMULATIONS: dict[tuple[str, str], Formulation] = {
     ("geometric", "full"): Formulation(deferred("formulations.geometric_system:GeometricSystem")),
     ("intrinsic", "full"): Formulation(_INTRINSIC, constraints=False),
     ("intrinsic", "linearised"): Formulation(
-        partial(_INTRINSIC, linearised=True), constraints=False, branches=False, linear=True
+        partial(_INTRINSIC, linearised=True), constraints=False, branches=False, linear=True, laws=False
     ),
 }
 """By formulation and damping."""

@@ -66,7 +66,10 @@ class GaussPoints:
 
 @dataclass(frozen=True)
 class GaussPositions:
-    """Rod, arc length [m], quadrature length [m], half width [m], stiffness and damping of every Gauss point."""
+    """Rod, arc length [m], quadrature length [m], half width [m], stiffness and damping of every Gauss point.
+
+    ``section`` is the number of its section among those of :meth:`System.elements`.
+    """
 
     rod: Integers
     s: Floats
@@ -74,6 +77,7 @@ class GaussPositions:
     half_width: Floats
     stiffness: Floats
     damping: Floats
+    section: Integers
 
 
 class System(Protocol):
@@ -85,6 +89,8 @@ class System(Protocol):
     """State of the Maxwell branches; None if there are none."""
     internal: Floats
     external: Floats
+    dissipated: float
+    """Power that loads dissipated in the last assembly [W]."""
     matrix: Matrix
     given_strain: Floats | None
     """Strains at the Gauss points ``(m, 6)``, in order of results, that a motion starts with; None: those of poses."""
@@ -156,9 +162,6 @@ class System(Protocol):
 
     def element_forces(self, elements: Elements, stages: int) -> ElementForces:
         """Return the internal forces at the start and the stages of a collocation step."""
-
-    def element_number(self, part: int, element: int) -> int:
-        """Return the number in :meth:`elements` of an element of the problem's element set ``part``."""
 
     def gauss_positions(self) -> GaussPositions:
         """Return where the Gauss points are, in the same order."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -86,10 +87,17 @@ class DirectSolver:
             f.rest,
         )
 
-    def solve(self, b: Vector) -> Vector:
-        """Solve in place for a contiguous right side ``(6 N,)`` or ``(N, 6)``; return it."""
+    def solve(self, b: Vector, *, transposed: bool = False) -> Vector:
+        """Solve ``A x = b``, or ``A' x = b`` (not conjugated), in place for a contiguous ``(6 N,)`` or ``(N, 6)``."""
         assert b.flags.c_contiguous  # else a copy would be solved for
-        substitute(*self.factors, b.reshape(-1))
+        if transposed:  # compiled only where it is asked for
+            from viscorod.solve.linear.transposed import substitute_transposed
+
+            rest = self.factors.rest.copy()
+            rest[1] = self._sparse.transposed.address if self._sparse else 0
+            substitute_transposed(*self.factors._replace(rest=rest), b.reshape(-1))
+        else:
+            substitute(*self.factors, b.reshape(-1))
         self.check()
         return b
 
@@ -97,6 +105,7 @@ class DirectSolver:
         """Raise what went wrong in solutions within compiled code."""
         if self._sparse is not None:
             self._sparse.callback.check()
+            self._sparse.transposed.check()
 
     @property
     def _condensed(self) -> int:
@@ -105,7 +114,7 @@ class DirectSolver:
 
 
 class _SparseLU:
-    """SuperLU of what remains of a matrix; ``callback`` solves for a right side."""
+    """SuperLU of what remains of a matrix; ``callback`` and ``transposed`` solve for a right side."""
 
     def __init__(self, plan: Plan, kind: type) -> None:
         self._plan, self._kind = plan, kind
@@ -118,7 +127,8 @@ class _SparseLU:
         self._index = np.concatenate(index).astype(np.int32)
         self._starts = np.concatenate([[0], np.cumsum(np.repeat(6 * np.diff(starts), 6))]).astype(np.int32)
         self._lu: Any = None
-        self.callback = Callback(self._solve)
+        self.callback = Callback(partial(self._solve, "N"))
+        self.transposed = Callback(partial(self._solve, "T"))
 
     def factorise(self, values: Floats) -> None:
         """Factorise the matrix with these values, in columns."""
@@ -134,9 +144,9 @@ class _SparseLU:
         except RuntimeError:  # SuperLU does not say where
             raise SingularMatrixError(self._plan.unknown(_null_vector(matrix))) from None
 
-    def _solve(self, numbers: Floats) -> None:
+    def _solve(self, way: str, numbers: Floats) -> None:
         b: Any = numbers.view(self._kind)
-        b[:] = np.nan if self._lu is None else self._lu.solve(b)
+        b[:] = np.nan if self._lu is None else self._lu.solve(b, way)
 
 
 def _null_vector(matrix: Any) -> int:

@@ -70,12 +70,12 @@ class Matrix:
             scale_blocks(self.pattern.rows, self.pattern.columns, self.scales, self.blocks)
         self.solver.factorise(self.blocks)
 
-    def solve(self, right_side: Floats) -> Floats:
-        """Solve with the factors; ``right_side (6 N,)`` or ``(N, 6)`` is overwritten and returned."""
+    def solve(self, right_side: Floats, *, transposed: bool = False) -> Floats:
+        """Solve in place with the factors, or their transpose, for ``(6 N,)`` or ``(N, 6)``; return that."""
         scales = self.scales.reshape(right_side.shape)
         if self._scaled:
             right_side *= scales
-        self.solver.solve(right_side)
+        self.solver.solve(right_side, transposed=transposed)
         if self._scaled:
             right_side *= scales
         return right_side

@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from scipy import sparse
+from scipy.sparse import csc_array, csr_array
 
 from viscorod.typing import Floats, Integers
 
@@ -77,11 +77,25 @@ class Pattern(NamedTuple):
         first = int(self.starts[column])
         return first + int(np.searchsorted(self.rows[first : self.starts[column + 1]], row))
 
-    def sparse(self, blocks: Floats) -> sparse.csc_array:
+    def sparse(self, blocks: Floats) -> csc_array:
         """Return a matrix with the values ``blocks (b, 6, 6)`` as a sparse array, without those that are zero."""
-        size = 6 * self.size
-        within = np.arange(6)
-        rows = np.broadcast_to(6 * self.rows[:, None, None] + within, blocks.shape)
-        columns = np.broadcast_to(6 * self.columns[:, None, None] + within[:, None], blocks.shape)
+        rows, columns = self._places()
         stored = blocks != 0.0
-        return sparse.csc_array((blocks[stored], (rows[stored], columns[stored])), shape=(size, size))
+        size = 6 * self.size
+        return csc_array((blocks[stored], (rows[stored], columns[stored])), shape=(size, size))
+
+    def part(self, blocks: Floats, chosen: Integers, unit: Floats) -> csr_array:
+        """Return chosen rows and columns ``(k,)`` of a matrix as :meth:`sparse` does, each times its ``unit (k,)``."""
+        number, factor = np.full(6 * self.size, -1), np.zeros(6 * self.size)
+        number[chosen], factor[chosen] = np.arange(len(chosen)), unit
+        rows, columns = self._places()
+        values = blocks * factor[rows] * factor[columns]
+        stored = values != 0.0
+        where = number[rows[stored]], number[columns[stored]]
+        return csr_array((values[stored], where), shape=(len(chosen), len(chosen)))
+
+    def _places(self) -> tuple[Integers, Integers]:
+        """Return row and column of every value of the blocks ``(b, 6, 6)``."""
+        shape, within = (len(self.rows), 6, 6), np.arange(6)
+        rows = np.broadcast_to(6 * self.rows[:, None, None] + within, shape)
+        return rows, np.broadcast_to(6 * self.columns[:, None, None] + within[:, None], shape)

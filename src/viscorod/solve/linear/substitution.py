@@ -71,7 +71,7 @@ def _backward(front: Floats, n: int, size: int, x: Floats) -> None:
 
 
 @part
-def _take(b: Floats, rows: Integers, count: int, x: Floats) -> None:
+def take(b: Floats, rows: Integers, count: int, x: Floats) -> None:
     """Write the first ``count`` of some block rows of ``b`` into ``x``, one after the other."""
     for k in range(count):
         at = 6 * rows[k]
@@ -80,8 +80,8 @@ def _take(b: Floats, rows: Integers, count: int, x: Floats) -> None:
 
 
 @part
-def _put(x: Floats, rows: Integers, count: int, b: Floats) -> None:
-    """Undo :func:`_take`."""
+def put(x: Floats, rows: Integers, count: int, b: Floats) -> None:
+    """Undo :func:`take`."""
     for k in range(count):
         at = 6 * rows[k]
         for a in range(6):
@@ -89,8 +89,8 @@ def _put(x: Floats, rows: Integers, count: int, b: Floats) -> None:
 
 
 @part
-def _add(x: Floats, rows: Integers, count: int, b: Floats) -> None:
-    """Add what :func:`_put` writes."""
+def add(x: Floats, rows: Integers, count: int, b: Floats) -> None:
+    """Add what :func:`put` writes."""
     for k in range(count):
         at = 6 * rows[k]
         for a in range(6):
@@ -112,18 +112,18 @@ def substitute(
     """Solve in place for ``b (6 N,)``; the others are those of :class:`~viscorod.solve.linear.factors.Factors`."""
     count = rows.shape[0]
     remaining = 6 * count
-    _take(b, rows, count, vector)
+    take(b, rows, count, vector)
     x = vector[remaining:]
     member = done = 0
     for g in range(groups.shape[0]):
         inner, every = groups[g, 0], groups[g, 1]
         own, around = members[member:], members[member + inner :]
-        _take(b, own, inner, x)
+        take(b, own, inner, x)
         for k in range(6 * inner, 6 * every):
             x[k] = 0.0
         _forward(fronts[groups[g, 2] :], 6 * inner, 6 * every, integers[HEAD + done :], x)
-        _put(x, own, inner, b)
-        _add(x[6 * inner :], around, every - inner, vector)
+        put(x, own, inner, b)
+        add(x[6 * inner :], around, every - inner, vector)
         member += every
         done += 6 * inner
     if rest[1] == 0:
@@ -134,12 +134,12 @@ def substitute(
     for g in range(groups.shape[0]):
         inner, every = groups[g, 0], groups[g, 1]
         own, around = members[member:], members[member + inner :]
-        _take(b, own, inner, x)
-        _take(vector, around, every - inner, x[6 * inner :])
+        take(b, own, inner, x)
+        take(vector, around, every - inner, x[6 * inner :])
         _backward(fronts[groups[g, 2] :], 6 * inner, 6 * every, x)
-        _put(x, own, inner, b)
+        put(x, own, inner, b)
         member += every
-    _put(vector, rows, count, b)
+    put(vector, rows, count, b)
 
 
 @part

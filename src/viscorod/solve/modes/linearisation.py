@@ -16,6 +16,7 @@ import scipy.linalg
 from scipy import sparse
 
 from viscorod.errors import SolveError
+from viscorod.mechanics.elements.section_laws import SectionLaws
 from viscorod.solve.constraints.null_space import null_space
 from viscorod.solve.constraints.rigid_motions import RigidParts, many_parts, motions_of_parts
 from viscorod.solve.formulations.geometric_system import GeometricSystem
@@ -162,6 +163,7 @@ def _without_elements(solver: StaticSolver, t: float, before: bool, scale: float
             stiffness=np.zeros_like(e.stiffness),
             damping=np.zeros_like(e.damping),
             branches=np.zeros_like(e.branches),
+            laws=SectionLaws.none(len(e.stiffness)),
         )
         for e in problem.sets
     )

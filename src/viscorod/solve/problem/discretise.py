@@ -66,7 +66,7 @@ def discretise(
     sets, mass, relaxation_times = element_sets(mesh, pattern)
     supports = _supports(model, places)
     refuse_massless_turns(model.bodies, mesh, mass, supports)
-    nodal_loads, station_loads = place_loads(model, places)
+    nodal_loads, station_loads, motion_loads = place_loads(model, places)
     motions = [motion for _, _, motion in supports.motions] + [motion for _, motion in joints.motions]
     breakpoints, jumps, periods = _times(model, motions)
     times = {k: load.time for k, load in enumerate(model.loads)}
@@ -90,6 +90,7 @@ def discretise(
         supports=supports,
         nodal_loads=nodal_loads,
         station_loads=station_loads,
+        motion_loads=motion_loads,
         stations=stations_of(mesh),
         initial_strain={mesh.rod_index(strain.rod): strain.at for strain in model.strains},
         rest_strain={mesh.rod_index(strain.rod): strain.at for strain in model.rest_strains},

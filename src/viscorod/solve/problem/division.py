@@ -84,7 +84,8 @@ def divided(name: str, rod: Rod, breaks: list[float], wishes: list[float], turn:
             Fault(
                 f"rods.{name}.elements",
                 str(rod.elements),
-                "too few: elements must end where sections change and at supports, attachments and joints",
+                "too few: elements must end where sections change, at supports, attachments and joints, and where drag "
+                "begins and ends",
                 f"give at least {len(spans)}, or leave it out",
             )
         )

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics.elements.basis import lobatto
+from viscorod.mechanics.elements.gauss_batch import ElementGroup
+from viscorod.mechanics.elements.geometric_element import strains
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.solve.formulations.system import GaussPositions
 from viscorod.solve.problem.problem import ElementSet, Problem
@@ -19,7 +21,8 @@ def all_branches(problem: Problem) -> Floats:
 def gauss_positions(sets: tuple[ElementSet, ...]) -> tuple[Integers, GaussPositions]:
     """Return the order of all Gauss points by rod and arc length, and their places in that order."""
     rod, s, length, half_width = [], [], [], []
-    stiffness, damping = [], []
+    stiffness, damping, section = [], [], []
+    first = 0
     for e in sets:
         count = e.section.shape[1]
         inside = e.shapes @ lobatto(e.order)[0]  # xi of the points
@@ -29,6 +32,8 @@ def gauss_positions(sets: tuple[ElementSet, ...]) -> tuple[Integers, GaussPositi
         half_width.append(e.half_widths.ravel())
         stiffness.append(e.stiffness[e.section].reshape(-1, 6, 6))
         damping.append(e.damping[e.section].reshape(-1, 6, 6))
+        section.append(e.section.ravel() + first)
+        first += len(e.stiffness)
     rods, places = np.concatenate(rod), np.concatenate(s)
     order = np.lexsort((places, rods))
     return order, GaussPositions(
@@ -38,6 +43,7 @@ def gauss_positions(sets: tuple[ElementSet, ...]) -> tuple[Integers, GaussPositi
         np.concatenate(half_width)[order],
         np.concatenate(stiffness)[order],
         np.concatenate(damping)[order],
+        np.concatenate(section)[order],
     )
 
 
@@ -52,21 +58,44 @@ def gauss_indices(sets: tuple[ElementSet, ...]) -> Integers:
     return np.concatenate(places)
 
 
-def rest_strains(problem: Problem, e: ElementSet) -> Floats | None:
-    """Return the rest strains at the Gauss points of one element set ``(elements, points, 6)``; None without any."""
-    if not any(rod in problem.rest_strain for rod in e.rod):
+def element_groups(problem: Problem) -> tuple[ElementGroup, ...]:
+    """Return which of the elements of a problem have one order."""
+    first = np.cumsum([0, *(len(e.nodes) for e in problem.sets)])
+    return tuple(
+        ElementGroup(int(begin), len(e.nodes), e.order, e.coupled, e.damped, bool(e.held.any()))
+        for begin, e in zip(first, problem.sets, strict=False)
+    )
+
+
+def rest_strains(problem: Problem) -> Floats | None:
+    """Return the rest strains at all Gauss points ``(e, points, 6)``; None without any."""
+    if not problem.rest_strain:
         return None
-    out = np.zeros((*e.section.shape, 6))
-    inside = e.shapes @ lobatto(e.order)[0]
-    for k, rod in enumerate(e.rod):
-        field = problem.rest_strain.get(int(rod))
-        if field is not None:
-            out[k] = [field(float(s)) for s in e.start[k] + e.half_lengths[k] * (1.0 + inside)]
+    out = np.zeros((sum(len(e.nodes) for e in problem.sets), max(e.order for e in problem.sets), 6))
+    first = 0
+    for e in problem.sets:
+        inside = e.shapes @ lobatto(e.order)[0]
+        for k, rod in enumerate(e.rod):
+            field = problem.rest_strain.get(int(rod))
+            if field is not None:
+                out[first + k, : e.order] = [
+                    field(float(s)) for s in e.start[k] + e.half_lengths[k] * (1.0 + inside)
+                ]
+        first += len(e.nodes)
     return out
 
 
-def all_elements(problem: Problem, references: list[Floats]) -> Elements:
-    """Return all elements of a problem as one structure; ``references`` are the unstressed strains by element set."""
+def unstressed_strains(problem: Problem) -> Floats:
+    """Return the strains of the interpolated reference shape at all Gauss points ``(e, points, 6)``."""
+    top = max(e.order for e in problem.sets)
+    out = np.zeros((sum(len(e.nodes) for e in problem.sets), top, 6))
+    frames = np.zeros((*out.shape[:2], 4))
+    strains(all_elements(problem, out), problem.positions, problem.quaternions, out, frames)
+    return out
+
+
+def all_elements(problem: Problem, reference: Floats) -> Elements:
+    """Return all elements of a problem as one structure, with the strains of their unstressed shape."""
     top = max(e.order for e in problem.sets)
     count = sum(len(e.nodes) for e in problem.sets)
     shapes, slopes = np.zeros((top + 1, top, top + 1)), np.zeros((top + 1, top, top + 1))
@@ -75,16 +104,14 @@ def all_elements(problem: Problem, references: list[Floats]) -> Elements:
     links = np.full((count, top + 1), -1, dtype=np.int64)
     slots = np.zeros((count, top + 1, top + 1), dtype=np.int64)
     section = np.zeros((count, top), dtype=np.int64)
-    reference = np.zeros((count, top, 6))
     first = first_section = 0
-    for e, own in zip(problem.sets, references, strict=True):
+    for e in problem.sets:
         p = e.order
         rows = slice(first, first + len(e.nodes))
         shapes[p, :p, : p + 1], slopes[p, :p, : p + 1], weights[p, :p] = e.shapes, e.slopes, e.weights
         nodes[rows, : p + 1], links[rows, : p + 1] = e.nodes, e.links
         slots[rows, : p + 1, : p + 1] = e.slots
         section[rows, :p] = e.section + first_section
-        reference[rows, :p] = own
         first += len(e.nodes)
         first_section += len(e.stiffness)
     damping = np.concatenate([e.damping for e in problem.sets])
@@ -101,7 +128,8 @@ def all_elements(problem: Problem, references: list[Floats]) -> Elements:
         section,
         np.concatenate([e.stiffness for e in problem.sets]),
         damping,
-        bool(damping.any()),
+        problem.laws.present or bool(damping.any()),
         reference,
         slots,
+        problem.laws,
     )

@@ -9,15 +9,17 @@ import numpy as np
 
 from viscorod.mechanics.elements.basis import lagrange
 from viscorod.mechanics.nodes import applied_loads as loading
+from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
+from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionTangent, MotionWork, add_motion_loads
+from viscorod.solve.problem.law_callbacks import MotionLaws
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
 
 @dataclass
 class ActiveStation:
-    """A concentrated load placed in an element: which set and element, the basis there, and its wrenches."""
+    """A concentrated load placed in an element: number, basis there, wrenches."""
 
-    part: int
     element: int
     shape: Floats
     dead: Floats
@@ -26,9 +28,14 @@ class ActiveStation:
 
 @dataclass
 class LoadState:
-    """All loads at one time; ``nodes`` lists those that carry any nodal load; ``levers`` as in ``add_nodal_loads``.
+    """All loads at one time.
 
-    ``rest`` is the part of the rest strains that is imposed.
+    Attributes:
+        nodes: those that carry any nodal load; dead, following, gravity, levers: as in ``add_nodal_loads``.
+        stations: within elements.
+        motion: loads that see motion; factors: of their places ``(m,)``; pushes: they act on what is at rest.
+        laws: of these loads.
+        rest: part of the rest strains that is imposed.
     """
 
     nodes: Integers
@@ -36,24 +43,43 @@ class LoadState:
     following: Floats
     gravity: Floats
     levers: Floats
+    motion: MotionLoads
+    factors: Floats
     stations: list[ActiveStation] = field(default_factory=list)
+    pushes: bool = False
+    laws: MotionLaws | None = None
     rest: float = 1.0
 
     @property
     def none(self) -> bool:
-        """True if nothing acts."""
-        return len(self.nodes) == 0 and not self.stations
+        """True if nothing acts on a model at rest."""
+        return len(self.nodes) == 0 and not self.stations and not self.pushes
 
-    def add_nodal(
-        self, q: Floats, mass: Floats, external: Floats, blocks: Floats, diagonal: Integers, *, tangent: bool
-    ) -> None:
-        """Add the loads of nodes to ``external (n, 6)``; with ``tangent`` take their derivative off the ``blocks``.
+    @property
+    def sees_motion(self) -> bool:
+        """True if anything depends on the motion."""
+        return bool(self.factors.any())
+
+    def add(
+        self,
+        problem: Problem,
+        pose: tuple[Floats, Floats],
+        twist: Floats | None,
+        external: Floats,
+        tangent: MotionTangent | None = None,
+    ) -> float:
+        """Add all loads to ``external (n, 6)``, body axes; return the power that they dissipate [W].
 
         Args:
-            q: unit quaternions of the nodes ``(n, 4)``; mass: of the nodes ``(n, 6, 6)``.
-            external: wrenches, body axes; blocks, diagonal: of a matrix, see ``add_nodal_loads``.
-            tangent: whether the derivative is wanted.
+            problem: whose loads these are.
+            pose: positions and unit quaternions of the nodes ``(n, 3)``, ``(n, 4)``.
+            twist: of the nodes ``(n, 6)``, None for none.
+            external: wrenches.
+            tangent: blocks of matrices, of which their derivative is taken off, if it is wanted.
         """
+        r, q = pose
+        into = MotionTangent.none() if tangent is None else tangent
+        wanted, blocks = tangent is not None, into.blocks
         if len(self.nodes):
             loading.add_nodal_loads(
                 self.nodes,
@@ -62,16 +88,43 @@ class LoadState:
                 self.following,
                 self.gravity,
                 self.levers,
-                mass,
-                tangent,
+                problem.mass,
+                wanted,
                 external,
                 blocks,
-                diagonal,
+                problem.pattern.diagonal,
             )
+        for load in self.stations:
+            e, i = problem.element(load.element)
+            own = ElementNodes(e.nodes[i], e.links[i], problem.link_positions, problem.link_quaternions)
+            loading.add_station_load(
+                own,
+                PointWrench(load.shape, load.dead, load.following),
+                r,
+                q,
+                wanted,
+                external,
+                blocks,
+                e.slots[i],
+                loading.StationWork.of(len(load.shape)),
+            )
+        if not self.sees_motion:
+            return 0.0
+        moving = np.zeros((len(r), 6)) if twist is None else twist
+        power = add_motion_loads(self.motion, self.factors, r, q, moving, external, into, MotionWork.new())
+        if self.laws is not None:
+            self.laws.callback.check()
+        return power
 
 
 NO_LOADS = LoadState(
-    np.empty(0, dtype=np.int64), np.empty((0, 6)), np.empty((0, 6)), np.zeros(3), np.empty((0, 3, 3))
+    np.empty(0, dtype=np.int64),
+    np.empty((0, 6)),
+    np.empty((0, 6)),
+    np.zeros(3),
+    np.empty((0, 3, 3)),
+    MotionLoads.none(),
+    np.empty(0),
 )
 
 
@@ -79,6 +132,7 @@ class ExternalLoads:
     """Evaluates the loads of a problem; nodal sums are kept while the time factors stay the same.
 
     Attributes:
+        motion: places of the loads that see motion, with their laws.
         stage: parts of the model's loads, and last of the rest strains, at ``scale`` 0 and 1 of a stage of statics;
             None: none and all of them.
     """
@@ -86,6 +140,8 @@ class ExternalLoads:
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.offset = any(load.arms.any() for load in problem.nodal_loads)
+        self.laws = MotionLaws([load.law for load in problem.motion_loads])
+        self.motion = self._motion_loads()
         self.stage: tuple[Floats, Floats] | None = None
         self._factors: tuple[float, tuple[float, ...]] | None = None
         self._state: LoadState | None = None
@@ -99,10 +155,13 @@ class ExternalLoads:
         ``given`` are factors, by the number of the load, in place of those at ``t``.
         """
         problem, given = self.problem, given or {}
+        factored = [(load.load, load.factor, True) for load in problem.nodal_loads]
+        # what does nothing at rest is no load that grows in statics
+        factored += [(load.load, load.factor, load.law.at_rest) for load in problem.motion_loads]
         factors = tuple(
-            self._part(load.load, scale)
-            * (given[load.load] if load.load in given else load.factor(t, before))
-            for load in problem.nodal_loads
+            (self._part(load, scale) if grows else 1.0)
+            * (given[load] if load in given else factor(t, before))
+            for load, factor, grows in factored
         )
         rest = self._part(-1, scale)
         if (rest, factors) != self._factors or self._state is None:
@@ -120,8 +179,8 @@ class ExternalLoads:
             s = load.position(t, before)
             if factor == 0.0 or not 0.0 <= s <= problem.rod_lengths[load.rod]:
                 continue
-            part, element, shape = self.locate(load.rod, s)
-            stations.append(ActiveStation(part, element, shape, factor * load.dead, factor * load.following))
+            element, shape = self.locate(load.rod, s)
+            stations.append(ActiveStation(element, shape, factor * load.dead, factor * load.following))
         self.last = replace(state, stations=stations)
         return self.last
 
@@ -133,10 +192,11 @@ class ExternalLoads:
         return float(first[load] + scale * (last[load] - first[load]))
 
     def _nodal(self, factors: tuple[float, ...]) -> LoadState:
-        n = self.problem.size
+        """Return the loads of nodes, first those that do not see motion, with their factors."""
+        problem, n = self.problem, self.problem.size
         dead, following, gravity = np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3)
         levers = np.zeros((n if self.offset else 0, 3, 3))
-        for factor, load in zip(factors, self.problem.nodal_loads, strict=True):
+        for factor, load in zip(factors, problem.nodal_loads, strict=False):
             if factor == 0.0:
                 continue
             np.add.at(dead, load.nodes, factor * load.dead)
@@ -148,18 +208,35 @@ class ExternalLoads:
             nodes = np.arange(n, dtype=np.int64)
         else:
             nodes = np.flatnonzero(dead.any(axis=1) | following.any(axis=1)).astype(np.int64)
-        return LoadState(nodes, dead, following, gravity, levers)
+        moving = list(zip(factors[len(problem.nodal_loads) :], problem.motion_loads, strict=True))
+        places = np.concatenate([np.zeros(0), *(factor * load.lengths for factor, load in moving)])
+        pushes = any(factor != 0.0 and load.law.at_rest for factor, load in moving)
+        return LoadState(
+            nodes, dead, following, gravity, levers, self.motion, places, pushes=pushes, laws=self.laws
+        )
 
-    def locate(self, rod: int, s: float) -> tuple[int, int, Floats]:
-        """Return element set, element and basis values ``(m,)`` at arc length ``s`` [m] of a rod."""
-        for part, elements in enumerate(self.problem.sets):
+    def _motion_loads(self) -> MotionLoads:
+        loads = self.problem.motion_loads
+        if not loads:
+            return MotionLoads.none()
+        rows = np.repeat(self.laws.rows, [len(load.nodes) for load in loads], axis=0)
+        nodes, arms, turns = (
+            np.concatenate([getattr(load, name) for load in loads]) for name in ("nodes", "arms", "turns")
+        )
+        return MotionLoads.of(nodes, arms, turns, rows)
+
+    def locate(self, rod: int, s: float) -> tuple[int, Floats]:
+        """Return the number of the element among all, and basis values ``(m,)``, at arc length ``s`` [m] of a rod."""
+        first = 0
+        for elements in self.problem.sets:
             mine = np.flatnonzero(elements.rod == rod)
             if len(mine) == 0:
+                first += len(elements.nodes)
                 continue
             starts = elements.start[mine]
             place = int(np.clip(np.searchsorted(starts, s, side="right") - 1, 0, len(mine) - 1))
             element = int(mine[place])
             xi = (s - elements.start[element]) / elements.half_lengths[element] - 1.0
             values, _ = lagrange(elements.order, np.array([min(max(xi, -1.0), 1.0)]))
-            return part, element, np.ascontiguousarray(values[0])
+            return first + element, np.ascontiguousarray(values[0])
         raise AssertionError(f"rod {rod} has no elements")

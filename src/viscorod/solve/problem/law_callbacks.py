@@ -1,10 +1,16 @@
-"""Python functions of springs and dampers: called from compiled code, and their energies."""
+"""Python functions of springs, dampers and loads: called from compiled code; energies and derivatives of theirs."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
+import numpy as np
 from scipy.integrate import quad
+from scipy.spatial.transform import Rotation
 
 from viscorod.mechanics.compilation.callback import Callback
+from viscorod.mechanics.nodes.motion_loads import ANSWERED, LAWS, PYTHON, ROW
+from viscorod.model.actions.load_effects import CompiledLaw, MotionLaw, PythonLaw
 from viscorod.model.connections.spring_laws import Law, law_value
 from viscorod.typing import Floats
 
@@ -64,3 +70,56 @@ def _slope(law: Law, at: float) -> float:
         return law
     h = STEP * max(abs(at), 1e-3)
     return (law_value(law, at + h) - law_value(law, at - h)) / (2.0 * h)
+
+
+class MotionLaws:
+    """Laws of loads that see motion, one row of numbers each; Python functions answer through one callback.
+
+    Attributes:
+        rows: ``(laws, ROW)``, see ``motion_loads.MotionLoads``.
+    """
+
+    def __init__(self, laws: Sequence[MotionLaw]) -> None:
+        self.laws = list(laws)
+        self.callback = Callback(self._answer)
+        self.rows = np.zeros((len(self.laws), ROW))
+        for k, (law, row) in enumerate(zip(self.laws, self.rows, strict=True)):
+            if isinstance(law, CompiledLaw):
+                row[0], row[1 : 1 + len(law.numbers)] = LAWS[law.word], law.numbers
+            else:
+                row[:3] = PYTHON, k, self.callback.address
+
+    def _answer(self, numbers: Floats) -> None:
+        """Replace number, position, rotation and twist by wrench, its two derivatives and the dissipated power [W]."""
+        law = self.laws[int(numbers[0])]
+        assert isinstance(law, PythonLaw)
+        r, R, twist = numbers[1:4].copy(), numbers[4:13].reshape(3, 3).copy(), numbers[13:19].copy()
+        wanted = numbers[19] != 0.0
+        numbers[:] = 0.0
+        numbers[ANSWERED - 1] = law.dissipated(r, R, twist)
+        numbers[:6] = law.wrench(r, R, twist)
+        if not wanted:
+            return
+        for column, unit in enumerate(np.eye(6)):
+            for first, sides in (
+                (6, self._moved(law, r, R, twist, unit)),
+                (42, self._faster(law, r, R, twist, unit)),
+            ):
+                numbers[first + column : first + 36 : 6] = sides
+
+    @staticmethod
+    def _moved(law: PythonLaw, r: Floats, R: Floats, twist: Floats, unit: Floats) -> Floats:
+        """Return the derivative of a wrench by an increment of the pose, by central differences."""
+        h = STEP * max(1.0, float(np.abs(r).max()))
+        sides = []
+        for way in (h, -h):
+            turned = R @ Rotation.from_rotvec(way * unit[3:]).as_matrix()
+            sides.append(np.asarray(law.wrench(r + R @ (way * unit[:3]), turned, twist)))
+        return (sides[0] - sides[1]) / (2.0 * h)
+
+    @staticmethod
+    def _faster(law: PythonLaw, r: Floats, R: Floats, twist: Floats, unit: Floats) -> Floats:
+        """Return the derivative of a wrench by a component of the twist, by central differences."""
+        h = STEP * max(1e-3, float(np.abs(twist).max()))
+        ahead, behind = law.wrench(r, R, twist + h * unit), law.wrench(r, R, twist - h * unit)
+        return (np.asarray(ahead) - np.asarray(behind)) / (2.0 * h)

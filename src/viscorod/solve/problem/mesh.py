@@ -10,10 +10,12 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.mechanics.elements.basis import gauss, gauss_table, lobatto
+from viscorod.mechanics.elements.section_laws import SectionLaws, law_address
 from viscorod.mechanics.nodes.attached_poses import link_map
 from viscorod.mechanics.rotations.quaternion import conjugate, from_matrices, matrices, product
 from viscorod.model.bodies.body_base import AnyBody
 from viscorod.model.rod import Rod
+from viscorod.model.sections.law_base import AnySectionLaw
 from viscorod.model.sections.section_base import AnySection
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem.division import Division
@@ -176,23 +178,31 @@ class SectionTable:
         self.damping: list[Floats] = []
         self.held: list[Floats] = []
         self.branches: list[dict[float, Floats]] = []
+        self.laws: list[tuple[int, Floats]] = []
 
     def add(self, rod: Rod, s: float, held: Floats) -> int:
         """Return the index of a rod's section without what ``held (6,)`` marks: multipliers give those forces."""
         stiffness, damping, _ = rod.matrices_at(s)
         times, branches = rod.branches_at(s)
-        key = b"".join(array.tobytes() for array in (stiffness, damping, times, branches, held))
+        address, parameters = (0, np.zeros(0)) if rod.law is None else self._law(rod.law, stiffness)
+        key = b"".join(array.tobytes() for array in (stiffness, damping, times, branches, held, parameters))
+        key += address.to_bytes(8)
         if key not in self._index:
             self._index[key] = len(self.stiffness)
             free = np.outer(1.0 - held, 1.0 - held)
             self.stiffness.append(free * stiffness)
             self.damping.append(free * damping)
             self.held.append(held)
+            self.laws.append((address, parameters))
             own: dict[float, Floats] = {}
             for time, branch in zip(times.tolist(), branches, strict=True):
                 own[time] = own.get(time, 0.0) + free * branch
             self.branches.append(own)
         return self._index[key]
+
+    @staticmethod
+    def _law(law: AnySectionLaw, stiffness: Floats) -> tuple[int, Floats]:
+        return law_address(law.respond), np.asarray(law.parameters(stiffness), dtype=float)
 
     def branches_of(self, times: list[float]) -> Floats:
         """Return the stiffnesses of Maxwell branches with these relaxation times ``(sections, n, 6, 6)``."""
@@ -272,6 +282,7 @@ def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], 
                 damping=np.array(table.damping),
                 held=np.array(table.held),
                 branches=np.zeros((0, 0, 6, 6)),
+                laws=SectionLaws.of(table.laws, np.array(table.held)),
             )
         )
     # branches of one time are one branch, whatever rods they are in

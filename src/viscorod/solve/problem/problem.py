@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from viscorod.mechanics.elements.held_strains import HeldStrains
-from viscorod.model.actions.load_effects import TimeFactor
+from viscorod.mechanics.elements.section_laws import SectionLaws
+from viscorod.model.actions.load_effects import MotionLaw, TimeFactor
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.actions.time_table import FunctionOfTime, TimeTable
 from viscorod.solve.linear.pattern import Pattern
@@ -25,6 +26,7 @@ class ElementSet:
     ``slots (elements, m, m)`` are the matrix blocks between the nodes of an element, of the problem's pattern.
     ``held (sections, 6)`` marks strains that multipliers hold; stiffness and damping have no rows and columns there.
     ``branches (sections, n, 6, 6)`` are the stiffnesses of the Maxwell branches with the problem's relaxation times.
+    ``laws`` are those of the sections beside these matrices.
     ``half_widths (elements, points)`` [m] are the largest distances of the section from the centre line, 0 if unknown.
     """
 
@@ -44,15 +46,18 @@ class ElementSet:
     damping: Floats
     held: Floats
     branches: Floats
+    laws: SectionLaws
 
     @property
     def damped(self) -> bool:
         """True if any section has viscosity."""
-        return bool(np.any(self.damping != 0.0))
+        return self.laws.present or bool(np.any(self.damping != 0.0))
 
     @property
     def coupled(self) -> bool:
         """True if any section couples different strains; kernels skip the off-diagonals otherwise."""
+        if self.laws.present:
+            return True
         off = ~np.eye(6, dtype=bool)
         matrices = (self.stiffness, self.damping, self.branches.reshape(-1, 6, 6))
         return any(bool(np.any(matrix[:, off] != 0.0)) for matrix in matrices)
@@ -112,6 +117,22 @@ class StationLoad:
     position: TimeFactor
     dead: Floats
     following: Floats
+    factor: TimeFactor
+
+
+@dataclass(frozen=True)
+class MotionLoad:
+    """A law that sees the motion of its places, rigidly connected with nodes, with one time factor.
+
+    Places are at ``arms (k, 3)`` [m] and ``turns (k, 4)`` in the nodes' axes, and stand for ``lengths (k,)`` [m].
+    """
+
+    load: int
+    nodes: Integers
+    arms: Floats
+    turns: Floats
+    lengths: Floats
+    law: MotionLaw
     factor: TimeFactor
 
 
@@ -181,6 +202,7 @@ class Problem:
     supports: SupportSet
     nodal_loads: tuple[NodalLoad, ...]
     station_loads: tuple[StationLoad, ...]
+    motion_loads: tuple[MotionLoad, ...]
     stations: Stations
     initial_strain: Mapping[int, Callable[[float], Floats]]
     rest_strain: Mapping[int, Callable[[float], Floats]]
@@ -209,6 +231,19 @@ class Problem:
     def relaxing(self) -> bool:
         """True if any section has Maxwell branches."""
         return len(self.relaxation_times) > 0
+
+    @cached_property
+    def laws(self) -> SectionLaws:
+        """The laws of all sections, set by set."""
+        return SectionLaws.joined([e.laws for e in self.sets])
+
+    def element(self, number: int) -> tuple[ElementSet, int]:
+        """Return the set with an element that is numbered among all, and its number there."""
+        for elements in self.sets:
+            if number < len(elements.nodes):
+                return elements, number
+            number -= len(elements.nodes)
+        raise IndexError(number)
 
     @cached_property
     def plan(self) -> Plan:

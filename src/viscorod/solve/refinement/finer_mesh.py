@@ -170,29 +170,19 @@ class FinerMesh:
 
     def set_prestress(self, field: Floats) -> None:
         """Take section forces beside the elastic ones at the coarse Gauss points ``(m, 6)``."""
-        for part, values in zip(
-            self.system.parts, self.by_part(self.spread(field), self.system), strict=True
-        ):
-            part.prestress = values
+        self.system.prestress = self.arranged(self.spread(field), self.system)
 
     def _set_stress(self, field: Floats, state: State) -> None:
-        for part, values in zip(self.system.parts, self.by_part(field, self.system), strict=True):
-            part.stress[:] = values
-            state.multiplier[part.place] = part.weight * part.stress[part.held_at]
+        stress, held = self.arranged(field, self.system), self.problem.held
+        self.system.stress[:] = stress
+        state.multiplier[held.place] = held.weight * stress[held.element, held.point, held.component]
 
     @staticmethod
-    def by_part(field: Floats, system: GeometricSystem) -> list[Floats]:
-        """Return a field at the Gauss points of a system in the order of results as arrays of its element sets."""
-        elements = system.elements()
-        top, whole = elements.section.shape[1], np.zeros((elements.section.size, 6))
-        whole[system.gauss_indices()] = field
-        arranged = whole.reshape(-1, top, 6)
-        found, first = [], 0
-        for part in system.parts:
-            count = len(part.elements.nodes)
-            found.append(arranged[first : first + count, : part.points].copy())
-            first += count
-        return found
+    def arranged(field: Floats, system: GeometricSystem) -> Floats:
+        """Return a field at the Gauss points of a system in the order of results as an array ``(e, points, 6)``."""
+        whole = np.zeros(system.elements().reference.shape)
+        whole.reshape(-1, 6)[system.gauss_indices()] = field
+        return whole
 
     @property
     def sizes(self) -> list[tuple[int, int]]:

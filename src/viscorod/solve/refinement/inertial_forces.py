@@ -37,13 +37,10 @@ class CoarseMotion:
         These are viscous ones and those of branches, and what strains that are known by themselves have in addition, in
         the intrinsic formulation and between two steps. Strains that multipliers hold have none.
         """
-        for part in self.system.parts:
-            part.prestress = np.zeros((0, 1, 6))
+        self.system.prestress = np.zeros((0, 1, 6))
         self.system.assemble(state, NO_LOADS, None, tangent=False, moving=False)
-        stiffness = self.system.gauss_positions().stiffness
-        elastic = np.einsum("mij,mj->mi", stiffness, self.system.gauss_points().strain)
-        held = np.einsum("mii->mi", stiffness) == 0.0
-        return np.where(held, 0.0, section_force - elastic)
+        held = np.einsum("mii->mi", self.system.gauss_positions().stiffness) == 0.0
+        return np.where(held, 0.0, section_force - self.system.gauss_points().section_force)
 
     def inertia(
         self, state: State, stress: Floats, near: Floats, t: float, *, before: bool
@@ -62,8 +59,7 @@ class CoarseMotion:
         if len(near):
             system.constraints.near[:] = near
         system.constraints.update(t, before)
-        for part, values in zip(system.parts, self.finer.by_part(stress, system), strict=True):
-            part.prestress = values
+        system.prestress = self.finer.arranged(stress, system)
         system.assemble(state, self.loads.at(t, before), None, tangent=False, moving=False)
         force = system.external - system.internal
         # supported nodes follow below: the mass of a point mass whose rotations are held has no inverse

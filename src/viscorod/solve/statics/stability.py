@@ -97,8 +97,8 @@ def stability_attributes(found: Stability) -> dict[str, Any]:
 
 
 def circulatory(loads: LoadState) -> bool:
-    """Return whether loads may do work along a closed way: following ones, and moments about fixed axes."""
-    if loads.following.any() or loads.dead[:, 3:].any():
+    """Return whether loads may do work along a closed way: following ones, moments about fixed axes, wind."""
+    if loads.pushes or loads.following.any() or loads.dead[:, 3:].any():
         return True
     return any(load.following.any() or load.dead[..., 3:].any() for load in loads.stations)
 

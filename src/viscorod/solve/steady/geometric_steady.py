@@ -16,6 +16,7 @@ from scipy import sparse
 from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.nodes.inertia import kinetic_energy
+from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.element_forces import GeometricForces
@@ -89,7 +90,8 @@ class GeometricSteady:
         supports.impose(state, residual, self._matrix, tangent=True)
         column = np.zeros(6 * n)
         # inertial forces are quadratic in the angular speed
-        column[supports.free_rows()] = supports.free_basis(state).T @ (2.0 / self.rate * inertial).ravel()
+        by_rate = 2.0 / self.rate * inertial - self._external_by_rate(state)
+        column[supports.free_rows()] = supports.free_basis(state).T @ by_rate.ravel()
         matrix = sparse.csr_array(sparse.hstack([self._matrix.sparse(), sparse.csr_array(column[:, None])]))
         return Balance(residual.ravel(), matrix if 6 * n > FULL else matrix.toarray(), gap)
 
@@ -97,7 +99,7 @@ class GeometricSteady:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; supports keep their reactions."""
         state, problem = self.state(), self.problem
         self._evaluate(state)
-        external = self._external(state, np.zeros((0, 6, 6)), tangent=False)
+        external = self._external(state)
         inertial = coriolis(problem.mass, state.twist)
         residual = self._internal - external + inertial
         left = residual.copy()
@@ -167,7 +169,9 @@ class GeometricSteady:
         ad = self._linearise(state, self._points.section_force[0])
         stiffness, damping = (self.problem.pattern.sparse(blocks) for blocks in (self._K, self._C))
         mass = sparse.csr_array(sparse.block_diag(list(self.problem.mass), format="csr"))
-        small = SecondOrder(mass, damping, stiffness, ad, circulatory(self.loads))
+        # drag at the velocities of the rotation is a circulatory force for those who turn along
+        skew = circulatory(self.loads) or self.loads.sees_motion
+        small = SecondOrder(mass, damping, stiffness, ad, skew)
         copies = self._copies(state)
         return first_order(small, self.supports, state, self.line, copies, self.problem.length, self.rate)
 
@@ -189,19 +193,40 @@ class GeometricSteady:
         self._forces.linearise(state, ad, stress, self._operators, self._K, self._C)
         if self.problem.joints.count:
             self.system.constraints.add_tangent(state, ad, self._K, self._C, moving=True, held=None)
-        self._external(state, self._K, tangent=True)
+        self._external(state, MotionTangent(ad, self._K, self._C, self.problem.pattern.diagonal))
         jacobian.add_inertia(
-            self.problem.mass, state.twist, ad, self._K, self._C, self.problem.pattern.diagonal, product
+            self.problem.mass,
+            state.twist,
+            ad,
+            self._K,
+            self._C,
+            self.problem.pattern.diagonal,
+            product,
+            np.empty((6, 6)),
         )
         return ad
 
-    def _external(self, state: State, blocks: Floats, *, tangent: bool) -> Floats:
-        """Return the loads ``(n, 6)``; with ``tangent`` their derivative is subtracted from ``blocks``."""
-        loads, external = self.loads, np.zeros((self.problem.size, 6))
-        loads.add_nodal(
-            state.q, self.problem.mass, external, blocks, self.problem.pattern.diagonal, tangent=tangent
-        )
+    def _external(self, state: State, tangent: MotionTangent | None = None) -> Floats:
+        """Return the loads ``(n, 6)``; with ``tangent`` their derivative is subtracted from its blocks."""
+        external = np.zeros((self.problem.size, 6))
+        self.loads.add(self.problem, (state.r, state.q), state.twist, external, tangent)
         return external
+
+    def _external_by_rate(self, state: State) -> Floats:
+        """Return the derivative of the loads by the angular speed ``(n, 6)``; twists are proportional to it."""
+        change = np.zeros((self.problem.size, 6))
+        if self.loads.sees_motion:
+            C = np.zeros_like(self._C)
+            diagonal = self.problem.pattern.diagonal
+            self.loads.add(
+                self.problem,
+                (state.r, state.q),
+                state.twist,
+                np.zeros_like(change),
+                MotionTangent(np.zeros((0, 6, 6)), np.zeros_like(C), C, diagonal),
+            )
+            change -= np.einsum("kji,kj->ki", C[diagonal[: len(change)]], state.twist / self.rate)
+        return change
 
     def _copies(self, state: State) -> Floats:
         """Return velocity fields ``(c, 6)`` that take the rotation to copies of itself: free turns and travels."""

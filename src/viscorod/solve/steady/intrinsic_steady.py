@@ -86,8 +86,8 @@ class IntrinsicSteady:
         by_spin = np.zeros_like(self.twist)
         by_spin[self.joint, 3:] = w / spin
         T, momentum = kinetic_energy(mass, self.twist), np.einsum("nij,nj->ni", mass, self.twist)
-        stress = self.rates.weights[:, None] * np.einsum("gij,gj->gi", self.rates.C, self.strain)
-        W = 0.5 * float(np.sum(stress * self.strain))
+        sections, weights = self.rates.response(self.strain), self.rates.weights
+        stress, W = weights[:, None] * sections.force, float(weights @ sections.energy)
         if kind == "spin":
             value, by_twist = spin, by_spin
         elif kind == "energy":
@@ -145,7 +145,7 @@ class IntrinsicSteady:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         strain, force = np.zeros((2, *self.elements.reference.shape))
         strain[self.rates.used] = self.strain
-        at_points = np.einsum("gij,gj->gi", self.rates.C, self.strain)
+        at_points = self.rates.response(self.strain).force
         if self.linearised:
             at_points += np.einsum("gij,gj->gi", self.rates.D, self.rates.unstrained @ self.twist.ravel())
         force[self.rates.used] = at_points
@@ -187,7 +187,7 @@ class IntrinsicSteady:
         """Return strain rates ``(m, 6)``, internal forces (without viscous ones of full damping) and inertial ones."""
         x, weights = self.twist.ravel(), self.rates.weights[:, None]
         B = self.rates.at(self.strain)
-        force = np.einsum("gij,gi->j", B, weights * np.einsum("gij,gj->gi", self.rates.C, self.strain))
+        force = np.einsum("gij,gi->j", B, weights * self.rates.response(self.strain).force)
         if self.linearised:
             B0 = self.rates.unstrained
             force += np.einsum("gij,gi->j", B0, weights * np.einsum("gij,gj->gi", self.rates.D, B0 @ x))
@@ -213,16 +213,16 @@ class IntrinsicSteady:
         block[each, :, each, :] = L
         matrix[:count, count:] = flat
         weighted = rates.weights[:, None, None]
-        stress = np.einsum("gij,gj->gi", rates.C, self.strain)
-        through = np.einsum("gai,gab->gib", B, weighted * rates.C)
-        through += np.einsum("gai,gab->gib", rates.shapes, weighted * force_map(stress))
+        sections = rates.response(self.strain)
+        through = np.einsum("gai,gab->gib", B, weighted * sections.C)
+        through += np.einsum("gai,gab->gib", rates.shapes, weighted * force_map(sections.force))
         damping = np.zeros((6 * n, 6 * n))
         if self.linearised:
             B0 = rates.unstrained.reshape(count, 6 * n)
             damping = B0.T @ (weighted * rates.D @ rates.unstrained).reshape(count, 6 * n)
         elif viscous:
-            damping = flat.T @ (weighted * rates.D @ B).reshape(count, 6 * n)
-            through += np.einsum("gai,gab->gib", B, weighted * rates.D @ L)
+            damping = flat.T @ (weighted * sections.D @ B).reshape(count, 6 * n)
+            through += np.einsum("gai,gab->gib", B, weighted * sections.D @ L)
         matrix[count:, :count] = through.transpose(1, 0, 2).reshape(6 * n, count)
         matrix[count:, count:] = damping
         for k, block_ in enumerate(gyroscopic(self.problem.mass, self.twist)):

@@ -8,7 +8,7 @@ from viscorod.errors import InputError, SolveError
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.settings import SteadySettings
+from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.steady import continuation, initial_guess

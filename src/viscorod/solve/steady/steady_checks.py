@@ -9,14 +9,15 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.actions.load import AnyLoad
+from viscorod.model.actions.load_effects import CompiledLaw, MotionLaw
 from viscorod.model.actions.time_function import Constant
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.rigid_motions import free_motions, skew
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.settings import SteadySettings
-from viscorod.solve.settings_checks import unfit_for_steady
+from viscorod.solve.settings.checks import unfit_for_steady
+from viscorod.solve.settings.steady import SteadySettings
 from viscorod.typing import Floats
 
 LARGEST = 3000
@@ -53,7 +54,7 @@ def require_steady(model: ModelDescription, problem: Problem, settings: SteadySe
     Raises:
         InputError: with everything that is in its way, by name.
     """
-    faults = [*unfit_for_steady(model), *_size(problem, settings)]
+    faults = [*unfit_for_steady(model, settings.damping), *_size(problem, settings)]
     held = support_kind(problem)
     if held is SupportKind.HELD and not settings.driven:
         name = _label(model, problem.supports.names[0]) if problem.supports.names else model.springs[0].label
@@ -181,6 +182,10 @@ def _load(index: int, load: AnyLoad, problem: Problem, settings: SteadySettings)
             "leave out elements, so that one ends there",
         )
         return
+    sees_motion = [placed for placed in problem.motion_loads if placed.load == index]
+    if sees_motion:
+        yield from _sees_motion(where, kind, sees_motion[0].law, settings)
+        return
     if load.follows:
         return
     if settings.formulation == "intrinsic":
@@ -201,6 +206,19 @@ def _load(index: int, load: AnyLoad, problem: Problem, settings: SteadySettings)
             "it is not parallel to the axis, so it does not stay as it is while everything turns",
             "give a load along the axis, or one that follows",
         )
+
+
+def _sees_motion(where: str, kind: str, law: MotionLaw, settings: SteadySettings) -> Iterator[Fault]:
+    """Refuse a load that sees motion and may change while everything turns."""
+    if settings.formulation == "intrinsic":
+        why = "it sees the motion, and the intrinsic formulation has no such loads in steady rotations"
+        yield Fault(where, kind, why, "leave out formulation, for the geometric one")
+    elif not isinstance(law, CompiledLaw):
+        why = "it is a Python function of position and rotation, which may change while everything turns"
+        yield Fault(where, kind, why, "compute the motion with simulate")
+    elif _across(np.array([law.axis]), np.asarray(settings.spin, dtype=float)):
+        why = "the medium moves across the axis, so its drag does not stay as it is while everything turns"
+        yield Fault(where, kind, why, "give a velocity along the axis, or none; or compute it with simulate")
 
 
 def _across(vectors: Floats, spin: Floats) -> bool:
@@ -256,4 +274,5 @@ def _label(model: ModelDescription, place: str) -> str:
 
 def no_loads(loads: LoadState) -> bool:
     """Return whether nothing acts (loads may be there with the factor 0)."""
-    return loads.none or not (loads.dead.any() or loads.following.any() or loads.gravity.any())
+    acts = loads.dead.any() or loads.following.any() or loads.gravity.any() or loads.sees_motion
+    return not acts

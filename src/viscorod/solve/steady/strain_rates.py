@@ -2,12 +2,31 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.mechanics.elements.section_laws import (
+    BY_RATE,
+    BY_STRAIN,
+    ENERGY,
+    FORCE,
+    PARAMETERS,
+    law_values,
+)
 from viscorod.mechanics.nodes.attached_poses import link_map
 from viscorod.solve.constraints.rigid_motions import skew
 from viscorod.typing import Floats
+
+
+class SectionResponse(NamedTuple):
+    """Section forces ``(m, 6)``, stored energies per length ``(m,)`` [J/m], derivatives C and D ``(m, 6, 6)``."""
+
+    force: Floats
+    energy: Floats
+    C: Floats
+    D: Floats
 
 
 class StrainRates:
@@ -17,7 +36,8 @@ class StrainRates:
 
     Attributes:
         unstrained: ``B0 (6 m, 6 n)``; shapes: interpolation ``(6 m, 6 n)`` of the twists; weights ``(m,)`` [m];
-        C, D: section matrices ``(m, 6, 6)``; used: mask ``(e, points)`` of the points in use.
+        C, D: section matrices ``(m, 6, 6)``; section: its number ``(m,)``; laws: of the sections;
+        used: mask ``(e, points)`` of the points in use.
     """
 
     def __init__(self, elements: Elements, n: int) -> None:
@@ -28,8 +48,8 @@ class StrainRates:
         self.weights = np.concatenate(
             [e.weights[p, :p] * half for p, half in zip(e.order, e.half_lengths, strict=True)]
         )
-        section = e.section[self.used]
-        self.C, self.D = e.stiffness[section], e.damping[section]
+        self.section, self.laws = e.section[self.used], e.laws
+        self.C, self.D = e.stiffness[self.section], e.damping[self.section]
         self.reference = e.reference[self.used]
         first = 0
         X = np.zeros((6, 6))
@@ -45,6 +65,21 @@ class StrainRates:
                 slopes[rows, :, columns] += e.slopes[p, :p, k, None, None] / e.half_lengths[a] * map_
             first += p
         self.unstrained = slopes + strain_map(self.reference) @ self.shapes
+
+    def response(self, strain: Floats) -> SectionResponse:
+        """Return how the sections respond to strains ``(m, 6)`` that do not change."""
+        force = np.einsum("gij,gj->gi", self.C, strain)
+        energy = 0.5 * np.einsum("gi,gi->g", force, strain)
+        if not self.laws.present:
+            return SectionResponse(force, energy, self.C, self.D)
+        values = np.zeros((len(strain), PARAMETERS))
+        law_values(self.laws, self.section, strain, np.zeros_like(strain), values)
+        return SectionResponse(
+            force + values[:, FORCE:BY_STRAIN],
+            energy + values[:, ENERGY],
+            self.C + values[:, BY_STRAIN:BY_RATE].reshape(-1, 6, 6),
+            self.D + values[:, BY_RATE:ENERGY].reshape(-1, 6, 6),
+        )
 
     def at(self, strain: Floats) -> Floats:
         """Return ``B(eps) (m, 6, 6 n)`` at strains ``(m, 6)``."""

@@ -17,6 +17,7 @@ import numpy as np
 
 from viscorod.errors import SolveError
 from viscorod.mechanics.rotations.quaternion import conjugate, matrices, product
+from viscorod.mechanics.rotations.rotation import motion_extent
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import Linearisation, natural_frequencies
@@ -136,10 +137,8 @@ class PartOfMotion:
         else:
             r, q = self._carrier.carried(start, state)
             twist = self._carrier.relative_twist(state)
-        moved = float(np.sqrt(np.square(state.r - r).sum(axis=1).max())) / length
-        chord = np.minimum(np.square(state.q - q).sum(axis=1), np.square(state.q + q).sum(axis=1))
-        turned = 2.0 * float(np.sqrt(chord.max()))
-        return max(self._displacement, moved, turned), max(self._velocity, _size(twist, length))
+        moved, speed = motion_extent(r, q, state.r, state.q, twist, length)
+        return max(self._displacement, moved), max(self._velocity, speed)
 
     def _amplitude(self, displacement: float, velocity: float) -> float:
         whole = 0.5 * displacement

@@ -8,15 +8,18 @@ classes named here and of no other; nothing in a file is ever executed.
 from __future__ import annotations
 
 from collections import deque
-from inspect import isroutine
+from functools import cache
 from typing import Any
 
 import numpy as np
 
 from viscorod.mechanics.compilation.callback import Callback
+from viscorod.mechanics.elements.gauss_batch import ElementGroup
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.joints.joint_forces import JointLaws, Joints
+from viscorod.mechanics.nodes.applied_loads import StationWork
+from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionWork
 from viscorod.mechanics.nodes.support_rows import SupportedNodes
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.formulations.system import State
@@ -26,10 +29,16 @@ from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.problem.joint_set import JointSet
-from viscorod.solve.problem.law_callbacks import LawCallbacks
+from viscorod.solve.problem.law_callbacks import LawCallbacks, MotionLaws
 from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
 from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, Relation, Solution
-from viscorod.solve.transient.integrators.stage_data import Discretisation
+from viscorod.solve.transient.integrators.stage_data import (
+    Discretisation,
+    StageFactors,
+    StageLoads,
+    SupportMotion,
+    Work,
+)
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.solve.transient.load_content import StepContent
 
@@ -40,8 +49,9 @@ MADE: dict[str, type[Any]] = {kind.__name__: kind for kind in (State, Snapshot, 
 """Classes whose objects come and go in a run: they are made from what was saved."""
 
 UNCHANGED = (
-    Problem, ElementSet, SupportSet, Elements, Discretisation, Pattern, Plan, Tableau, HeldStrains, JointSet,
-    LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads, LoadState,
+    Problem, ElementSet, SupportSet, Elements, ElementGroup, Discretisation, Pattern, Plan, Tableau, HeldStrains,
+    JointSet, LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads,
+    LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, StageFactors, StageLoads, SupportMotion, Work,
     Coefficients, Relation, Solution,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
@@ -54,43 +64,64 @@ def saved(value: Any) -> SavedTree:
     return _saved(value, set())
 
 
+@cache
+def _kind(of: type[Any]) -> str:
+    """Return how objects of a class are saved."""
+    if issubclass(of, np.generic):
+        return "scalar"
+    if issubclass(of, bool | int | float | str | None):
+        return "plain"
+    if issubclass(of, complex):
+        return "complex"
+    if issubclass(of, np.ndarray):
+        return "array"
+    # functions and the like, which have no attributes of their own, cannot be saved
+    callables = any("__call__" in vars(base) for base in of.__mro__)
+    if issubclass(of, UNCHANGED) or hasattr(of, "__get__") or (callables and not of.__dictoffset__):
+        return "left out"
+    if issubclass(of, dict):
+        return "dict"
+    if issubclass(of, list | deque) or (issubclass(of, tuple) and not hasattr(of, "_fields")):
+        return "sequence"
+    return "tuple" if issubclass(of, tuple) else "object"
+
+
 def _saved(value: Any, seen: set[int]) -> SavedTree:
-    if isinstance(value, np.generic):
-        value = value.item()
-    if value is None or isinstance(value, bool | int | float | str):
+    of: Any = type(value)
+    kind = _kind(of)
+    if kind == "plain":
         return value
-    if isinstance(value, complex):
-        return {"kind": "complex", "parts": [value.real, value.imag]}
-    if isinstance(value, np.ndarray):
+    if kind == "array":
         return value.copy() if value.dtype != object else _LEFT_OUT
-    if (
-        isinstance(value, UNCHANGED)
-        or (callable(value) and not hasattr(value, "__dict__"))
-        or isroutine(value)
-    ):
+    if kind == "left out":
         return _LEFT_OUT
-    name = type(value).__name__
-    if name not in MADE:  # one object that many share is saved once; small ones are saved wherever they are
+    if kind == "scalar":
+        return _saved(value.item(), seen)
+    if kind == "complex":
+        return {"kind": "complex", "parts": [value.real, value.imag]}
+    if of.__name__ not in MADE:  # one object that many share is saved once; small ones wherever they are
         if id(value) in seen:
             return _LEFT_OUT
         seen.add(id(value))
-    if isinstance(value, dict):
+    if kind == "dict":
         items = [[_saved(part, seen) for part in entry] for entry in value.items()]
         if any(part is _LEFT_OUT for entry in items for part in entry):
             return _LEFT_OUT
         return {"kind": "dict", "items": items}
-    if isinstance(value, list | deque) or (isinstance(value, tuple) and not hasattr(value, "_fields")):
+    if kind == "sequence":
         items = [_saved(item, seen) for item in value]
         if any(item is _LEFT_OUT for item in items):
             return _LEFT_OUT
-        return {"kind": "sequence", "type": name, "items": items}
-    fields = value._asdict() if hasattr(value, "_asdict") else getattr(value, "__dict__", None)
+        return {"kind": "sequence", "type": of.__name__, "items": items}
+    fields = (
+        dict(zip(value._fields, value, strict=True)) if kind == "tuple" else getattr(value, "__dict__", None)
+    )
     if fields is None:
         return _LEFT_OUT
     content = {key: _saved(item, seen) for key, item in fields.items()}
     return {
         "kind": "object",
-        "type": name,
+        "type": of.__name__,
         "fields": {key: item for key, item in content.items() if item is not _LEFT_OUT},
     }
 

@@ -75,7 +75,7 @@ viscorod.energyChart = function (place, energy, x, array, common) {
   const layers = energy.stacked.length;
   const sums = [];
   for (let k = 0; k < layers; k++) sums.push(k ? rows[k].map((value, j) => value + sums[k - 1][j]) : rows[0]);
-  const fills = layers === 1 ? ["#56b4e9"] : ["#e69f00", "#56b4e9", "#0072b2"];
+  const fills = layers === 1 ? ["#56b4e9"] : ["#009e73", "#e69f00", "#56b4e9", "#0072b2"].slice(-layers);
   const own = (row) => (_, v, __, index) => (v === null || index === null || index === undefined ? "" : viscorod.text(row[index]));
   // the highest first, so that lower ones are drawn over it
   const order = [...Array(layers).keys()].reverse();

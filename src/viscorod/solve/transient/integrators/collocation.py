@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.nodes import inertia
 from viscorod.solve.constraints.projection import start_consistently
@@ -84,7 +85,7 @@ class Collocation:
         problem = system.problem
         self.t = 0.0
         self.state = State.reference(problem)
-        self.kinetic = self.elastic = self.work = self.loss = 0.0
+        self.kinetic = self.elastic = self.work = self.loss = self.outside = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         stages = len(tableau.nodes)
         self._last = stages - 1
@@ -120,6 +121,7 @@ class Collocation:
         self._ad = np.zeros((problem.size, 6, 6))
         self.account = StepAccount.of(problem.size, stages)
         self._reaction = np.zeros((len(body.complete), 6))  # of the supports at t, along their axes
+        self._try_step = KnownTypes(try_step)
         self._have_jacobian = self._fresh_jacobian = False
         self._factor_step = self._end = self._step = 0.0
         self._rate = 1.0
@@ -128,7 +130,8 @@ class Collocation:
 
     def start(self, t: float, state: State) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        supports = self.supports
+        supports, rows = self.supports, np.ascontiguousarray
+        state.r, state.q, state.twist = rows(state.r), rows(state.q), rows(state.twist)
         supports.update(t, False)
         supports.prescribe(state)
         supports.project_twists(state)
@@ -162,7 +165,7 @@ class Collocation:
             self.stage_constraints.predict(h)
         if self.dashpots is not None:
             self.dashpots.prepare(h)
-        code, count, size, rate, unknown, error, worst = try_step(*self.step_arguments(h))
+        code, count, size, rate, unknown, error, worst = self._try_step(*self.step_arguments(h))
         self.systems.check()
         self.evaluations += (count + (code == iteration_verdict.CONVERGED)) * len(self.tableau.nodes)
         if code == iteration_verdict.CONVERGED:
@@ -177,6 +180,7 @@ class Collocation:
             return self.attempt(end, before=before).after(count)
         if self.stage_constraints is not None:
             self.system.constraints.laws.callback.check()
+        self.actions.loads.laws.callback.check()
         imbalance = float(np.abs(self.stages.residual[:, : len(self.body.mass)]).max())
         return StepReport(_OUTCOME[code], count, size, imbalance, node, 0.0, rate, component)
 
@@ -203,10 +207,7 @@ class Collocation:
         weights = self.tableau.weights
         h = self._end - self.t
         self.elastic = float(self.account.elastic[self._last])
-        self.work, self.loss = (
-            h * float(weights @ self.account.powers[0]),
-            h * float(weights @ self.account.powers[1]),
-        )
+        self.work, self.loss, self.outside = (h * (self.account.powers @ weights)).tolist()
         self.recorder.keep_start(self.state)
         self.predictor.keep(self.state, self._stress, h)
         if self.dashpots is not None:
@@ -259,6 +260,10 @@ class Collocation:
     def branch_losses(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return np.zeros((len(parts), 0)) if self.dashpots is None else self.dashpots.loss_until(parts)
+
+    def outside_until(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self.account.powers[2])
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: factors follow from the Jacobian."""
@@ -380,7 +385,7 @@ class Collocation:
         self.forces.linearise(state, self._ad, self._stress, matrices.operators, matrices.K, matrices.C)
         if self.stage_constraints is not None:
             self.stage_constraints.linearise(state, self._ad, body.elements, matrices)
-        self.actions.add_load_stiffness(self.t, state, self.scratch.vector, matrices.K)
+        self.actions.add_load_stiffness(self.t, state, self._ad, matrices.K, matrices.C)
         matrices.mass[:] = body.mass
         jacobian.add_inertia(
             body.mass,
@@ -390,6 +395,7 @@ class Collocation:
             matrices.C,
             body.pattern.diagonal,
             matrices.adjoint,
+            self.scratch.square,
         )
         self.actions.move_supports(self.t, before=False)
         jacobian.project(
@@ -403,6 +409,7 @@ class Collocation:
             matrices.C,
             matrices.mass,
             matrices.directions,
+            self.scratch.square[0],
         )
         self._have_jacobian = self._fresh_jacobian = True
         self._factor_step = 0.0

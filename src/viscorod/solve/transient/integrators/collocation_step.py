@@ -14,9 +14,7 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
-from viscorod.mechanics.compilation.compiled import kernel, part
+from viscorod.mechanics.compilation.compiled import kernel, lane_kernel
 from viscorod.mechanics.elements.held_strains import give_stress, keep_stress, strain_gaps
 from viscorod.mechanics.elements.internal_force import (
     Elements,
@@ -36,6 +34,7 @@ from viscorod.mechanics.elements.maxwell_branches import (
     lacking_work,
     stretch_springs,
 )
+from viscorod.mechanics.elements.section_laws import add_lacking_work
 from viscorod.mechanics.joints.joint_forces import add_frozen_springs, carry_springs, hold_coordinates
 from viscorod.mechanics.nodes.inertia import balance
 from viscorod.mechanics.nodes.support_rows import in_body, lacking_motion, support_directions
@@ -143,9 +142,7 @@ def try_step(
             body.pattern.diagonal,
             body.elements,
             loads,
-            stages.r,
-            stages.q,
-            stages.external,
+            stages,
             work.no_blocks,
         )
         balance(
@@ -193,7 +190,7 @@ def try_step(
     return code, count, size, rate, unknown, largest, worst
 
 
-@part
+@lane_kernel
 def place(
     body: Discretisation,
     method: Tableau,
@@ -227,7 +224,7 @@ def place(
         place_end(body, motion, start, X, work.change[0], work.rate[0], ends)
 
 
-@part
+@lane_kernel
 def respond(
     elements: Elements,
     method: Tableau,
@@ -255,7 +252,7 @@ def respond(
         keep_stress(links.held, points.stress, points.section_force)
 
 
-@part
+@lane_kernel
 def conserve(
     elements: Elements,
     h: float,
@@ -270,6 +267,20 @@ def conserve(
     if branches is not None:
         stretch_springs(elements, branches, points.strain)
         lacking_work(elements, branches, points.strain_rate, ends.start_strain, ends.strain, h, ends.defect)
+    if elements.laws.present:
+        if branches is None:
+            ends.defect.fill(0.0)
+        middle = points.strain, points.strain_rate
+        add_lacking_work(
+            elements.laws,
+            elements.order,
+            elements.section,
+            middle,
+            ends.start_strain,
+            ends.strain,
+            h,
+            ends.defect,
+        )
     conserve_energy(
         elements,
         points.strain,
@@ -282,7 +293,7 @@ def conserve(
     )
 
 
-@part
+@lane_kernel
 def hold(
     links: ConstraintArrays | None, ends: Ends | None, stages: Stages, points: GaussStates, final: bool
 ) -> None:
@@ -296,7 +307,7 @@ def hold(
             end_gaps(links, ends.r, ends.q, ends.strain)
 
 
-@part
+@lane_kernel
 def gaps_are_open(links: ConstraintArrays | None, count: int, limits: IterationLimits) -> bool:
     """Return whether anything that is held is too far off, and there are iterations left."""
     if links is not None:
@@ -304,7 +315,7 @@ def gaps_are_open(links: ConstraintArrays | None, count: int, limits: IterationL
     return False
 
 
-@part
+@lane_kernel
 def support(
     body: Discretisation,
     motion: SupportMotion,
@@ -334,7 +345,7 @@ def support(
         )
 
 
-@part
+@lane_kernel
 def freeze(
     body: Discretisation,
     matrices: Matrices,
@@ -358,7 +369,7 @@ def freeze(
     add(internal, stages.residual)
 
 
-@part
+@lane_kernel
 def solve_stages(
     body: Discretisation, method: Tableau, factors: StageFactors, stages: Stages, work: Work
 ) -> tuple[float, int]:
@@ -373,7 +384,7 @@ def solve_stages(
     )
 
 
-@part
+@lane_kernel
 def move(
     body: Discretisation,
     method: Tableau,
@@ -405,7 +416,7 @@ def move(
         carry_springs(links.joints, links.operators, change, rates, links.states)
 
 
-@part
+@lane_kernel
 def estimate(
     body: Discretisation,
     method: Tableau,
@@ -444,7 +455,7 @@ def estimate(
     return largest_error(factors.scales, work.real, body.length, error)
 
 
-@part
+@lane_kernel
 def take_account(
     body: Discretisation,
     motion: SupportMotion,
@@ -454,9 +465,15 @@ def take_account(
     links: ConstraintArrays | None,
     branches: MaxwellArrays | None,
 ) -> None:
-    """Write the powers of loads, supports, motors and viscosity, and the elastic energy, at all stages."""
+    """Write the powers of loads, supports, motors and viscosity, and the elastic energy, at all stages.
+
+    What loads dissipate outside is a loss of its own, not work that they take from the model.
+    """
     powers, elastic = account.powers, account.elastic
     add_powers(body, motion, stages, work, powers[0])
+    for i in range(elastic.shape[0]):
+        powers[2, i] = stages.dissipated[i]
+        powers[0, i] += powers[2, i]
     energies(body.elements, stages.strain, stages.strain_rate, elastic, powers[1])
     if branches is not None:
         branch_energies(body.elements, branches, elastic, powers[1])
@@ -467,7 +484,7 @@ def take_account(
             powers[1, i] += links.states.power[i]
 
 
-@part
+@lane_kernel
 def add_powers(
     body: Discretisation, motion: SupportMotion, stages: Stages, work: Work, power: Floats
 ) -> None:
@@ -479,7 +496,6 @@ def add_powers(
     supports, directions = body.supports, work.directions
     nodes, fixed, axes = supports[:3]
     twist, external, reaction = stages.twist, stages.external, stages.reaction
-    value = np.empty(6)
     for i in range(twist.shape[0]):
         power[i] = stages.held_power[i]
         for k in range(twist.shape[1]):
@@ -489,7 +505,7 @@ def add_powers(
             if body.complete[m] == 0.0:
                 k = nodes[m]
                 target = motion.target[i]
-                support_directions(supports, m, target, stages.r[i], stages.q[i], value, m, directions)
+                support_directions(supports, m, target, stages.r[i], stages.q[i], m, directions)
                 for a in range(6):
                     speed = motion.rate[i, m, a]
                     if a >= 3 and not in_body(axes[m]):

@@ -62,6 +62,10 @@ class Integrator(Protocol):
     4. ``snapshot()`` returns all fields at ``t``; ``between(parts)`` returns them at parts of the last step, with work
        and loss up to there.
 
+    ``outside`` is the energy that loads dissipated outside of the model during the step, not a part of ``loss``, and
+    ``work`` does not count it as taken from the model; ``outside_until(parts)``, ``(k,)``, is the same up to parts of
+    the step.
+
     ``branch_loss (n,)`` is the energy that each Maxwell branch dissipated during the step, a part of ``loss``;
     ``branch_losses(parts)``, ``(k, n)``, is the same up to parts of the step.
 
@@ -82,6 +86,7 @@ class Integrator(Protocol):
     elastic: float
     work: float
     loss: float
+    outside: float
     evaluations: int
     factorisations: int
     jacobians: int
@@ -130,6 +135,9 @@ class Integrator(Protocol):
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """Return all fields at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start."""
+
+    def outside_until(self, parts: Floats) -> Floats:
+        """Return the energy ``(k,)`` [J] that loads dissipated outside in the last step up to ``parts (k,)``."""
 
     def resume(self) -> None:
         """Compute what is not saved."""

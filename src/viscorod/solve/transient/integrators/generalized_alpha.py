@@ -112,11 +112,11 @@ class GeneralizedAlpha:
         n = system.problem.size
         self.t = 0.0
         self.state = State.reference(system.problem)
-        self.kinetic = self.elastic = self.work = self.loss = 0.0
+        self.kinetic = self.elastic = self.work = self.loss = self.outside = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         self.drift = 0.0, 0.0
         self.branch_loss: Floats = np.zeros(len(system.problem.relaxation_times))
-        self._power = self._end = self._step = 0.0
+        self._power = self._lost_power = self._end = self._step = 0.0
         self._trial: tuple[Relation, Solution]
         self._start: tuple[State, Snapshot]
         self._snapshot: Snapshot
@@ -154,7 +154,7 @@ class GeneralizedAlpha:
         self._rate = np.zeros_like(state.twist)
         self.t = t
         self.state = state
-        self._power = self._work_rate()
+        self._power, self._lost_power = self._work_rate(), system.dissipated
         self._snapshot = Snapshot.of(state, system, supports, self.kinetic)
 
     def first_step(self, duration: float) -> float:
@@ -249,10 +249,11 @@ class GeneralizedAlpha:
         if first:  # forces of motors at the start are not known
             self._power += self.system.constraints.motor_power()
         self.work = 0.5 * h * (self._power + power)
+        self.outside = 0.5 * h * (self._lost_power + self.system.dissipated)
         self.branch_loss = self.system.advance_branches()
         self.loss = self.system.viscous_loss(h) + float(self.branch_loss.sum())
         self.elastic = self.system.elastic_energy()
-        self._power = power
+        self._power, self._lost_power = power, self.system.dissipated
         self._step = h
         self._snapshot = Snapshot.of(self.state, self.system, self.supports, self.kinetic)
         constraints = self.system.constraints
@@ -266,7 +267,7 @@ class GeneralizedAlpha:
 
     def _work_rate(self) -> float:
         """Return the present power of loads and moving supports [W]."""
-        loads = float(np.sum(self.system.external * self.state.twist))
+        loads = float(np.sum(self.system.external * self.state.twist)) + self.system.dissipated
         return loads + self.supports.power(self.state) + self.system.constraints.motor_power()
 
     def snapshot(self) -> Snapshot:
@@ -316,6 +317,10 @@ class GeneralizedAlpha:
     def begin_half(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: means of other steps do not serve."""
         self._fresh = True
+
+    def outside_until(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: linear in time."""
+        return parts * self.outside
 
     def branch_losses(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: linear in time."""

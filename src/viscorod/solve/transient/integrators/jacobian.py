@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.nodes.support_rows import (
     Directions,
     SupportedNodes,
     in_body,
-    reaction_stiffness,
+    subtract_reaction_stiffness,
     support_directions,
 )
 from viscorod.solve.linear.pattern import Pattern
@@ -38,22 +36,23 @@ def add_inertia(
     C: Floats,
     diagonal: Integers,
     mass_ad: Floats,
+    N: Floats,
 ) -> None:
     """Add the inertial parts of the Jacobian: ``C += N + M ad(x)`` and ``K += N ad(x)`` with ``N = d(L1 M x)/dx``.
 
     Args:
         mass: ``(n, 6, 6)``; ad: ``ad(x)`` of every node.
         K, C: blocks ``(b, 6, 6)``; diagonal: those of the nodes ``(n,)``.
-        mass_ad: output ``M ad(x)``.
+        mass_ad: output ``M ad(x)``; N: scratch ``(6, 6)``.
     """
-    N = np.empty((6, 6))
-    momentum = np.empty(6)
     for k in range(mass.shape[0]):
         M, A = mass[k], ad[k]
+        p0 = p1 = p2 = h0 = h1 = h2 = 0.0  # the momentum
+        for j in range(6):
+            p0, p1, p2 = p0 + M[0, j] * twist[k, j], p1 + M[1, j] * twist[k, j], p2 + M[2, j] * twist[k, j]
+            h0, h1, h2 = h0 + M[3, j] * twist[k, j], h1 + M[4, j] * twist[k, j], h2 + M[5, j] * twist[k, j]
         for i in range(6):
-            momentum[i] = 0.0
             for j in range(6):
-                momentum[i] += M[i, j] * twist[k, j]
                 mass_ad[k, i, j] = 0.0
                 N[i, j] = 0.0
                 for a in range(6):
@@ -61,7 +60,6 @@ def add_inertia(
                     # L1(x) = -ad(x)^T
                     N[i, j] -= A[a, i] * M[a, j]
         # derivative of L1(x) at constant momentum: -[p~] and -[h~]
-        p0, p1, p2, h0, h1, h2 = momentum
         N[0, 4] += p2
         N[0, 5] -= p1
         N[1, 3] -= p2
@@ -140,20 +138,18 @@ def project(
     C: Floats,
     mass: Floats,
     directions: Directions,
+    old: Floats,
 ) -> None:
     """Project the rows of supported nodes on their free directions, clear the held ones; write the ``directions``.
 
-    Reactions ``(m, 6)`` turn with their nodes: their derivative is subtracted from ``K`` first.
+    Reactions ``(m, 6)`` turn with their nodes: their derivative is subtracted from ``K``. ``old (6,)`` is scratch.
     """
     nodes, fixed, axes = supports[:3]
     starts, across, diagonal = pattern.starts, pattern.across, pattern.diagonal
-    G, Z, psi = directions
-    value = np.empty(6)
-    old = np.empty(6)
-    turned = np.empty((6, 6))
+    G, Z = directions.G, directions.Z
     for s in range(nodes.shape[0]):
         k = nodes[s]
-        support_directions(supports, s, target, r, q, value, s, directions)
+        support_directions(supports, s, target, r, q, s, directions)
         complete = True
         for i in range(6):
             if fixed[s, i] == 0.0:
@@ -163,10 +159,7 @@ def project(
                 for j in range(6):
                     G[s, i, j] = 1.0 if i == j else 0.0
         elif not in_body(axes[s]):
-            reaction_stiffness(G[s], psi[s], reaction[s], turned)
-            for i in range(6):
-                for j in range(6):
-                    K[diagonal[k], j, i] -= turned[i, j]
+            subtract_reaction_stiffness(s, directions, reaction, diagonal[k], K)
         project_rows(s, supports, directions, starts, across, K, old)
         project_rows(s, supports, directions, starts, across, C, old)
         for j in range(6):

@@ -2,7 +2,8 @@
 
 With nodal displacements ``xi`` along the body axes of that state (``r_t = T v`` with a constant ``T``),
 
-    M xi'' + C xi' + K xi = F(t) - F_0      C = int B0^T D B0      K = int (B^T C B + N L2(S_0) B) - load stiffness
+    M xi'' + C xi' + K xi = F(t) - F_0
+    C = int B0^T D B0 + load damping      K = int (B^T C B + N L2(S_0) B) + load stiffness
 
 where ``F`` are the loads as they act at that state. The energy is ``W_0 + F_0 . xi + xi.K xi/2 + xi'.M xi'/2``. A part
 of ``K`` that is not symmetric (following loads) does work from outside.
@@ -56,9 +57,12 @@ class LinearModel:
         elastic, unused = np.zeros((2, 1))
         energies(body.elements, points.strain, np.zeros_like(points.strain), elastic, unused)
         self._energy = float(elastic[0])
-        self._load_stiffness = np.zeros_like(system.matrix.blocks)
-        if internal.any():
-            self.actions.add_load_stiffness(t, self.base, np.zeros((n, 6)), self._load_stiffness, before=True)
+        self._load_stiffness, self._load_damping = np.zeros((2, *system.matrix.blocks.shape))
+        ad, derivatives = np.zeros((n, 6, 6)), (self._load_stiffness, self._load_damping)
+        self.actions.add_load_stiffness(t, self.base, ad, *derivatives, before=True)
+        if not internal.any():
+            self._load_stiffness.fill(0.0)
+        self._drag = self._sparse(self._load_damping)
         self.mass = block_diagonal(body.mass)
         self.reduced = self._reduce(self._matrices(self._strain, points.section_force[0], body.elements))
         self._separate(self._strain, points.section_force[0])
@@ -77,9 +81,9 @@ class LinearModel:
         return sparse.csr_array(self.body.pattern.sparse(blocks))
 
     def _matrices(self, strain: Floats, section_force: Floats, elements: Elements) -> Matrices:
-        """Return operators, stiffness (that of the loads too) and damping matrix at rest, not projected."""
+        """Return operators, stiffness and damping matrix at rest (those of the loads too), not projected."""
         matrices = Matrices.of(self.body)
-        matrices.K[:] = self._load_stiffness
+        matrices.K[:], matrices.C[:] = self._load_stiffness, self._load_damping
         still = np.zeros_like(section_force)
         linearise_intrinsic(
             elements,
@@ -140,12 +144,13 @@ class LinearModel:
 
     def damping(self, x: Floats) -> Floats:
         """Return ``C x``."""
-        return np.asarray(self._B0.T @ (self._weighted_damping @ (self._B0 @ x)))
+        return np.asarray(self._B0.T @ (self._weighted_damping @ (self._B0 @ x)) + self._drag @ x)
 
-    def power(self, xi: Floats, x: Floats, load: Floats) -> tuple[float, float]:
-        """Return the power of loads and the dissipated power [W]."""
+    def power(self, xi: Floats, x: Floats, load: Floats) -> tuple[float, float, float]:
+        """Return the power of loads, and what viscosity and loads that see motion dissipate [W]."""
         rate = self._B0 @ x
-        return float(x @ load - x @ (self._skew @ xi)), float(rate @ (self._weighted_damping @ rate))
+        viscous = float(rate @ (self._weighted_damping @ rate))
+        return float(x @ load - x @ (self._skew @ xi)), viscous, float(x @ (self._drag @ x))
 
     def kinetic(self, x: Floats) -> float:
         """Return the kinetic energy [J]."""

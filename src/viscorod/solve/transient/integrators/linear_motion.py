@@ -59,14 +59,14 @@ class LinearMotion:
         problem, stages = system.problem, len(tableau.nodes)
         self.t = 0.0
         self.state = State.reference(problem)
-        self.kinetic = self.elastic = self.work = self.loss = 0.0
+        self.kinetic = self.elastic = self.work = self.loss = self.outside = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         self._body: LinearModel | None = None
         self._last = stages - 1
         self._step = self._factor_step = 0.0
         self._now = np.zeros((2, 6 * problem.size))  # displacements and velocities at t
         self._stages = np.zeros((2, stages, 6 * problem.size))
-        self._powers = np.zeros((stages, 2))
+        self._powers = np.zeros((stages, 3))
 
     @property
     def records(self) -> int:
@@ -182,7 +182,7 @@ class LinearMotion:
         self._powers = np.array(
             [body.power(xi, x, load) for xi, x, load in zip(*self._stages, self._stage_loads, strict=True)]
         )
-        self.work, self.loss = (float(total) for total in h * (tableau.weights @ self._powers))
+        self.work, self.loss, self.outside = (h * (tableau.weights @ self._powers)).tolist()
         end = self._stages[:, last].copy() if last else 2.0 * self._stages[:, 0] - self._now
         self._before, self._rates = self._now, rates
         self.t, self._step = self._end, h
@@ -208,6 +208,10 @@ class LinearMotion:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return np.zeros((len(parts), 0))
 
+    def outside_until(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self._powers[:, 2])
+
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`.
 
@@ -215,7 +219,7 @@ class LinearMotion:
         """
         h, found, loss = self._step, [], 0.0
         totals = h * self.tableau.partial_weights(parts) @ self._powers
-        for part, (work, lost) in zip(parts, totals, strict=True):
+        for part, (work, lost, _) in zip(parts, totals, strict=True):
             xi, x, a = _quintic(float(part), h, self._before, self._now, self._rates)
             load = self.body.loads(self.t - (1.0 - float(part)) * h, False)
             loss = max(loss, min(float(lost), self.loss))  # interpolation must not give energy back

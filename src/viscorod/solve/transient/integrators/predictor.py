@@ -35,6 +35,7 @@ class Predictor:
         self._X = np.empty(stages.X.shape)
         self._stress = np.empty((s + 1, stages.stress[0].size))
         self._stages_stress = stages.stress.reshape(s, -1)
+        self._weights = np.empty((s, s + 1))
         self._old: State | None = None  # at the start of the last step
         self._step = 0.0
 
@@ -70,6 +71,7 @@ class Predictor:
             state.q,
             body.split,
             body.held,
+            self._weights,
             stages.X,
             self._stages_stress,
         )
@@ -101,6 +103,7 @@ def extrapolate_step(
     q1: Floats,
     split: Floats,
     held: Floats,
+    weights: Floats,
     new_X: Floats,
     new_stress: Floats,
 ) -> None:
@@ -110,11 +113,11 @@ def extrapolate_step(
         gap: coefficients of the powers 1 to s + 1 of the place in the step, of a coordinate whose rate is one at the
             start and zero at the stages.
         h: new step [s]; r1, q1: start of the new step; split, held: as in ``motion.extrapolate``.
+        weights: scratch ``(s, s + 1)``.
         new_X, new_stress: outputs ``(s, n, 6)``, ``(s, numbers)``.
     """
     nodes, values, stress, ratio = method.nodes, method.values, last.stress, h / last.h
     s = nodes.shape[0]
-    weights = np.empty((s, s + 1))
     for i in range(s):
         place = 1.0 + nodes[i] * ratio
         rest = 1.0

@@ -44,7 +44,7 @@ class StageFields(NamedTuple):
 
     Attributes:
         strain, rate, force: at the Gauss points ``(s, e, points, 6)``; reactions: of the supports ``(s, m, 6)``.
-        powers: of loads and viscosity ``(2, s)`` [W].
+        powers: of loads, viscosity, and what loads dissipate ``(3, s)`` [W].
     """
 
     strain: Floats

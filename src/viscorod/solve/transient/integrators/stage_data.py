@@ -11,6 +11,8 @@ import numpy as np
 
 from viscorod.mechanics.elements.internal_force import Elements, ElementWork
 from viscorod.mechanics.elements.linearised import Operators
+from viscorod.mechanics.nodes.applied_loads import StationWork
+from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionWork
 from viscorod.mechanics.nodes.support_rows import Directions, SupportedNodes
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.linear.factors import Factors as MatrixFactors
@@ -107,6 +109,8 @@ class StageLoads(NamedTuple):
         acting: 1 where nodal loads act; dead, following ``(s, n, 6)``; gravity ``(s, 3)``; levers: of dead forces at
             arms ``(s, n, 3, 3)``, no nodes if there are none.
         element: elements with concentrated loads ``(s, loads)``, -1 if none; their basis values ``shape`` and wrenches.
+        motion: loads that see motion, with their factors ``(s, m)``.
+        station_work, motion_work: scratch.
     """
 
     acting: Floats
@@ -118,11 +122,17 @@ class StageLoads(NamedTuple):
     shape: Floats
     point_dead: Floats
     point_following: Floats
+    motion: MotionLoads
+    motion_factors: Floats
+    station_work: StationWork
+    motion_work: MotionWork
 
     @classmethod
-    def of(cls, stages: int, body: Discretisation, loads: int, *, offset: bool) -> StageLoads:
+    def of(
+        cls, stages: int, body: Discretisation, loads: int, motion: MotionLoads, *, offset: bool
+    ) -> StageLoads:
         """Allocate for a number of stages and of concentrated loads; ``offset``: any dead force acts at an arm."""
-        s, n = stages, len(body.mass)
+        s, n, m = stages, len(body.mass), body.elements.nodes.shape[1]
         return cls(
             acting=np.zeros(s),
             dead=np.zeros((s, n, 6)),
@@ -130,9 +140,13 @@ class StageLoads(NamedTuple):
             gravity=np.zeros((s, 3)),
             levers=np.zeros((s, n if offset else 0, 3, 3)),
             element=np.full((s, loads), -1, dtype=np.int64),
-            shape=np.zeros((s, loads, body.elements.nodes.shape[1])),
+            shape=np.zeros((s, loads, m)),
             point_dead=np.zeros((s, loads, 6)),
             point_following=np.zeros((s, loads, 6)),
+            motion=motion,
+            motion_factors=np.zeros((s, len(motion.nodes))),
+            station_work=StationWork.of(m),
+            motion_work=MotionWork.new(),
         )
 
 
@@ -149,7 +163,8 @@ class StepAccount(NamedTuple):
     """What a converged step amounts to.
 
     Attributes:
-        powers: of loads and of viscosity at all stages ``(2, s)`` [W]; elastic: energies there ``(s,)`` [J].
+        powers: of loads, of viscosity, and what loads dissipate outside, at all stages ``(3, s)`` [W].
+        elastic: energies there ``(s,)`` [J].
         error: estimated, of the poses ``(n, 6)``, body components.
     """
 
@@ -160,7 +175,7 @@ class StepAccount(NamedTuple):
     @classmethod
     def of(cls, nodes: int, stages: int) -> StepAccount:
         """Allocate."""
-        return cls(np.zeros((2, stages)), np.zeros(stages), np.zeros((nodes, 6)))
+        return cls(np.zeros((3, stages)), np.zeros(stages), np.zeros((nodes, 6)))
 
 
 class IterationLimits(NamedTuple):
@@ -177,7 +192,10 @@ class IterationLimits(NamedTuple):
 
 
 class Stages(NamedTuple):
-    """State of all stages of a step (first index): unknowns, what follows from them, and the residual."""
+    """State of all stages of a step (first index): unknowns, what follows from them, and the residual.
+
+    ``dissipated (s,)`` is the power that loads turn into heat outside of the model [W].
+    """
 
     X: Floats
     r: Floats
@@ -194,6 +212,7 @@ class Stages(NamedTuple):
     section_force: Floats
     stress: Floats
     held_power: Floats
+    dissipated: Floats
 
     @classmethod
     def of(cls, stages: int, body: Discretisation) -> Stages:
@@ -216,6 +235,7 @@ class Stages(NamedTuple):
             section_force=np.zeros(points),
             stress=np.zeros(points),
             held_power=np.zeros(s),
+            dissipated=np.zeros(s),
         )
 
 
@@ -293,7 +313,7 @@ class StageFactors(NamedTuple):
 class Work(NamedTuple):
     """Scratch: one element; right sides ``(6 N,)``; rates of all stages; nodal vectors ``(n, 6)``; blocks of no matrix.
 
-    ``directions`` are those of the supports.
+    ``directions`` are those of the supports; ``square (6, 6)``.
     """
 
     element: ElementWork
@@ -306,6 +326,7 @@ class Work(NamedTuple):
     reaction: Floats
     directions: Directions
     no_blocks: Floats
+    square: Floats
 
     @classmethod
     def of(cls, body: Discretisation, stages: int) -> Work:
@@ -322,6 +343,7 @@ class Work(NamedTuple):
             reaction=np.zeros((m, 6)),
             directions=Directions.of(m),
             no_blocks=np.zeros((0, 6, 6)),
+            square=np.zeros((6, 6)),
         )
 
 

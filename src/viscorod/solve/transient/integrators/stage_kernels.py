@@ -17,15 +17,14 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from viscorod.mechanics.compilation.compiled import part
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.nodes import support_rows
 from viscorod.mechanics.nodes.applied_loads import add_nodal_loads, add_station_load
 from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
+from viscorod.mechanics.nodes.motion_loads import MotionTangent, add_motion_loads
 from viscorod.mechanics.nodes.support_rows import Directions, SupportedNodes
-from viscorod.solve.transient.integrators.stage_data import StageLoads, SupportMotion
+from viscorod.solve.transient.integrators.stage_data import StageLoads, Stages, SupportMotion
 from viscorod.typing import Floats, Integers
 
 
@@ -114,17 +113,16 @@ def evaluate_loads(
     diagonal: Integers,
     elements: Elements,
     loads: StageLoads,
-    r: Floats,
-    q: Floats,
-    external: Floats,
+    stages: Stages,
     no_blocks: Floats,
 ) -> None:
-    """Write the external loads of all stages ``(s, n, 6)``, in body components.
+    """Write the external loads of all stages ``(s, n, 6)``, in body components, and the power that they dissipate.
 
     ``diagonal`` is not used: that there are ``no_blocks`` says so.
     """
+    r, q, external = stages.r, stages.q, stages.external
     acting, dead, following, gravity, levers, loaded_element, given_shape = loads[:7]
-    point_dead, point_following = loads[7:]
+    point_dead, point_following = loads.point_dead, loads.point_following
     order, element_nodes, element_links, link_positions, link_quaternions = elements[:5]
     slots = elements.slots
     # no constants are handed on: for every constant the load kernels would be compiled again
@@ -152,22 +150,27 @@ def evaluate_loads(
             if e < 0:
                 continue
             m = order[e] + 1
-            nodes = np.empty(m, np.int64)
-            links = np.empty(m, np.int64)
-            shape = np.empty(m)
-            for k in range(m):
-                nodes[k] = element_nodes[e, k]
-                links[k] = element_links[e, k]
-                shape[k] = given_shape[i, load, k]
             add_station_load(
-                ElementNodes(nodes, links, link_positions, link_quaternions),
-                PointWrench(shape, point_dead[i, load], point_following[i, load]),
+                ElementNodes(element_nodes[e, :m], element_links[e, :m], link_positions, link_quaternions),
+                PointWrench(given_shape[i, load, :m], point_dead[i, load], point_following[i, load]),
                 r[i],
                 q[i],
                 tangent,
                 external[i],
                 no_blocks,
                 slots[e],
+                loads.station_work,
+            )
+        if loads.motion_factors.shape[1] > 0:
+            stages.dissipated[i] = add_motion_loads(
+                loads.motion,
+                loads.motion_factors[i],
+                r[i],
+                q[i],
+                stages.twist[i],
+                external[i],
+                MotionTangent(no_blocks, no_blocks, no_blocks, diagonal),
+                loads.motion_work,
             )
 
 

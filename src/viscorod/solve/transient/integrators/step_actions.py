@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from viscorod.mechanics.nodes import applied_loads as loading
-from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
+from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
@@ -33,13 +32,17 @@ class StepActions:
         self.loads = ExternalLoads(system.problem)
         self.motion = SupportMotion.of(stages, body)
         self.stage_loads = StageLoads.of(
-            stages, body, max(1, len(system.problem.station_loads)), offset=self.loads.offset
+            stages,
+            body,
+            max(1, len(system.problem.station_loads)),
+            self.loads.motion,
+            offset=self.loads.offset,
         )
         self.content: StepContent | None = None
-        nodal, inside = system.problem.nodal_loads, system.problem.station_loads
-        self._count = 1 + max([-1, *(load.load for load in nodal), *(load.load for load in inside)])
+        problem = system.problem
+        numbers = [load.load for load in problem.nodal_loads] + [load.load for load in problem.station_loads]
+        self._count = 1 + max([-1, *numbers, *(load.load for load in problem.motion_loads)])
         self._rest = ExternalLoads(system.problem)
-        self._no_blocks = np.zeros((0, 6, 6))
         self._written: list[LoadState | None] = [None] * stages
 
     def look_within(self, start: float, end: float) -> None:
@@ -57,7 +60,7 @@ class StepActions:
             return None
         factors = dict.fromkeys(range(self._count), 0.0) | self.content.rest
         external = np.zeros_like(state.twist)
-        self._add(self._rest.at(t, given=factors), state, external, self._no_blocks, False)
+        self._add(self._rest.at(t, given=factors), state, external)
         return external
 
     def prepare(self, i: int, t: float, *, before: bool) -> None:
@@ -79,6 +82,7 @@ class StepActions:
         if loads is self._written[i]:  # time factors are the same
             return
         self._written[i] = loads
+        given.motion_factors[i] = loads.factors
         given.acting[i] = 1.0 if len(loads.nodes) else 0.0
         if len(loads.nodes):
             given.dead[i], given.following[i], given.gravity[i] = loads.dead, loads.following, loads.gravity
@@ -86,7 +90,7 @@ class StepActions:
         if self.system.problem.station_loads:
             given.element[i] = -1
             for k, load in enumerate(loads.stations):
-                given.element[i, k] = self.system.element_number(load.part, load.element)
+                given.element[i, k] = load.element
                 given.shape[i, k, : len(load.shape)] = load.shape
                 given.point_dead[i, k], given.point_following[i, k] = load.dead, load.following
 
@@ -107,37 +111,25 @@ class StepActions:
         *,
         before: bool,
         given: Mapping[int, float] | None = None,
-    ) -> None:
-        """Add the loads at time ``t`` [s] to ``external (n, 6)``, in body components; ``given`` factors come first."""
-        self._add(self.loads.at(t, before, given=given), state, external, self._no_blocks, False)
+    ) -> float:
+        """Add the loads at time ``t`` [s] to ``external (n, 6)``, in body components; ``given`` factors come first.
+
+        Returns:
+            the power that they dissipate [W].
+        """
+        return self._add(self.loads.at(t, before, given=given), state, external)
 
     def add_load_stiffness(
-        self, t: float, state: State, external: Floats, K: Floats, *, before: bool = False
+        self, t: float, state: State, ad: Floats, K: Floats, C: Floats, *, before: bool = False
     ) -> None:
-        """Subtract the derivative of the loads at time ``t`` [s], which turn with the body frames, from ``K``.
+        """Subtract the derivatives of the loads at time ``t`` [s] by poses and twists from ``K`` and ``C``.
 
-        The loads are added to ``external (n, 6)`` too.
+        Increments turn with the body frames, ``ad (n, 6, 6)`` is ``ad(twist)``.
         """
-        self._add(self.loads.at(t, before), state, external, K, True)
+        into = MotionTangent(ad, K, C, self.body.pattern.diagonal)
+        self._add(self.loads.at(t, before), state, np.zeros_like(state.twist), into)
 
-    def _add(self, loads: LoadState, state: State, external: Floats, blocks: Floats, tangent: bool) -> None:
-        body = self.body
-        loads.add_nodal(state.q, body.mass, external, blocks, body.pattern.diagonal, tangent=tangent)
-        for load in loads.stations:
-            elements, e = body.elements, self.system.element_number(load.part, load.element)
-            m = int(elements.order[e]) + 1
-            loading.add_station_load(
-                ElementNodes(
-                    elements.nodes[e, :m],
-                    elements.links[e, :m],
-                    elements.link_positions,
-                    elements.link_quaternions,
-                ),
-                PointWrench(load.shape, load.dead, load.following),
-                state.r,
-                state.q,
-                tangent,
-                external,
-                blocks,
-                elements.slots[e],
-            )
+    def _add(
+        self, loads: LoadState, state: State, external: Floats, tangent: MotionTangent | None = None
+    ) -> float:
+        return loads.add(self.system.problem, (state.r, state.q), state.twist, external, tangent)

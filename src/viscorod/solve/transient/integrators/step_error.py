@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from viscorod.mechanics.compilation.compiled import part
+from viscorod.mechanics.compilation.compiled import lane_kernel, part
 from viscorod.mechanics.nodes.support_rows import SupportedNodes
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Matrices, Stages, StepStart, Work
 from viscorod.solve.transient.integrators.tableau import Tableau
@@ -24,7 +24,7 @@ def project_free(supports: SupportedNodes, Z: Floats, free: Floats, out: Floats)
             out[k, a] = free[0, a]
 
 
-@part
+@lane_kernel
 def error_sides(
     body: Discretisation,
     start: StepStart,
@@ -96,7 +96,7 @@ def largest_error(scales: Floats, solution: Floats, length: float, out: Floats) 
     return largest, where
 
 
-@part
+@lane_kernel
 def estimate_error(
     body: Discretisation,
     start: StepStart,

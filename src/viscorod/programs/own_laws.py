@@ -8,15 +8,24 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.rod import Rod
 from viscorod.typing import Floats
 
-__all__ = ["refuse_branches"]
+__all__ = ["refuse_own_laws"]
 
 
-def refuse_branches(rod: Rod, stations: Floats | Sequence[float]) -> None:
-    """Refuse a rod with Maxwell branches at one of the arc lengths `stations`, m.
+def refuse_own_laws(rod: Rod, stations: Floats | Sequence[float]) -> None:
+    """Refuse a rod with a law of its section beside stiffness and damping, or Maxwell branches at `stations`, m.
 
     Raises:
-        InputError: the section there has them.
+        InputError: the rod has a law, or a section has branches.
     """
+    if rod.law is not None:
+        raise InputError(
+            Fault(
+                "rod.law",
+                type(rod.law).__name__,
+                "the other programs have sections with stiffness and damping matrices only",
+                "leave it out",
+            )
+        )
     for s in stations:
         if rod.branches_at(float(s))[0].size:
             raise InputError(

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.actions.event import Crossing
+from viscorod.model.actions.time_function import Constant
 from viscorod.model.connections.resolved_places import find
 from viscorod.model.connections.velocity_support import VelocitySupport
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.solve.formulations.registry import FORMULATIONS
-from viscorod.solve.settings import SimulateSettings
+from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.transient.integrators import INTEGRATORS, integrators_that
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["require_fit", "unfit_for_steady"]
 
 
+_MATRICES_ONLY = "linearised damping is that of section matrices, and this rod has a law beside them"
 _KELVIN_VOIGT = "take Kelvin-Voigt damping instead of the branches, or {}"
 
 
@@ -34,8 +36,11 @@ def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
         raise InputError(problems)
 
 
-def unfit_for_steady(model: ModelDescription) -> Iterator[Fault]:
-    """Yield what a steady rotation cannot be computed with: joints, constrained strains, Maxwell branches."""
+def unfit_for_steady(model: ModelDescription, damping: str) -> Iterator[Fault]:
+    """Yield what a steady rotation cannot be computed with: joints, constrained strains, Maxwell branches.
+
+    With linearised ``damping``, laws of sections too.
+    """
     why = "steady rotations are computed without {}"
     instead = "leave it out, or compute the motion with simulate"
     yield from _joints(model, why.format("joints"), instead)
@@ -43,6 +48,8 @@ def unfit_for_steady(model: ModelDescription) -> Iterator[Fault]:
     yield from _branches(
         model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("compute the motion with simulate")
     )
+    if damping == "linearised":
+        yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
 
 
 def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
@@ -74,6 +81,10 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
         yield from _branches(
             model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("take dynamics = 'nonlinear'")
         )
+        yield from _laws(
+            model, why.format("laws of sections"), "leave it out, or take dynamics = 'nonlinear'"
+        )
+        yield from _changing_drag(model)
     else:
         if not formulation.constraints:
             why = f"the {settings.formulation} formulation has no {{}}"
@@ -83,6 +94,8 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
         if not formulation.branches:
             why = f"{settings.damping} damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
             yield from _branches(model, why, "take damping = 'full'")
+        if not formulation.laws:
+            yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
     for index, event in enumerate(settings.events):
         if isinstance(event, Crossing):
             try:
@@ -108,6 +121,17 @@ def _joints(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
         yield Fault(f"joints[{index}]", joint.label, why, instead)
 
 
+def _changing_drag(model: ModelDescription) -> Iterator[Fault]:
+    for index, load in enumerate(model.loads):
+        if load.sees_motion and not (
+            load.until is None and (load.time is None or isinstance(load.time, Constant))
+        ):
+            why = "linear dynamics have constant matrices, and its part in them would change with time"
+            yield Fault(
+                f"loads[{index}]", load.word, why, "leave out time and until, or take dynamics = 'nonlinear'"
+            )
+
+
 def _springs(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
     for index, spring in enumerate(model.springs):
         yield Fault(f"springs[{index}]", spring.label, why, instead)
@@ -117,6 +141,12 @@ def _constraints(model: ModelDescription, why: str, instead: str) -> Iterator[Fa
     for name, rod in model.rods.items():
         if any(rod.constrained_strains):
             yield Fault(f"rods.{name}.constraints", show(list(rod.constraints)), why, instead)
+
+
+def _laws(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
+    for name, rod in model.rods.items():
+        if rod.law is not None:
+            yield Fault(f"rods.{name}.law", type(rod.law).__name__, why, instead)
 
 
 def _branches(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:

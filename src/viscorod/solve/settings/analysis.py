@@ -1,0 +1,15 @@
+"""Settings of one of the analyses that a case file may ask for."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
+from viscorod.solve.settings.steady import SteadySettings
+
+__all__ = ["AnySettings"]
+
+
+AnySettings: TypeAlias = SimulateSettings | EquilibriumSettings | PathSettings | SteadySettings
+"""Settings of one of the analyses."""
