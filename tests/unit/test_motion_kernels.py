@@ -7,6 +7,7 @@ import pytest
 from scipy.linalg import expm
 
 from helpers.kernel_parts import from_python
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.exponential_map import versine_coefficients, versine_slopes
 from viscorod.mechanics.rotations.nodal_motion import (
     coordinate_rates,
@@ -16,6 +17,7 @@ from viscorod.mechanics.rotations.nodal_motion import (
 )
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, hermite, interpolate
 from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.mechanics.rotations.rotation import motion_extent
 
 ANGLES = [0.0, 1e-9, 1e-3, 0.19, 0.21, 1.0, 2.5]
 
@@ -200,3 +202,31 @@ def test_order_of_interpolation(smooth, order, split):
         exact = motion(0.1 + 0.45 * h)
         errors.append(max(np.abs(r[0, 0] - exact[0]).max(), np.abs(q[0, 0] - exact[1]).max()))
     assert np.polyfit(np.log(steps), np.log(errors), 1)[0] == pytest.approx(order, abs=0.6)
+
+
+def test_extent_of_a_motion():
+    """Independent code: norms of NumPy; a rotation is no larger for the other sign of its quaternion."""
+    rng = np.random.default_rng(3)
+    r0, r = rng.normal(size=(2, 7, 3))
+    twist = rng.normal(size=(7, 6))
+    q0 = np.tile([1.0, 0.0, 0.0, 0.0], (7, 1))
+    q = q0 + 0.2 * rng.normal(size=(7, 4))
+    q /= np.linalg.norm(q, axis=1, keepdims=True)
+    q[::2] *= -1.0
+    chord = np.minimum(np.linalg.norm(q - q0, axis=1), np.linalg.norm(q + q0, axis=1))
+    for length in (0.1, 10.0):
+        far = max(np.linalg.norm(r - r0, axis=1).max() / length, 2.0 * chord.max())
+        speeds = np.linalg.norm(twist.reshape(7, 2, 3), axis=2).max(axis=0)
+        found = motion_extent(r0, q0, r, q, twist, length)
+        assert found == pytest.approx((far, max(speeds[0] / length, speeds[1])), rel=1e-14)
+
+
+def test_kernels_are_called_with_types_that_are_known():
+    """The same as the kernel itself, also for another layout at the first call, and for numbers of NumPy."""
+    rng = np.random.default_rng(4)
+    r0, r = rng.normal(size=(2, 7, 3))
+    q0, q = rng.normal(size=(2, 7, 4))
+    for twist in (rng.normal(size=(7, 6)), rng.normal(size=(6, 7)).T):
+        call = KnownTypes(motion_extent)
+        for length in (1.0, np.float64(0.5), 2.0):
+            assert call(r0, q0, r, q, twist, length) == motion_extent(r0, q0, r, q, twist, length)

@@ -208,6 +208,17 @@ class Constraints:
                     "axes (revolute, cylindrical, universal), which turn any number of times"
                 )
 
+    def stand_as(self, other: Constraints) -> None:
+        """Take over where coordinates of the same joints are and are to be."""
+        for mine, its in (
+            (self.near, other.near),
+            (self.driven, other.driven),
+            (self.target, other.target),
+            (self.target_rate, other.target_rate),
+            (self.arrays.geometry, other.arrays.geometry),
+        ):
+            mine[:] = its
+
     @property
     def largest_turn(self) -> float:
         """Largest rotation [rad] of motors at the time of the last update."""

@@ -10,6 +10,7 @@ from viscorod.mechanics.elements.gauss_batch import PointFields
 from viscorod.mechanics.elements.internal_force import Elements, energies
 from viscorod.mechanics.elements.lanes import LANES
 from viscorod.mechanics.elements.linearised import Operators, collect
+from viscorod.mechanics.elements.section_laws import BY_RATE, BY_STRAIN, ENERGY, PARAMETERS, law_values
 from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.solve.constraints.constraint_rows import gradients_of_gaps
 from viscorod.solve.constraints.constraints import Constraints
@@ -229,6 +230,31 @@ class GeometricSystem:
         for number, group in enumerate(self.groups):
             fields = self._point_fields(number, self.stress, self._no_columns)
             geometric.update_stress(self._elements, group, fields, increment, self.stress)
+
+    def carry_strains(self, state: State) -> None:
+        """Let :meth:`carry_stress` give the strains of increments about ``state``, until the next assembly."""
+        unit = np.broadcast_to(np.eye(6), self._stiffness.shape).copy()
+        elements = self._elements._replace(stiffness=unit)
+        out = geometric.Assembled(self.internal, self.matrix.blocks, self._no_blocks)
+        for number, group in enumerate(self.groups):
+            plain = group._replace(coupled=False, damped=False)
+            fields = self._point_fields(number, self.stress, self._no_columns)
+            geometric.assemble(
+                elements, plain, fields, state.r, state.q, state.twist, False, self._no_map, True, out
+            )
+        self.section_force.fill(0.0)
+
+    def section_tangents(self) -> tuple[Floats, Floats]:
+        """Return the derivatives ``(e, points, 6, 6)`` of section forces by strains and by rates, at rest."""
+        elements = self._present()
+        C, D = elements.stiffness[elements.section], elements.damping[elements.section]
+        if elements.laws.present:
+            values = np.zeros((elements.section.size, PARAMETERS))
+            strain = self.strain.reshape(-1, 6)
+            law_values(elements.laws, elements.section.ravel(), strain, np.zeros_like(strain), values)
+            C += values[:, BY_STRAIN:BY_RATE].reshape(C.shape)
+            D += values[:, BY_RATE:ENERGY].reshape(D.shape)
+        return C, D
 
     def reset_stress(self) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""

@@ -16,6 +16,7 @@ import scipy.linalg
 from viscorod.solve.modes.linearisation import EPS, unresisted
 from viscorod.solve.modes.maxwell_modes import Pencil
 from viscorod.solve.modes.undamped import Undamped
+from viscorod.solve.statics.work import precise_form
 from viscorod.typing import Floats
 
 CLASSICAL = 1e-8
@@ -195,8 +196,9 @@ class _Reduction:
 
     def frequency(self, x: np.ndarray) -> float:
         """Return the angular frequency [rad/s] of a shape without damping (Rayleigh quotient)."""
-        energy = np.vdot(x, self.K @ x) / np.vdot(x, self.M @ x).real
-        return float(np.sqrt(abs(energy)))
+        parts = np.array([x.real, x.imag]).T
+        energy = float(np.trace(precise_form(self.K, self.pencil.linear.work, parts)))
+        return float(np.sqrt(abs(energy) / np.vdot(x, self.M @ x).real))
 
     def swinging(self, roots: np.ndarray, vectors: np.ndarray) -> np.ndarray:
         """Return which roots oscillate: those with an imaginary part that is not round-off."""
@@ -209,7 +211,7 @@ class _Reduction:
         """Return all roots of the small problem with their residuals in the whole one."""
         W, R = self.W, self.R
         V, p = np.hstack([R, W]), R.shape[1]
-        D = V.T @ (self.D @ V)
+        D = precise_form(self.D, self.pencil.linear.loss, V)
         own = np.sqrt(np.abs(self.squares))
         K = V.T @ (self.K @ W)
         K[p:] -= np.diag(self.squares)  # what is not symmetric

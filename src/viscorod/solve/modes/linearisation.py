@@ -16,16 +16,16 @@ import scipy.linalg
 from scipy import sparse
 
 from viscorod.errors import SolveError
-from viscorod.mechanics.elements.section_laws import SectionLaws
 from viscorod.solve.constraints.null_space import null_space
 from viscorod.solve.constraints.rigid_motions import RigidParts, many_parts, motions_of_parts
-from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.statics.second_variation import without_elements
 from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.solve.statics.work import Work
 from viscorod.typing import Floats
 
 DENSE = 500
@@ -44,7 +44,8 @@ class Linearisation:
     Displacements are measured in lengths of the model; ``basis`` maps them to nodal body increments ``(6 n, free)``.
     ``gradients`` ``(rows, free)`` are those of further conditions on the motions; None where the basis fulfils them.
     The first ``rigid`` motions are free of stiffness and described by ``texts``; the first ``parts``, these among
-    them, are rigid motions of the parts between joints.
+    them, are rigid motions of the parts between joints. ``work`` and ``loss`` are the forms of
+    stiffness and damping without the round-off of entries; None where not known.
     """
 
     stiffness: sparse.csr_array
@@ -55,6 +56,8 @@ class Linearisation:
     rigid: int = 0
     parts: int = 0
     texts: tuple[str, ...] = field(default=(), compare=False)
+    work: Work | None = field(default=None, compare=False)
+    loss: Work | None = field(default=None, compare=False)
 
     @property
     def motions(self) -> int:
@@ -73,7 +76,14 @@ class Linearisation:
 
         K, D, M = (within(matrix) for matrix in (self.stiffness, self.damping, self.mass))
         return replace(
-            self, stiffness=K, damping=D, mass=M, basis=sparse.csc_array(self.basis @ Z), gradients=None
+            self,
+            stiffness=K,
+            damping=D,
+            mass=M,
+            basis=sparse.csc_array(self.basis @ Z),
+            gradients=None,
+            work=None if self.work is None else self.work.within(Z),
+            loss=None if self.loss is None else self.loss.within(Z),
         )
 
     def solver(self, matrix: sparse.csr_array) -> Callable[[Floats], Floats]:
@@ -119,11 +129,13 @@ def linearise(
     balance = _without_noise(system.residual(), noise, problem.length)
     damping = sparse.csr_array(basis.T @ damping_matrix.sparse()[:size, :size] @ basis)
     mass = sparse.csr_array(basis.T @ block_diagonal(problem.mass) @ basis)
-    whole = Linearisation(tangent.stiffness, damping, mass, basis, tangent.gradients)
+    whole = Linearisation(
+        tangent.stiffness, damping, mass, basis, tangent.gradients, work=tangent.work, loss=tangent.loss
+    )
     if many_parts(problem):  # their rigid motions, as coordinates of their own, would fill the matrices
         return whole
     # what resists rigid motions of parts: loads, reactions, springs and dampers
-    bare = _without_elements(solver, t, before, scale)
+    bare = without_elements(system)
     held_by = np.where(np.abs(state.multiplier) > noise, state.multiplier, 0.0)
     held_by[problem.held.place] = 0.0
     resting = State(state.r, state.q, resting.twist, held_by)
@@ -152,25 +164,6 @@ def _without_noise(forces: Floats, noise: float, length: float) -> Floats:
     """Return forces and moments, or gaps, ``(N, 6)`` with zeros for those that are round-off."""
     size = np.abs(forces) * np.repeat([1.0, 1.0 / length], 3)
     return np.where(size > noise, forces, 0.0)
-
-
-def _without_elements(solver: StaticSolver, t: float, before: bool, scale: float) -> GeometricSystem:
-    """Return the system without stiffness and damping of its elements."""
-    problem = solver.system.problem
-    sets = tuple(
-        replace(
-            e,
-            stiffness=np.zeros_like(e.stiffness),
-            damping=np.zeros_like(e.damping),
-            branches=np.zeros_like(e.branches),
-            laws=SectionLaws.none(len(e.stiffness)),
-        )
-        for e in problem.sets
-    )
-    bare = GeometricSystem(replace(problem, sets=sets))
-    bare.constraints.update(t, before, scale)
-    bare.constraints.near[:] = solver.system.constraints.near
-    return bare
 
 
 def _apart(
@@ -223,6 +216,8 @@ def _apart(
         rigid,
         k,
         tuple(m.text for m in motions),
+        None if whole.work is None else whole.work.within(T),
+        None if whole.loss is None else whole.loss.within(T),
     )
 
 

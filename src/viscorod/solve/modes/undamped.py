@@ -17,6 +17,7 @@ from scipy import sparse
 
 from viscorod.solve.modes.linearisation import DENSE, EPS, Linearisation, beyond_precision, factored
 from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
+from viscorod.solve.statics.work import PRECISE
 from viscorod.typing import Floats
 
 EXTRA = 4
@@ -126,7 +127,39 @@ class _Problem:
     def below(self, square: float) -> int:
         """Return the number of modes, rigid ones too if ``square`` is positive, with ``w^2 < square``."""
         shifted = sparse.csr_array(self.K - square * self.M)
-        return negative_eigenvalues(Tangent(shifted, self.linear.basis, self.linear.gradients))
+        work = self.linear.work
+        if work is not None:
+            work = work.plus(self.M, -square)
+        return negative_eigenvalues(Tangent(shifted, self.linear.basis, self.linear.gradients, work))
+
+    def refined(self, squares: Floats, shapes: Floats) -> tuple[Floats, Floats]:
+        """Return ``w^2`` and shapes again, by the work of shapes where the rounding of the stiffness spoils them.
+
+        They are those of Rayleigh and Ritz in the space of these shapes.
+        """
+        work = self.linear.work
+        poor = EPS * self.sizes(shapes) > PRECISE * np.abs(squares)
+        if work is None or not poor.any():
+            return squares, shapes
+        slow = shapes[:, poor]
+        form, _ = work.form(slow)
+        new, turn = scipy.linalg.eigh(form, slow.T @ (self.M @ slow))
+        squares, shapes = squares.copy(), shapes.copy()
+        squares[poor], shapes[:, poor] = new, slow @ turn
+        order = np.argsort(squares, kind="stable")
+        return squares[order], shapes[:, order]
+
+    def sizes(self, shapes: Floats) -> Floats:
+        """Return the sums of the sizes of all terms of ``x.K x``, of which one part in 1e16 is round-off."""
+        return np.asarray(np.einsum("ik,ik->k", np.abs(shapes), abs(self.K) @ np.abs(shapes)))
+
+    def neutral(self, squares: Floats, shapes: Floats) -> np.ndarray:
+        """Return which shapes, of unit inertia, have no stiffness but round-off."""
+        found = np.abs(squares) <= 10.0 * EPS * self.sizes(shapes)
+        if self.linear.work is not None and found.any():
+            _, size = self.linear.work.form(shapes[:, found])
+            found[found] = np.abs(squares[found]) <= 10.0 * EPS * size
+        return found
 
 
 def undamped_modes(linear: Linearisation, count: int, near: float | None = None) -> Undamped:
@@ -168,13 +201,13 @@ def _of_full_matrices(problem: _Problem) -> Undamped:
     shapes = problem.normalised(lift @ shapes)
     # where the inverse has lost digits, the shape has them: its error counts squared
     energies = np.einsum("ik,ik->k", shapes, problem.K @ shapes)
-    sizes = np.einsum("ik,ik->k", np.abs(shapes), abs(problem.K) @ np.abs(shapes))
+    sizes = problem.sizes(shapes)
     lowest = np.abs(squares).min(initial=np.inf)
     fast = np.abs(squares) > np.sqrt(lowest) * np.sqrt(np.maximum(sizes, np.abs(squares)))
     squares = np.where(fast, energies, squares)
     order = np.argsort(squares, kind="stable")
-    squares, shapes = squares[order], shapes[:, order]
-    neutral = np.abs(squares) <= 10.0 * EPS * sizes[order]
+    squares, shapes = problem.refined(squares[order], shapes[:, order])
+    neutral = problem.neutral(squares, shapes)
     rigid = np.hstack([problem.rigid, shapes[:, neutral]])
     squares, shapes = squares[~neutral], shapes[:, ~neutral]
     flexible = shapes / squares
@@ -214,7 +247,7 @@ def _of_iteration(problem: _Problem, count: int, square: float) -> Undamped:
         new, directions = _lanczos(
             problem, solve, square, min(wanted, most - len(squares) - 1), shapes, start
         )
-        squares, shapes = np.append(squares, new), np.hstack([shapes, directions])
+        squares, shapes = problem.refined(np.append(squares, new), np.hstack([shapes, directions]))
         order = np.argsort(np.abs(squares - square), kind="stable")
         squares, shapes = squares[order], shapes[:, order]
         reach, inside = _gap(np.abs(squares - square), count)
@@ -240,8 +273,7 @@ def _of_iteration(problem: _Problem, count: int, square: float) -> Undamped:
         first = problem.below(low) - problem.k
     order = np.argsort(squares, kind="stable")
     squares, shapes = squares[order], problem.normalised(shapes[:, order])
-    sizes = np.einsum("ik,ik->k", np.abs(shapes), abs(problem.K) @ np.abs(shapes))
-    neutral = np.abs(squares) <= 10.0 * EPS * sizes
+    neutral = problem.neutral(squares, shapes)
     rigid = np.hstack([problem.rigid, shapes[:, neutral]])
     squares, shapes = squares[~neutral], shapes[:, ~neutral]
     flexibility = solve if square == 0.0 else problem.solver(0.0)

@@ -100,11 +100,10 @@ def require_differentiable(problem: Problem) -> None:
     """Refuse a model with parts whose derivatives by the arrays are not known here.
 
     Raises:
-        InputError: it has Maxwell branches, laws of sections or loads that are records.
+        InputError: it has Maxwell branches or loads that are records.
     """
     parts = {
         "Maxwell branches": problem.relaxing,
-        "laws of sections": problem.laws.present,
         "loads that are records": bool(problem.records),
     }
     for part, there in parts.items():

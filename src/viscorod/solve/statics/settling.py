@@ -25,9 +25,11 @@ from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.mechanics.rotations.rotation import increment_size, retract
 from viscorod.solve.constraints.null_space import unit_rows
 from viscorod.solve.formulations.system import State
+from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.problem.external_loads import LoadState
+from viscorod.solve.statics.second_variation import SecondVariation
 from viscorod.solve.statics.stability import circulatory
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
@@ -297,12 +299,14 @@ class Settling:
 
     def _tangent(self, x: State, mu: float) -> Tangent:
         """Return the tangent with the drag in the motions that the supports allow."""
-        residual = self._assemble(x, mu)
-        stiffness, basis = self.supports.reduce_tangent(x, residual, self.system.matrix)
+        balance = self._assemble(x, mu)
+        stiffness, basis = self.supports.reduce_tangent(x, balance.copy(), self.system.matrix)
         gradients = None
         if self.system.constraints.rows:
             gradients = unit_rows(sparse.csr_array(self.system.constraint_gradients(x) @ basis))
-        return Tangent(stiffness, basis, gradients)
+        work = SecondVariation(self.system, self.supports, x, self._loads(), balance, basis).work
+        dragged = sparse.csr_array(basis.T @ block_diagonal(self.drag) @ basis)
+        return Tangent(stiffness, basis, gradients, work.plus(dragged, mu))
 
     # --- the end
 

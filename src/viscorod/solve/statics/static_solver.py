@@ -24,6 +24,7 @@ from viscorod.solve.statics.newton import (
     worst_node,
 )
 from viscorod.solve.statics.node_turns import NodeTurns
+from viscorod.solve.statics.second_variation import SecondVariation
 from viscorod.solve.statics.tangent import Tangent
 from viscorod.typing import Floats
 
@@ -294,9 +295,12 @@ class StaticSolver:
         system, supports = self.system, self.supports
         supports.update(t, before, scale)
         system.constraints.update(t, before, scale)
-        system.assemble(state, self.loads.at(t, before, scale), None, tangent=True, moving=False)
-        stiffness, basis = supports.reduce_tangent(state, system.residual(), system.matrix)
+        loads = self.loads.at(t, before, scale)
+        system.assemble(state, loads, None, tangent=True, moving=False)
+        balance = system.residual()
+        stiffness, basis = supports.reduce_tangent(state, balance.copy(), system.matrix)
         gradients = None
         if system.constraints.rows:
             gradients = unit_rows(sparse.csr_array(system.constraint_gradients(state) @ basis))
-        return Tangent(stiffness, basis, gradients)
+        forms = SecondVariation(system, supports, state, loads, balance, basis)
+        return Tangent(stiffness, basis, gradients, forms.work, forms.loss)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.linalg
@@ -11,10 +13,15 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from viscorod.errors import SolveError
 from viscorod.solve.linear.singular import SingularMatrixError
+from viscorod.solve.statics.work import Work
 from viscorod.typing import Floats
 
 __all__ = ["Tangent", "negative_eigenvalues", "null_vector"]
 
+ROUND_OFF = 32.0 * float(np.finfo(float).eps)
+"""Rounding of the entries of a stiffness and of its pivots, as a part of the sum of a row's entries."""
+NEAR, EXACT = 40, 16.0 * float(np.finfo(float).eps)
+"""Motions at most whose stiffness is told apart from this round-off, and their own, as a part of what adds up to it."""
 FULL = 10_000
 """Size up to which all eigenvalues are found where pivots vanish: a full matrix of it takes almost a gigabyte."""
 NEUTRAL = 1e-13
@@ -29,29 +36,77 @@ class Tangent:
         stiffness: ``(free, free)``; symmetric at an equilibrium of a conservative system.
         basis: from these motions to body increments of the nodes ``(6 n, free)``.
         gradients: of the conditions of joints and held strains ``(rows, free)``, each of unit length; None without.
+        work, loss: the forms of stiffness and damping without the round-off of entries; None where not known.
     """
 
     stiffness: sparse.csr_array
     basis: sparse.csc_array
     gradients: sparse.csr_array | None
+    work: Work | None = None
+    loss: Work | None = None
 
 
 def negative_eigenvalues(tangent: Tangent) -> int:
     """Return the number of negative eigenvalues of the stiffness (its symmetric part) in the motions allowed.
 
-    It counts the directions in which an equilibrium of a conservative system is unstable.
+    It counts the directions in which an equilibrium of a conservative system is unstable, by the signs of pivots
+    (Sylvester's law of inertia). Eigenvalues that may have got their sign from the rounding of the matrix, and there
+    are some where the mesh of a slender rod is fine, are judged by the ``work`` of their motions (Rayleigh and Ritz).
     """
     symmetric = sparse.csc_array(0.5 * (tangent.stiffness + tangent.stiffness.T))
-    if tangent.gradients is not None:
-        return _beside_conditions(symmetric, tangent.gradients)
-    pivots = _pivots(symmetric, "MMD_AT_PLUS_A")
-    if pivots is None and symmetric.shape[0] > FULL:
-        scale = float(np.abs(symmetric.diagonal()).mean())
-        neutral = NEUTRAL * scale * sparse.eye_array(symmetric.shape[0])
-        pivots = _pivots(sparse.csc_array(symmetric + neutral), "MMD_AT_PLUS_A")
-    if pivots is None:  # exactly singular: a neutral direction, which is not a negative one
-        pivots = _all_eigenvalues(symmetric)
-    return int(np.count_nonzero(pivots < 0.0))
+    if tangent.work is None or not symmetric.shape[0]:
+        return _Pivots(symmetric, tangent.gradients).negative
+    certain, possible, motions = _doubtful(symmetric, tangent.gradients)
+    if certain == possible:
+        return certain
+    if motions is None:
+        return _Pivots(symmetric, tangent.gradients).negative
+    return certain + _negative_work(tangent.work, motions)
+
+
+def _doubtful(
+    symmetric: sparse.csc_array, gradients: sparse.csr_array | None
+) -> tuple[int, int, Floats | None]:
+    """Return how many eigenvalues are certainly and possibly negative, and the motions of those in between.
+
+    None if there are none, too many, or they were not found.
+    """
+    scale = np.asarray(abs(symmetric).sum(axis=1)).ravel()
+    size = sparse.diags_array(np.maximum(scale, NEUTRAL * float(scale.mean())))
+    possible = _Pivots(sparse.csc_array(symmetric - ROUND_OFF * size), gradients).negative
+    if possible == 0:
+        return 0, 0, None
+    shifted = _Pivots(sparse.csc_array(symmetric + ROUND_OFF * size), gradients)
+    count = possible - shifted.negative
+    motions = None
+    if 0 < count <= NEAR and shifted.solve is not None:
+        motions = _nearest(shifted.solve, size, count)
+    return shifted.negative, possible, motions
+
+
+def _negative_work(work: Work, motions: Floats) -> int:
+    """Return how many combinations of motions do negative work."""
+    form, _ = work.form(motions)
+    _, turned = np.linalg.eigh(form)
+    form, size = work.form(motions @ turned)
+    return int(np.count_nonzero(form.diagonal() < -EXACT * size))
+
+
+def _nearest(solve: Callable[[Floats], Floats], size: sparse.dia_array, count: int) -> Floats | None:
+    """Return the motions ``(free, count)`` whose stiffness is round-off; None if they were not found."""
+    import scipy.sparse.linalg as spla
+
+    free = size.shape[0]
+    if free <= count + 1:
+        return None
+    inverse = spla.LinearOperator((free, free), matvec=solve, dtype=float)
+    start = solve(size @ np.random.default_rng(1).standard_normal(free))
+    try:
+        return np.asarray(
+            spla.eigsh(size, count, size, sigma=-ROUND_OFF, OPinv=inverse, which="LA", v0=start, tol=1e-6)[1]
+        )
+    except spla.ArpackError:
+        return None
 
 
 class Inverse:
@@ -93,32 +148,69 @@ def null_vector(tangent: Tangent) -> Floats:
     return increments
 
 
-def _beside_conditions(stiffness: sparse.csc_array, gradients: sparse.csr_array) -> int:
-    """Return the number of negative eigenvalues of ``stiffness`` in the motions with ``gradients motion = 0``.
+class _Pivots:
+    """Pivots of a stiffness, symmetric, in the motions allowed.
 
-    The matrix ``[[K, G'], [G, 0]]`` has as many, and one for each independent row of ``G``. ``K + a G'G`` in place of
-    ``K`` changes nothing of that, and has no direction without stiffness among the held ones. Its rows are numbered
-    along the structure and each condition follows the last motion that it holds: then no pivot vanishes, and the
-    effort is that of a band.
+    Attributes:
+        negative: how many are negative.
+        solve: the motions under forces; None if a pivot vanishes.
     """
-    scale = float(np.abs(stiffness.diagonal()).mean()) or 1.0
-    held = sparse.csr_array(gradients)
-    stiffness = sparse.csc_array(stiffness / scale + held.T @ held)
-    pattern = sparse.csr_array(abs(stiffness))
-    order = reverse_cuthill_mckee(sparse.csr_matrix(pattern), symmetric_mode=True)
-    place = np.empty(len(order))
-    place[order] = np.arange(len(order))
-    last = np.maximum.reduceat(place[held.indices], held.indptr[:-1])
-    rows = np.argsort(np.concatenate([place, last + 0.5]), kind="stable")
-    for neutral in (0.0, NEUTRAL, 1e2 * NEUTRAL):
-        stiffness = stiffness + neutral * sparse.eye_array(len(order))
-        whole = sparse.csc_array(sparse.block_array([[stiffness, held.T], [held, None]]))
-        pivots = _pivots(sparse.csc_array(whole[rows][:, rows]), "NATURAL")
-        if pivots is not None:
-            break
-    else:
-        pivots = _all_eigenvalues(whole)
-    return int(np.count_nonzero(pivots < 0.0)) - int(held.shape[0])
+
+    def __init__(self, stiffness: sparse.csc_array, gradients: sparse.csr_array | None) -> None:
+        self.solve: Callable[[Floats], Floats] | None = None
+        if gradients is None:
+            self.negative = self._free(stiffness)
+        else:
+            self.negative = self._beside_conditions(stiffness, gradients)
+
+    def _free(self, stiffness: sparse.csc_array) -> int:
+        size = stiffness.shape[0]
+        factor = _factor(stiffness, "MMD_AT_PLUS_A")
+        if factor is None and size > FULL:
+            scale = float(np.abs(stiffness.diagonal()).mean())
+            factor = _factor(
+                sparse.csc_array(stiffness + NEUTRAL * scale * sparse.eye_array(size)), "MMD_AT_PLUS_A"
+            )
+        if factor is None:  # exactly singular: a neutral direction, which is not a negative one
+            return int(np.count_nonzero(_all_eigenvalues(stiffness) < 0.0))
+        self.solve = factor.solve
+        return int(np.count_nonzero(factor.U.diagonal() < 0.0))
+
+    def _beside_conditions(self, stiffness: sparse.csc_array, gradients: sparse.csr_array) -> int:
+        """Return the number of negative eigenvalues of ``stiffness`` in the motions with ``gradients motion = 0``.
+
+        The matrix ``[[K, G'], [G, 0]]`` has as many, and one for each independent row of ``G``. ``K + a G'G`` in place
+        of ``K`` changes nothing of that, and has no direction without stiffness among the held ones. Its rows are
+        numbered along the structure and each condition follows the last motion that it holds: then no pivot vanishes,
+        and the effort is that of a band.
+        """
+        scale = float(np.abs(stiffness.diagonal()).mean()) or 1.0
+        held = sparse.csr_array(gradients)
+        stiffness = sparse.csc_array(stiffness / scale + held.T @ held)
+        pattern = sparse.csr_array(abs(stiffness))
+        order = reverse_cuthill_mckee(sparse.csr_matrix(pattern), symmetric_mode=True)
+        size, conditions = len(order), int(held.shape[0])
+        place = np.empty(size)
+        place[order] = np.arange(size)
+        last = np.maximum.reduceat(place[held.indices], held.indptr[:-1])
+        rows = np.argsort(np.concatenate([place, last + 0.5]), kind="stable")
+        for neutral in (0.0, NEUTRAL, 1e2 * NEUTRAL):
+            stiffness = stiffness + neutral * sparse.eye_array(size)
+            whole = sparse.csc_array(sparse.block_array([[stiffness, held.T], [held, None]]))
+            factor = _factor(sparse.csc_array(whole[rows][:, rows]), "NATURAL")
+            if factor is not None:
+                break
+        else:
+            return int(np.count_nonzero(_all_eigenvalues(whole) < 0.0)) - conditions
+
+        def solve(forces: Floats) -> Floats:
+            right = np.concatenate([forces / scale, np.zeros(conditions)])
+            found = np.empty_like(right)
+            found[rows] = factor.solve(right[rows])
+            return found[:size]
+
+        self.solve = solve
+        return int(np.count_nonzero(factor.U.diagonal() < 0.0)) - conditions
 
 
 def _all_eigenvalues(matrix: sparse.csc_array) -> np.ndarray:
@@ -135,16 +227,15 @@ def _all_eigenvalues(matrix: sparse.csc_array) -> np.ndarray:
     return np.asarray(scipy.linalg.eigvalsh(matrix.toarray()))
 
 
-def _pivots(matrix: sparse.csc_array, order: str) -> np.ndarray | None:
-    """Return the pivots of a symmetric matrix without row exchanges; None if one vanishes.
+def _factor(matrix: sparse.csc_array, order: str) -> Any | None:
+    """Return the factors of a symmetric matrix without row exchanges; None if a pivot vanishes.
 
-    By Sylvester's law of inertia their signs are those of the eigenvalues, and unlike the eigenvalues themselves they
-    do not drown in the round-off of the stiffest directions.
+    By Sylvester's law of inertia the signs of the pivots are those of the eigenvalues, and unlike the eigenvalues
+    themselves they do not drown in the round-off of the stiffest directions.
     """
     import scipy.sparse.linalg as spla
 
     try:
-        factor = spla.splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        return spla.splu(matrix, permc_spec=order, diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError:
         return None
-    return np.asarray(factor.U.diagonal())

@@ -32,7 +32,13 @@ from viscorod.solve.problem.joint_set import JointSet
 from viscorod.solve.problem.law_callbacks import LawCallbacks, MotionLaws
 from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
 from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, Relation, Solution
-from viscorod.solve.transient.integrators.stage_data import Discretisation
+from viscorod.solve.transient.integrators.stage_data import (
+    Discretisation,
+    StageFactors,
+    StageLoads,
+    SupportMotion,
+    Work,
+)
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.solve.transient.load_content import StepContent
 
@@ -45,7 +51,8 @@ MADE: dict[str, type[Any]] = {kind.__name__: kind for kind in (State, Snapshot, 
 UNCHANGED = (
     Problem, ElementSet, SupportSet, Elements, ElementGroup, Discretisation, Pattern, Plan, Tableau, HeldStrains,
     JointSet, LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads,
-    LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, Coefficients, Relation, Solution,
+    LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, StageFactors, StageLoads, SupportMotion, Work,
+    Coefficients, Relation, Solution,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 
@@ -76,7 +83,7 @@ def _kind(of: type[Any]) -> str:
         return "dict"
     if issubclass(of, list | deque) or (issubclass(of, tuple) and not hasattr(of, "_fields")):
         return "sequence"
-    return "tuple" if hasattr(of, "_fields") else "object"
+    return "tuple" if issubclass(of, tuple) else "object"
 
 
 def _saved(value: Any, seen: set[int]) -> SavedTree:

@@ -12,10 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.mechanics.rotations.rotation import retract
+from viscorod.mechanics.elements.linearised import Operators
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
-from viscorod.solve.problem.external_loads import NO_LOADS
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.transient.halved_steps import HalvedSteps, Trials
@@ -23,8 +22,6 @@ from viscorod.typing import Floats
 
 __all__ = ["StepErrors", "damped_by_steps"]
 
-SMALL = 1e-4
-"""Rotation [rad], and displacement over the length, to which an error is scaled to evaluate its section forces."""
 MIXED = 0.75
 """Power of their number with which errors add up that faster motions make: 1 of those in step, 1/2 of random ones."""
 RESOLVED = 4.0
@@ -184,18 +181,10 @@ def _section_forces(problem: Problem, start: State, fields: Floats) -> Floats:
     """
     system = GeometricSystem(problem)
     system.relaxation = None
-
-    def at(increment: Floats) -> Floats:
-        state = start.copy()
-        retract(start.r, start.q, np.ascontiguousarray(increment.reshape(-1, 6)), state.r, state.q)
-        system.assemble(state, NO_LOADS, None, tangent=False, moving=False)
-        return np.array(system.gauss_points().section_force)
-
-    unit = np.tile([1.0 / problem.length] * 3 + [1.0] * 3, problem.size)
-    squares = np.zeros((len(system.gauss_positions().stiffness), 6))
-    for field in fields.T:
-        size = float(np.abs(field * unit).max())
-        if size > 0.0:
-            scale = SMALL / size
-            squares += np.square((at(scale * field) - at(-scale * field)) / (2.0 * scale))
+    elements, still = system.elements(), np.zeros((problem.size, 6, 6))
+    operators, stress = Operators.of(elements), np.zeros(elements.reference.shape)
+    system.linearise(start, still, stress, operators, *np.zeros((2, len(problem.pattern.rows), 6, 6)))
+    moved = fields.T.reshape(-1, problem.size, 6)[:, elements.nodes]
+    forces = np.einsum("erc,kec->ker", operators.force, moved.reshape(*moved.shape[:2], -1))
+    squares = np.square(forces.reshape(len(forces), -1, 6)[:, system.gauss_indices()]).sum(axis=0)
     return np.asarray(np.sqrt(squares.reshape(-1, 2, 3).sum(axis=2).max(axis=0, initial=0.0)))

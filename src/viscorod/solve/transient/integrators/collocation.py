@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.nodes import inertia
 from viscorod.solve.constraints.projection import start_consistently
@@ -120,6 +121,7 @@ class Collocation:
         self._ad = np.zeros((problem.size, 6, 6))
         self.account = StepAccount.of(problem.size, stages)
         self._reaction = np.zeros((len(body.complete), 6))  # of the supports at t, along their axes
+        self._try_step = KnownTypes(try_step)
         self._have_jacobian = self._fresh_jacobian = False
         self._factor_step = self._end = self._step = 0.0
         self._rate = 1.0
@@ -128,7 +130,8 @@ class Collocation:
 
     def start(self, t: float, state: State) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        supports = self.supports
+        supports, rows = self.supports, np.ascontiguousarray
+        state.r, state.q, state.twist = rows(state.r), rows(state.q), rows(state.twist)
         supports.update(t, False)
         supports.prescribe(state)
         supports.project_twists(state)
@@ -162,7 +165,7 @@ class Collocation:
             self.stage_constraints.predict(h)
         if self.dashpots is not None:
             self.dashpots.prepare(h)
-        code, count, size, rate, unknown, error, worst = try_step(*self.step_arguments(h))
+        code, count, size, rate, unknown, error, worst = self._try_step(*self.step_arguments(h))
         self.systems.check()
         self.evaluations += (count + (code == iteration_verdict.CONVERGED)) * len(self.tableau.nodes)
         if code == iteration_verdict.CONVERGED:

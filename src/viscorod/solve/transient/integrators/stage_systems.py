@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
@@ -41,6 +42,7 @@ class StageSystems:
         self.real, self.pair = DirectSolver(plan), DirectSolver(pair, complex)
         self._real_blocks = np.zeros((len(body.pattern.rows), 6, 6))
         self._pair_blocks = np.zeros((len(pair.pattern.rows), 6, 6), dtype=complex)
+        self._real_of, self._pair_of = KnownTypes(jacobian.combine), KnownTypes(jacobian.combine)
         self.factors = StageFactors(
             self.real.factors, self.pair.factors, np.ones_like(scales), np.ones_like(scales), scales
         )
@@ -48,10 +50,18 @@ class StageSystems:
     def factorise(self, matrices: Matrices, h: float) -> bool:
         """Factorise for the step ``h`` [s]; False if a matrix is singular."""
         try:
-            self._combine(matrices, self.tableau.real / h, self.factors.real_rows, self._real_blocks)
+            self._combine(
+                self._real_of, matrices, self.tableau.real / h, self.factors.real_rows, self._real_blocks
+            )
             self.real.factorise(self._real_blocks)
             if self._several:
-                self._combine(matrices, self.tableau.pair / h, self.factors.complex_rows, self._pair_blocks)
+                self._combine(
+                    self._pair_of,
+                    matrices,
+                    self.tableau.pair / h,
+                    self.factors.complex_rows,
+                    self._pair_blocks,
+                )
                 self.pair.factorise(self._pair_blocks)
         except SingularMatrixError:
             return False
@@ -69,9 +79,11 @@ class StageSystems:
         self.real.check()
         self.pair.check()
 
-    def _combine(self, matrices: Matrices, mu: complex, rows: Floats, blocks: Floats) -> None:
+    def _combine(
+        self, combine: KnownTypes, matrices: Matrices, mu: complex, rows: Floats, blocks: Floats
+    ) -> None:
         body, pattern = self.body, self.body.pattern
-        jacobian.combine(
+        combine(
             matrices.K if self.dashpots is None else self.dashpots.add_stiffness(matrices, mu),
             matrices.C,
             matrices.mass,

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.nodes import support_rows as support_kernels
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate
@@ -59,6 +60,8 @@ class StepRecorder:
         self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
         self._reactions = np.zeros(stages.reaction.shape)
         self._directions = support_kernels.Directions.of(1)
+        self._reaction_wrenches = KnownTypes(support_kernels.reaction_wrenches)
+        self._read_end, self._read_between = KnownTypes(read_end), KnownTypes(read_between)
 
     def record_state(
         self, state: State, points: GaussStates, reaction: Floats, kinetic: float, elastic: float
@@ -78,7 +81,7 @@ class StepRecorder:
         self._joints = self.snapshot.joints
         stages = self.stages
         self._reactions = np.empty(stages.reaction.shape)
-        support_kernels.reaction_wrenches(
+        self._reaction_wrenches(
             self.body.supports,
             self.motion.target,
             stages.r,
@@ -103,10 +106,10 @@ class StepRecorder:
     def _read(self, state: State, strain: Floats, rate: Floats, force: Floats) -> float:
         """Bring the last stage of Gauss-point fields into the order of results; return the kinetic energy [J]."""
         self._fields = np.empty((3, len(self._places), 6))
-        kinetic, self.strain = read_end(
+        kinetic, self.strain = self._read_end(
             strain, rate, force, self._places, self.body.mass, state.twist, self._fields
         )
-        return kinetic
+        return float(kinetic)
 
     def between(
         self,
@@ -141,7 +144,7 @@ class StepRecorder:
                 self.supports.correct(state, t - (1.0 - part) * h)
         points = np.empty((3, count, len(self._places), 6))
         reaction, energies = np.empty((count, *start_reaction.shape)), np.empty((3, count))
-        read_between(
+        self._read_between(
             parts,
             h,
             tableau,
