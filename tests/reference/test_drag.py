@@ -238,6 +238,24 @@ def test_propeller_in_still_air_turns_steadily():
         model.steady(spin=(0, 0, spin))
 
 
+@pytest.mark.parametrize("spin", [3.0, 15.0])
+def test_shaft_in_a_medium_whirls_down_at_any_speed(spin):
+    """Drag from outside damps whirling by c/(2 m) below and above the critical speed (pi^2), whoever turns along."""
+    section = vr.StiffnessSection([1e6, 1e6, 1e6, 1.0, 1.0, 1.0], [1, 1, 1, 1e-7, 1e-7, 2e-7])
+    model = vr.Model()
+    model.add("shaft", vr.Rod.straight((0, 0, 0), (0, 0, 1), section=section, elements=3))
+    model.support("shaft.start", ("ux", "uy", "uz", "rz"))
+    model.support("shaft.end", ("ux", "uy"))
+    model.drag("shaft", linear_across=0.4)
+    steady = model.steady(spin=(0, 0, spin))
+    slowest = steady.eigenvalues[np.abs(steady.eigenvalues) < 60.0]
+    assert slowest.real == pytest.approx(np.full(len(slowest), -0.2), rel=1e-4)
+    omega = np.sqrt(np.pi**4 - 0.2**2)
+    for whirl in (omega - spin, omega + spin):
+        assert np.abs(np.abs(slowest.imag) - abs(whirl)).min() < 1e-3 * omega
+    assert steady.stable
+
+
 @pytest.mark.parametrize("elements", [3, None])
 def test_drag_on_a_part_of_a_rod(elements):
     """c/(2 m w) times the share of the square of the sine that lies in it, on pinned ends; elements end there."""

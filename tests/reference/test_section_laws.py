@@ -60,6 +60,19 @@ def test_pure_bending(axis):
     assert float(found.data["elastic"][-1]) == pytest.approx(stored, rel=1e-6)
 
 
+@pytest.mark.parametrize("constraints", [(), "kirchhoff"])
+def test_pure_bending_from_a_rest_strain(constraints):
+    """Closed form: the law counts from the strains at which the rod is free of stress; held strains add nothing."""
+    model = cantilever(constraints=constraints)
+    model.rest_strain("beam", (0, 0, 0, 0, 0.7, 0))
+    model.moment("beam.end", (0, 0, MOMENT))
+    found = model.equilibrium()
+    bent = found.data["strain"].values[-1, :, 4]
+    assert np.abs(bent) == pytest.approx(CURVATURE, rel=1e-6)
+    curvature = 0.7 + bent.mean()
+    assert found.position("beam.end")[0] == pytest.approx(np.sin(curvature) / curvature, rel=1e-6)
+
+
 def test_a_path_stiffens():
     """Closed form, at every point of a path: the load is what its curvature asks for."""
     model = cantilever()

@@ -119,6 +119,7 @@ def test_initial_velocity_as_a_function():
         (lambda: Drag("beam", coefficient_across=1.0, width=0.1), "Drag.density", "needs the density"),
         (lambda: Drag("beam", coefficient_along=1.0, density=1.0), "Drag.width", "needs the width"),
         (lambda: Drag("beam", linear_along=1.0, velocity=(1, 0)), "Drag.velocity", "3 numbers"),
+        (lambda: Drag("beam", linear_along=1.0, time=Ramp(0.0, 1.0, -1.0)), "Drag.time", "negative at"),
         (lambda: Drag("beam", linear_about=1.0, from_s=1.0, to_s=0.5), "Drag.to_s", "positive length"),
         (lambda: InitialVelocity("rod", (1, 0, 0), field=lambda s: s), "InitialVelocity", "both"),
         (lambda: InitialVelocity("rod", angular=(1, 0)), "InitialVelocity.angular", "3 numbers"),

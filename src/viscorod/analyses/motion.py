@@ -109,7 +109,7 @@ def _motion(
         return {"motion": transient.saved(), "watch": saved(discrete.watch.notes())}
 
     def after_step() -> str:
-        discrete.watch.note(stream)
+        discrete.watch.note(stream.start, integrator.t, integrator.snapshot)
         if written is not None:
             written.after_step(resumable)
         return "" if options.stop is None else options.stop()
@@ -144,7 +144,7 @@ def _motion(
         watch = discrete.watch
         see = watch.see_motion if settings.dynamics == "nonlinear" else watch.see_linear_motion
         scale = float(settings.initial == "equilibrium")
-        see(settings.duration, discrete.static, scale, damped_by_steps(halved))
+        see((integrator.t, integrator.snapshot()), discrete.static, scale, damped_by_steps(halved))
         attrs |= watch.attributes
     attrs["message"] = message = failure(discrete, transient)
     _tell(attrs, _blows(discrete.problem))

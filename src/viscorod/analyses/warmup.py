@@ -143,6 +143,7 @@ def small_model() -> Model:
     model.moment(f"beam@{0.3 * SIZE}", (1e-6, 0, 0))
     model.distributed_force("beam", (0, 0, 1e-3))
     model.moving_force("beam", (0, 0, 1e-3), speed=0.5 * SIZE / SPAN)
+    model.drag("beam", linear_across=1e-3)
     return model
 
 

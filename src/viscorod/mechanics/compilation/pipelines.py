@@ -19,7 +19,7 @@ _Compiler: Any = Compiler
 
 _LEVEL = 2
 
-TESTED = ((0, 61), (0, 64), (0, 68))
+TESTED = ((0, 64), (0, 68))
 """Versions of Numba whose inner classes are known to fit; with others its own compiler does everything."""
 
 

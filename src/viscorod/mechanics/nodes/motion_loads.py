@@ -26,7 +26,8 @@ LAWS = {"drag": DRAG}
 ROW = 9
 """In the row of a law: which, and what it takes."""
 ANSWERED = 79
-"""Exchanged with a Python function: its number, position, rotation matrix, twist; and wrench, two matrices, power."""
+"""Exchanged with a Python function: its number, position, rotation matrix, twist, whether derivatives are wanted; it
+leaves wrench, two matrices and power."""
 
 
 class MotionLoads(NamedTuple):
@@ -97,8 +98,8 @@ class MotionTangent(NamedTuple):
 
 
 @part
-def ask_python(law: Floats, k: int, r: Vector, q: Quaternion, work: MotionWork) -> float:
-    """Let a Python function answer."""
+def ask_python(law: Floats, k: int, r: Vector, q: Quaternion, tangent: bool, work: MotionWork) -> float:
+    """Let a Python function answer; derivatives cost it many calls, and are asked for if they are wanted."""
     numbers, twist = work.numbers, work.twist
     numbers[0] = law[k, 1]
     for a in range(3):
@@ -108,6 +109,7 @@ def ask_python(law: Floats, k: int, r: Vector, q: Quaternion, work: MotionWork) 
             numbers[4 + 3 * a + b] = rotated(q, unit)[a]
     for a in range(6):
         numbers[13 + a] = twist[a]
+    numbers[19] = 1.0 if tangent else 0.0
     call(int(law[k, 2]), numbers.ctypes, numbers.shape[0])
     for a in range(6):
         work.wrench[a] = numbers[a]
@@ -119,18 +121,18 @@ def ask_python(law: Floats, k: int, r: Vector, q: Quaternion, work: MotionWork) 
 
 
 @part
-def answer(law: Floats, k: int, r: Vector, q: Quaternion, work: MotionWork) -> float:
+def answer(law: Floats, k: int, r: Vector, q: Quaternion, tangent: bool, work: MotionWork) -> float:
     """Write the wrench of row ``k`` and its derivatives, at the twist in ``work``; return the dissipated power.
 
     Args:
-        r, q: pose of the place.
+        r, q: pose of the place; tangent: whether derivatives are wanted.
     """
     for a in range(6):
         for b in range(6):
             work.stiffness[a, b] = work.damping[a, b] = 0.0
     if law[k, 0] == DRAG:
         return drag(law, k, q, work.twist, work.wrench, work.stiffness, work.damping)
-    return ask_python(law, k, r, q, work)
+    return ask_python(law, k, r, q, tangent, work)
 
 
 @part
@@ -180,7 +182,7 @@ def add_motion_loads(
         place, turn = attached_pose(
             vector(arms, k, 0), quaternion(turns, k), vector(r, node, 0), quaternion(q, node)
         )
-        power += factor * answer(laws, k, place, turn, work)
+        power += factor * answer(laws, k, place, turn, blocks.shape[0] > 0, work)
         for a in range(6):
             for b in range(6):
                 external[node, a] += factor * maps[k, b, a] * work.wrench[b]

@@ -10,8 +10,9 @@ from pydantic import Field, model_validator
 
 from viscorod.model.actions.load_base import AlongRod
 from viscorod.model.actions.load_effects import Arrows, CompiledLaw, Placing
+from viscorod.model.actions.time_table import FunctionOfTime
 from viscorod.model.connections.place import Place
-from viscorod.model.fields.definition import RefusedError
+from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import NonNegative, OptionalNonNegative, OptionalPositive, Vector
 from viscorod.typing import Floats
@@ -23,12 +24,14 @@ __all__ = ["Drag"]
 
 _COEFFICIENTS = ("coefficient_across", "coefficient_along")
 _MEDIUM = ("density", "width")
+SAMPLES = 257
+"""Times at which the factor is looked at."""
 
 
 class Drag(AlongRod):
     """The drag of a medium per reference length of a rod, linear and quadratic in the velocity past the medium.
 
-    Across and along the axis d3 of the section it is, with the velocity u of the section past the medium,
+    Across and along the axis d3 of the section it is, with the velocity u of the section past the medium::
 
         -(linear_across + density coefficient_across width |u_across| / 2) u_across
         -(linear_along + density coefficient_along pi width |u_along| / 2) u_along
@@ -70,19 +73,39 @@ class Drag(AlongRod):
                     f"quadratic drag needs the {key}"
                     + (" of the medium" if key == "density" else " of the rod"),
                     f"give {key}, or leave out {' and '.join(coefficients)}",
+                    found="",
                     at=(key,),
                 )
             if not coefficients and getattr(self, key) is not None:
                 raise RefusedError(
                     f"{key} goes with a drag coefficient",
                     "give coefficient_across or coefficient_along",
+                    found=show(getattr(self, key)),
                     at=(key,),
                 )
         if not any(self.numbers[:5]):
             raise RefusedError(
-                "drag without any coefficient", f"give linear_across or {_COEFFICIENTS[0]}, for example"
+                "drag without any coefficient",
+                f"give linear_across or {_COEFFICIENTS[0]}, for example",
+                found="",
+            )
+        negative = self._negative_at()
+        if negative is not None:
+            raise RefusedError(
+                f"the factor of drag is negative at {negative:.6g} s, where it would drive the motion",
+                "give a function of time that is nowhere negative, or turn the velocity round",
+                found="",
+                at=("time",),
             )
         return self
+
+    def _negative_at(self) -> float | None:
+        """Return a time at which its factor is negative, s, among some that are tried; functions are not called."""
+        if self.time is None or isinstance(self.time, FunctionOfTime):
+            return None
+        period = 1.0 / (getattr(self.time, "frequency", 0.0) or 1.0)
+        tried = np.linspace(0.0, max([0.0, *self.time.breakpoints]) + period, SAMPLES)
+        return next((float(t) for t in tried if self.time.value(float(t)) < 0.0), None)
 
     @property
     def numbers(self) -> tuple[float, ...]:

@@ -93,6 +93,9 @@ class Placing(Protocol):
     ) -> None:
         """Let a law that sees the motion of the sections act per length on a rod from `start` to `end`, m."""
 
+    def seeing_motion_at(self, place: str, law: MotionLaw, factor: TimeFactor) -> None:
+        """Let a law that sees the motion of a place act there; what it says is not per length then."""
+
     def everywhere(self, acceleration: Floats, factor: TimeFactor) -> None:
         """Let everything have weight; the acceleration (3,) in m/s^2, global axes."""
 

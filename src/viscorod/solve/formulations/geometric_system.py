@@ -127,7 +127,7 @@ class GeometricSystem:
             return self._elements
         return self._elements._replace(stiffness=self._stiffness, reference=self._reference)
 
-    def _fields(self, group: int, stress: Floats, strain_columns: Floats) -> PointFields:
+    def _point_fields(self, group: int, stress: Floats, strain_columns: Floats) -> PointFields:
         """Return what an assembly of a group with a stress iterate reads and writes at the Gauss points."""
         return PointFields(
             stress,
@@ -210,7 +210,7 @@ class GeometricSystem:
         for number, group in enumerate(self.groups):
             columns = self._columns[number]
             strain_columns = self._no_columns if operators is None else np.empty_like(columns)
-            fields = self._fields(number, stress, strain_columns)
+            fields = self._point_fields(number, stress, strain_columns)
             geometric.assemble(elements, group, fields, state.r, state.q, state.twist, *kind, out)
             if operators is not None:
                 collect(elements, group, fields, operators)
@@ -221,12 +221,13 @@ class GeometricSystem:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         self.internal.fill(0.0)
         out = geometric.Assembled(self.internal, K, C)
-        self._add_elements(self._present(), stress, state, (True, ad, True), out, operators)
+        elements = self._elements._replace(stiffness=self._stiffness)  # motions have the whole rest strains
+        self._add_elements(elements, stress, state, (True, ad, True), out, operators)
 
     def carry_stress(self, increment: Floats) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         for number, group in enumerate(self.groups):
-            fields = self._fields(number, self.stress, self._no_columns)
+            fields = self._point_fields(number, self.stress, self._no_columns)
             geometric.update_stress(self._elements, group, fields, increment, self.stress)
 
     def reset_stress(self) -> None:

@@ -94,14 +94,18 @@ class MotionLaws:
         law = self.laws[int(numbers[0])]
         assert isinstance(law, PythonLaw)
         r, R, twist = numbers[1:4].copy(), numbers[4:13].reshape(3, 3).copy(), numbers[13:19].copy()
+        wanted = numbers[19] != 0.0
+        numbers[:] = 0.0
         numbers[ANSWERED - 1] = law.dissipated(r, R, twist)
+        numbers[:6] = law.wrench(r, R, twist)
+        if not wanted:
+            return
         for column, unit in enumerate(np.eye(6)):
             for first, sides in (
                 (6, self._moved(law, r, R, twist, unit)),
                 (42, self._faster(law, r, R, twist, unit)),
             ):
-                numbers[first + column : first + 36 + column : 6] = sides
-        numbers[:6] = law.wrench(r, R, twist)
+                numbers[first + column : first + 36 : 6] = sides
 
     @staticmethod
     def _moved(law: PythonLaw, r: Floats, R: Floats, twist: Floats, unit: Floats) -> Floats:

@@ -120,6 +120,13 @@ class _LoadPlacing:
         arms = np.array([spot.arm for spot in spots]).reshape(-1, 3)
         self.moving.append(MotionLoad(self.load, nodes, arms, turns, lengths[stations], law, factor))
 
+    def seeing_motion_at(self, place: str, law: MotionLaw, factor: TimeFactor) -> None:
+        """Let a law act on the node of a place, at which an element ends."""
+        spot = self.places.spot(self.places.find(place))
+        assert spot is not None  # elements end where such loads act
+        nodes, turns = np.array([spot.node], dtype=np.int64), from_matrices(spot.turn[None])
+        self.moving.append(MotionLoad(self.load, nodes, spot.arm[None], turns, np.ones(1), law, factor))
+
     def everywhere(self, acceleration: Floats, factor: TimeFactor) -> None:
         """Let all masses have weight."""
         none, empty = np.empty(0, dtype=np.int64), np.empty((0, 6))

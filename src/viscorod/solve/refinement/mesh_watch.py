@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -60,7 +61,6 @@ class MeshWatch:
         self.noted: list[tuple[float, Snapshot]] = []
         self.start: Snapshot | None = None
         self._count, self._next = 0, 1
-        self._latest: tuple[float, Snapshot] | None = None
 
     @cached_property
     def finer(self) -> FinerMesh:
@@ -104,30 +104,27 @@ class MeshWatch:
             beside = (near for near in (k, k - 1, k + 1) if 0 < near <= last)
             self._count_in(any(estimated(near) for near in beside))
 
-    def note(self, history: History) -> None:
-        """Keep some recorded states of a motion for :meth:`see_motion`: the first, the last, early ones more closely.
+    def note(self, start: Snapshot | None, t: float, state: Callable[[], Snapshot]) -> None:
+        """Keep the ends of some steps of a motion for :meth:`see_motion`: the first, the last, early ones more closely.
 
-        Errors of a motion that fades are largest early, those of one that lasts in the end.
+        Errors of a motion that fades are largest early, those of one that lasts in the end. States between the ends of
+        steps would not do: polynomials in time do not balance.
+
+        Args:
+            start: the state at t = 0, None if it is known; t: end of a step [s]; state: returns the one there.
         """
-        if history.start is not None:
-            self.start = history.start
-        last = history.last
-        if last is None or last[0] == 0.0 or (self._latest is not None and self._latest[0] == last[0]):
-            return
+        if start is not None:
+            self.start = start
         self._count += 1
-        self._latest = last
         if self._count >= self._next:
-            self.noted = [*self.noted[1 - INSTANTS :], last]
+            self.noted = [*self.noted[1 - INSTANTS :], (t, state())]
             self._next = int(GROWTH * self._count) + 1
 
     def notes(self) -> dict[str, Any]:
         """Return what was noted, for another run of the same problem that goes on from there."""
         if not self.feasible:
             return {}
-        latest = None if self._latest is None else list(self._latest)
-        return {
-            "noted": self.noted, "start": self.start, "_latest": latest, "_count": self._count, "_next": self._next
-        }  # fmt: skip
+        return {"noted": self.noted, "start": self.start, "_count": self._count, "_next": self._next}
 
     def take_over(self, notes: dict[str, Any]) -> None:
         """Go on with what another run noted."""
@@ -141,24 +138,26 @@ class MeshWatch:
         shape = Shape(start.state, start.section_force, _angles(start))
         return PhaseDrift(self.finer, static, shape, scale, modes)
 
-    def see_motion(self, duration: float, static: StaticSolver, scale: float, modes: StartModes) -> None:
+    def see_motion(
+        self, last: tuple[float, Snapshot], static: StaticSolver, scale: float, modes: StartModes
+    ) -> None:
         """Estimate the errors of the noted states of a motion: of their balance with inertia and viscosity, in time.
 
         Args:
-            duration: of the motion [s]; static: solver of its problem.
+            last: time [s] and state at its end; static: solver of its problem.
             scale: multiple of the loads at t = 0 under which it begins; modes: small motions about its start.
         """
         if not self.feasible:
             return
-        noted = self._chosen
-        anchor, times = (np.pi / duration) ** 2, [t for t, _ in noted]
+        noted = self._chosen(last)
+        anchor, times = (np.pi / last[0]) ** 2, [t for t, _ in noted]
         rates = [self._compare_moving(state, t, before=True, anchor=anchor) for t, state in noted]
         if self.start is not None:
             drift = self.phases(static, self.start, scale, modes)
             self._drift(drift, times, rates, drift.kicked(self.start.state.twist, self._begins()))
 
     def see_linear_motion(
-        self, duration: float, static: StaticSolver, scale: float, modes: StartModes
+        self, last: tuple[float, Snapshot], static: StaticSolver, scale: float, modes: StartModes
     ) -> None:
         """Estimate the errors of the noted states of a linear motion; see :meth:`see_motion`."""
         if not self.feasible or self.start is None:
@@ -173,20 +172,21 @@ class MeshWatch:
             coarse, LinearModel(finer.system, finer.supports, 0.0, drift.rest), self._moving
         )
         rates, shape = [], start.twist.shape
-        for t, snapshot in self._chosen:
+        noted = self._chosen(last)
+        for t, snapshot in noted:
             now = counterpart.state(snapshot, t, before=True)
             rates.append(now.acceleration.reshape(shape))
             found = counterpart.better(
                 now,
                 t,
                 before=True,
-                anchor=self._resisting(rates[-1], snapshot.state.twist, (np.pi / duration) ** 2),
+                anchor=self._resisting(rates[-1], snapshot.state.twist, (np.pi / last[0]) ** 2),
             )
             self._take_in(Shape(snapshot.state, snapshot.section_force, found.near), found)
             self._count_in(True)
         begun = counterpart.state(self.start, 0.0, before=False)
         kick = drift.kicked(start.twist, begun.acceleration.reshape(shape))
-        self._drift(drift, [t for t, _ in self._chosen], rates, kick)
+        self._drift(drift, [t for t, _ in noted], rates, kick)
 
     def _drift(self, drift: PhaseDrift, times: list[float], rates: list[Floats], kick: Floats) -> None:
         """Add what wrong frequencies make of the motion in time."""
@@ -196,13 +196,11 @@ class MeshWatch:
                 drift.gaps(times, rates, kick), drift.gaps(times, rates), lengths
             )
 
-    @property
-    def _chosen(self) -> list[tuple[float, Snapshot]]:
-        """The noted states that are looked at, with the last one."""
-        noted = self.noted
-        if self._latest is not None and self._latest[0] > noted[-1][0]:
-            noted = [*noted[: None if self._count > NEAR * self._next else -1], self._latest]
-        return noted
+    def _chosen(self, last: tuple[float, Snapshot]) -> list[tuple[float, Snapshot]]:
+        """Return the noted states that are looked at, with the last one."""
+        if self.noted and last[0] <= self.noted[-1][0]:
+            return self.noted
+        return [*self.noted[: None if self._count > NEAR * self._next else -1], last]
 
     def _begins(self) -> Floats:
         """Return the rates of the twists of all nodes when a motion begins, after a jump of its loads ``(n, 6)``."""

@@ -108,8 +108,8 @@ class PhaseDrift:
         for t, rate in zip(times, rates, strict=True):
             # where acceleration passes zero, the amplitude of neighbours in time counts
             amplitude = np.maximum(0.5 * amplitude, np.abs(self._momenta @ rate.ravel()) / omega**2)
-            # what has faded has left no phase
-            lasted = t / np.maximum(self.modes.decay * t, 1.0)
+            # what has faded has left no phase, and overdamped vibrations creep alike, whatever their frequency
+            lasted = t / np.maximum(self.modes.decay * t, 1.0) / np.maximum(self.modes.decay / omega, 1.0)
             ahead = np.minimum(self.errors * omega * lasted, 2.0)
             both = np.maximum(amplitude, kick)
             largest = np.maximum(largest, np.linalg.norm(both * reach * ahead, axis=1))

@@ -17,7 +17,8 @@ class ArrayChanges(NamedTuple):
     """One number per entry of the arrays that a parameter can enter through.
 
     For a parameter they are the derivatives of the arrays by it; for a result, its derivatives by the arrays. The
-    derivative of the result by the parameter is their :meth:`product`.
+    derivative of the result by the parameter is their :meth:`product`. Numbers of springs, of laws of sections and of
+    laws of loads are not among them.
 
     Attributes:
         stiffness, damping: of the section matrices C and D ``(sections, 6, 6)``, as in ``Elements``.
@@ -55,5 +56,6 @@ class ArrayChanges(NamedTuple):
 
 def load_count(problem: Problem) -> int:
     """Return one more than the largest number of a load."""
-    numbers = [load.load for load in problem.nodal_loads] + [load.load for load in problem.station_loads]
+    numbers = [load.load for load in problem.nodal_loads]
+    numbers += [load.load for load in problem.station_loads] + [load.load for load in problem.motion_loads]
     return 1 + max(numbers, default=-1)

@@ -10,6 +10,7 @@ import numpy as np
 
 from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.elements.linearised import Operators
+from viscorod.mechanics.elements.section_laws import BY_RATE, BY_STRAIN, PARAMETERS, law_values
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
@@ -48,6 +49,7 @@ class Balance:
         points, internal = GaussStates.of(elements, 1, carried=len(problem.held.place) > 0), np.zeros((n, 6))
         system.element_forces(elements, 1).evaluate(state, points, internal)
         self.strain, self.strain_rate = points.strain[0].copy(), points.strain_rate[0].copy()
+        self._tangent = elements.stiffness[elements.section] + self._law_tangent()
         operators = Operators.of(elements)
         self.blocks, C = np.zeros((2, len(pattern.rows), 6, 6))
         system.impose_rest(1.0)
@@ -78,11 +80,11 @@ class Balance:
     def force(self, changes: ArrayChanges) -> Floats:
         """Return the change ``(N, 6)`` of :attr:`residual` with the arrays, at constant motion and multipliers."""
         elements = self.elements
-        dC, dD, C = (m[elements.section] for m in (changes.stiffness, changes.damping, elements.stiffness))
+        dC, dD = (m[elements.section] for m in (changes.stiffness, changes.damping))
         stress = np.einsum("egij,egj->egi", dC, self.strain) + np.einsum(
             "egij,egj->egi", dD, self.strain_rate
         )
-        stress -= np.einsum("egij,egj->egi", C, changes.reference)
+        stress -= np.einsum("egij,egj->egi", self._tangent, changes.reference)
         stress *= self.weights[:, :, None]
         nodal = np.einsum("era,er->ea", self.B, stress.reshape(len(stress), -1))
         found: Floats = np.zeros((self.problem.size, 6))
@@ -106,7 +108,7 @@ class Balance:
         virtual *= self.weights[:, :, None]
         np.add.at(found.stiffness, elements.section, virtual[..., :, None] * self.strain[..., None, :])
         np.add.at(found.damping, elements.section, virtual[..., :, None] * self.strain_rate[..., None, :])
-        found.reference[:] = -np.einsum("egji,egj->egi", elements.stiffness[elements.section], virtual)
+        found.reference[:] = -np.einsum("egji,egj->egi", self._tangent, virtual)
         found.reference[held.element, held.point, held.component] -= gaps[held.place]
         x = self.state.twist
         found.mass[:] = weights[:, :, None] * self._fall[:, None, :]
@@ -121,6 +123,15 @@ class Balance:
         found: Floats = np.zeros((self.problem.size, 6))
         self.actions.add_loads(self.t, self.state, found, before=self.before, given=given)
         return found
+
+    def _law_tangent(self) -> Floats:
+        """Return the derivatives of the laws of sections by the strains ``(elements, points, 6, 6)``."""
+        elements, shape = self.elements, self.strain.shape
+        values: Floats = np.zeros((self.strain.size // 6, PARAMETERS))
+        if elements.laws.present:
+            flat = self.strain.reshape(-1, 6), self.strain_rate.reshape(-1, 6)
+            law_values(elements.laws, elements.section.ravel(), *flat, values)
+        return np.asarray(values[:, BY_STRAIN:BY_RATE].reshape(*shape, 6))
 
     def _gyroscopic(self) -> Floats:
         """Return the derivatives ``(n, 6, 6)`` of ``L1(x) M x`` by the twists, with ``L1(x) = -ad(x)^T``."""

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from viscorod.errors import InputError
 from viscorod.solve.formulations.system import State
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
 from viscorod.solve.sensitivity.equilibrium_sensitivity import actions_of
@@ -58,7 +59,7 @@ def forward(
         InputError: the model or the method has parts whose derivatives are not known here.
     """
     integrator, count = steps.integrator, len(changes)
-    require_linearisable(integrator)
+    _require_known(steps)
     actions = actions_of(integrator.system)
     nodes = integrator.system.problem.size
     pose, twist = np.zeros((2, 6 * nodes, count))
@@ -90,7 +91,7 @@ def gradient(steps: RecordedSteps, weights: Weights) -> MotionGradient:
         InputError: the model or the method has parts whose derivatives are not known here.
     """
     integrator = steps.integrator
-    require_linearisable(integrator)
+    _require_known(steps)
     actions = actions_of(integrator.system)
     size = 6 * integrator.system.problem.size
     pose, twist = np.zeros((2, size, 1))
@@ -115,3 +116,20 @@ def gradient(steps: RecordedSteps, weights: Weights) -> MotionGradient:
         if stretch == 0 and passed:
             look(0, passed[0][1])
     return MotionGradient(total, pose.reshape(-1, 6), twist.reshape(-1, 6))
+
+
+def _require_known(steps: RecordedSteps) -> None:
+    """Refuse steps whose derivatives are not known here.
+
+    Raises:
+        InputError: of the model, of the method, or since velocities were corrected after a jump.
+    """
+    integrator = steps.integrator
+    require_linearisable(integrator)
+    corrected = integrator.system.constraints.rows > 0 or len(integrator.supports.partial) > 0
+    if corrected and steps.restarts:
+        raise InputError(
+            f"loads or motions jump at t = {steps.restarts[0]:.6g} s: derivatives of motions are not known there where "
+            "joints, held strains or supports that leave a place free in part correct velocities; take differences of "
+            "two runs, or end the motion there"
+        )

@@ -169,7 +169,9 @@ class GeometricSteady:
         ad = self._linearise(state, self._points.section_force[0])
         stiffness, damping = (self.problem.pattern.sparse(blocks) for blocks in (self._K, self._C))
         mass = sparse.csr_array(sparse.block_diag(list(self.problem.mass), format="csr"))
-        small = SecondOrder(mass, damping, stiffness, ad, circulatory(self.loads))
+        # drag at the velocities of the rotation is a circulatory force for those who turn along
+        skew = circulatory(self.loads) or self.loads.sees_motion
+        small = SecondOrder(mass, damping, stiffness, ad, skew)
         copies = self._copies(state)
         return first_order(small, self.supports, state, self.line, copies, self.problem.length, self.rate)
 

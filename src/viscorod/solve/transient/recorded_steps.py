@@ -72,6 +72,11 @@ class RecordedSteps:
         self.integrator.begin_half()
 
     @property
+    def restarts(self) -> list[float]:
+        """Times [s] at which it began anew, after jumps of loads or motions."""
+        return [call[1] for call in self._calls if call[0] == "start"][1:]
+
+    @property
     def stretches(self) -> int:
         """Number of stretches between checkpoints; the last one may be empty."""
         return len(self._checkpoints)
