@@ -59,14 +59,14 @@ RUNS = {
     "intrinsic": lambda: (swing(), {"duration": 3.0, "formulation": "intrinsic"}),
     "Maxwell": lambda: (maxwell(), {"duration": 2.0}),
     "joints": lambda: shipped("four_bar"),
-    "drag": lambda: (in_water(), {"duration": 1.0}),
+    "drag": lambda: (in_water(), {"duration": 0.3}),
 }
 
 
 def in_water():
     model = swing()
     flow = {"density": 1000.0, "width": 0.01, "velocity": (0, 0, 0.05)}
-    model.drag("beam", coefficient_across=1.2, linear_along=0.1, time=vr.Ramp(0.2, 0.4), **flow)
+    model.drag("beam", coefficient_across=1.2, linear_along=0.1, time=vr.Ramp(0.05, 0.1), **flow)
     return model
 
 
