@@ -11,6 +11,7 @@ from scipy import sparse
 
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.constraints.null_space import unit_rows
+from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
@@ -135,10 +136,7 @@ def undetermined_of_many(
         return None  # a translation is free
     text = f"motions of {parts.count} joined parts against each other, which are too many to be listed"
     loose = [FreeMotion(text, False, np.zeros((problem.size, 6)))]
-    moves = np.array([parts.node_increments(node) for node in range(problem.size)])
-    places = 6 * np.repeat(np.arange(problem.size), 36) + np.tile(np.repeat(np.arange(6), 6), problem.size)
-    own = 6 * np.repeat(parts.labels, 36) + np.tile(np.arange(6), 6 * problem.size)
-    T = sparse.csr_array((moves.ravel(), (places, own)), shape=(6 * problem.size, size))
+    T = parts.moves()
     pushed = np.asarray(T.T @ external.ravel())
     K = sparse.csr_array(0.5 * (T.T @ (stiffness + stiffness.T) @ T))
     try:
@@ -157,12 +155,28 @@ def undetermined_of_many(
     return loose if negative_eigenvalues(tangent) else []
 
 
+def rigid_share(problem: Problem, r: Floats, q: Floats, increments: np.ndarray) -> Floats:
+    """Return the part ``(m,)`` of the kinetic energy of nodal velocities ``(6 n, m)`` in rigid motions of parts."""
+    parts = _Parts.of(problem, r, q)
+    T, M = parts.moves(), block_diagonal(problem.mass)
+    momenta = T.T @ (M @ increments)
+    inertia = sparse.bsr_array(T.T @ M @ T, blocksize=(6, 6))
+    inertia.sort_indices()
+    blocks = np.zeros((parts.count, 6, 6))
+    blocks[inertia.indices] = inertia.data
+    own = momenta.reshape(parts.count, 6, -1)
+    moving = np.linalg.pinv(blocks, rcond=1e-12, hermitian=True) @ own
+    energy = np.einsum("im,im->m", increments.conj(), M @ increments).real
+    return np.asarray(np.einsum("pim,pim->m", own.conj(), moving).real / energy)
+
+
 def motions_of_parts(
     problem: Problem, r: Floats, q: Floats, held: list[Floats], gradients: Floats
 ) -> RigidParts:
     """Return the rigid motions of all parts that supports and joints allow in a state; springs resist them.
 
-    Elements do not, however they are strained, so that loads and springs alone decide which of them are free.
+    Elements do not, however they are strained, so that loads and springs alone decide which of them are free. Of very
+    many joined parts only motions of single ones are found, such as the spin of a rod between ball joints.
 
     Args:
         problem: whose parts they are; r, q: poses of its nodes.
@@ -170,8 +184,8 @@ def motions_of_parts(
         gradients: of all coordinates of joints ``(c, 12)``.
     """
     parts = _Parts.of(problem, r, q)
-    found = parts.free(held, gradients, problem.joints.arrays.place >= 0)
-    return RigidParts(parts, found)
+    search = parts.free_alone if many_parts(problem) else parts.free
+    return RigidParts(parts, search(held, gradients, problem.joints.arrays.place >= 0))
 
 
 @dataclass(frozen=True)
@@ -238,6 +252,18 @@ class _Parts:
             found += [(group, motion) for motion in _null_space(matrix)]
         return found
 
+    def free_alone(
+        self, held: list[Floats], gradients: Floats, counted: np.ndarray
+    ) -> list[tuple[list[int], Floats]]:
+        """Return parts, each with a motion of this one alone that supports and ``counted`` coordinates allow."""
+        rows: list[list[Floats]] = [[np.zeros((1, 6))] for _ in range(self.count)]
+        for condition in self.conditions(held, gradients, counted):
+            for part, values in condition:
+                rows[part].append(values)
+        return [
+            ([part], motion) for part, mine in enumerate(rows) for motion in _null_space(np.concatenate(mine))
+        ]
+
     def node_increments(self, node: int) -> Floats:
         """Return the body increments (6, 6) of a node per motion of its part."""
         R, out, length = self.R[node], np.zeros((6, 6)), self.problem.length
@@ -245,6 +271,14 @@ class _Parts:
         out[:3, 3:] = R.T @ skew(self.centres[self.labels[node]] - self.r[node]) / length
         out[3:, 3:] = R.T / length
         return out
+
+    def moves(self) -> sparse.csr_array:
+        """Return the body increments of all nodes per motion of the parts ``(6 n, 6 parts)``."""
+        n = self.problem.size
+        moves = np.array([self.node_increments(node) for node in range(n)])
+        places = 6 * np.repeat(np.arange(n), 36) + np.tile(np.repeat(np.arange(6), 6), n)
+        own = 6 * np.repeat(self.labels, 36) + np.tile(np.arange(6), 6 * n)
+        return sparse.csr_array((moves.ravel(), (places, own)), shape=(6 * n, 6 * self.count))
 
     def conditions(self, held: list[Floats], gradients: Floats, counted: np.ndarray) -> list[Condition]:
         """Return the conditions of supports and of ``counted`` coordinates on the motions of parts."""

@@ -17,7 +17,7 @@ from scipy import sparse
 
 from viscorod.errors import SolveError
 from viscorod.solve.constraints.null_space import null_space
-from viscorod.solve.constraints.rigid_motions import RigidParts, many_parts, motions_of_parts
+from viscorod.solve.constraints.rigid_motions import RigidParts, motions_of_parts
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.linear.matrix import Matrix
@@ -132,8 +132,6 @@ def linearise(
     whole = Linearisation(
         tangent.stiffness, damping, mass, basis, tangent.gradients, work=tangent.work, loss=tangent.loss
     )
-    if many_parts(problem):  # their rigid motions, as coordinates of their own, would fill the matrices
-        return whole
     # what resists rigid motions of parts: loads, reactions, springs and dampers
     bare = without_elements(system)
     held_by = np.where(np.abs(state.multiplier) > noise, state.multiplier, 0.0)

@@ -9,6 +9,7 @@ import numpy as np
 import scipy.linalg
 
 from viscorod.model.sections.stiffness_section import STRAINS
+from viscorod.solve.constraints.rigid_motions import many_parts, rigid_share
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.modes.damped import CLOSE
 from viscorod.solve.modes.linearisation import Linearisation
@@ -43,6 +44,8 @@ class StrainEnergies:
         self._springs = np.where(constraints.is_held, 0.0, np.abs(constraints._stiffness))
         self._gradients, self._joined = gradients, constraints.arrays.nodes
         self.linear = linear
+        problem = system.problem
+        self._many = (problem, state.r, state.q) if many_parts(problem) else None
 
     def forms(self, shapes: np.ndarray, rod: str | None = None) -> np.ndarray:
         """Return twice the energies of all strains as forms ``(6, m, m)`` of ``shapes``, of one rod or of all."""
@@ -118,6 +121,8 @@ class StrainEnergies:
     def _rigid_part(self, shapes: np.ndarray) -> Floats:
         """Return the part of the kinetic energy of every shape in rigid motions of parts ``(m,)``."""
         linear, k = self.linear, self.linear.parts
+        if self._many:
+            return rigid_share(*self._many, np.asarray(linear.basis @ shapes))
         if not k:
             return np.zeros(shapes.shape[1])
         momenta = np.asarray(linear.mass @ shapes)
