@@ -35,6 +35,7 @@ def test_everything_is_compiled_once(tmp_path):
     count = int(re.search(r"^(\d+) kernels compiled in [\d.]+ s; machine code is in ", first.stdout)[1])
     assert str(tmp_path) in first.stdout
     assert f"{count}.0 of {count} kernels" in first.stderr
+    assert "warning" not in first.stderr
     assert output("-c", CHECK).stdout.strip() == "", "a kernel that the warm-up does not reach"
     second = output("-m", "viscorod", "warmup")
     assert second.stdout.startswith(f"all {count} kernels are compiled already, in {tmp_path}")

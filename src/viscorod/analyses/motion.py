@@ -362,7 +362,8 @@ def _halved_steps(
     system = FORMULATIONS[discrete.formulation].make(discrete.problem)
     system.given_strain = discrete.system.given_strain
     twin = make(system, SupportState(discrete.problem), **given)
-    return HalvedSteps(twin, StartModes.of(linear), discrete.problem, method.order)
+    strains = settings.formulation == "intrinsic"
+    return HalvedSteps(twin, StartModes.of(linear), discrete.problem, method.order, strains=strains)
 
 
 def small_motions(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:

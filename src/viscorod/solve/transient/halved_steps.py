@@ -45,7 +45,8 @@ class Trials:
         rest: the largest error that no mode explains, body axes ``(n, 6)``; within: largest ones of the polynomials
             between the ends of steps, in their middle, at every node.
         moved: largest displacement [m] and rotation [rad] of a node from the start ``(2,)``.
-        forces: largest force [N] and moment [N m] of sections ``(2,)``.
+        forces: largest force [N] and moment [N m] of sections ``(2,)``; apart: largest error of these in a step, where
+            strains are unknowns of their own.
     """
 
     rest: Floats
@@ -61,6 +62,7 @@ class Trials:
     energies: list[Floats] = field(default_factory=list)
     moved: Floats = field(default_factory=lambda: np.zeros(2))
     forces: Floats = field(default_factory=lambda: np.zeros(2))
+    apart: Floats = field(default_factory=lambda: np.zeros(2))
 
 
 class HalvedSteps:
@@ -69,13 +71,16 @@ class HalvedSteps:
     Args:
         twin: an integrator like that of the run, made anew.
         modes: small motions in which errors are taken apart; problem: that is solved; order: of the method.
+        strains: they are unknowns of their own, from which those of the poses drift apart.
 
     Attributes:
         trials: what was found.
     """
 
-    def __init__(self, twin: Integrator, modes: StartModes, problem: Problem, order: int) -> None:
-        self.twin, self.modes, self.mass = twin, modes, problem.mass
+    def __init__(
+        self, twin: Integrator, modes: StartModes, problem: Problem, order: int, *, strains: bool = False
+    ) -> None:
+        self.twin, self.modes, self.mass, self.strains = twin, modes, problem.mass, strains
         self.unit = np.repeat([problem.length, 1.0], 3)
         self.trials = Trials(*np.zeros((2, problem.size, 6)))
         self.power = order + 1
@@ -131,6 +136,9 @@ class HalvedSteps:
         trials.border = (number + 1 + trials.next) // 2
         self._measure()
         self._take(end, h, before.twist, integrator.state)
+        if self.strains:
+            found, better = (at.snapshot().section_force for at in (integrator, twin))
+            trials.apart = np.maximum(trials.apart, _largest(found - better) / twin.seen_by_halving)
 
     def _take(self, end: float, h: float, before: Floats, state: State) -> None:
         """Take the difference of a state of the run from the twin's as the error of a step, mode by mode."""
@@ -164,8 +172,13 @@ class HalvedSteps:
         far = np.linalg.norm(state.r - start.r, axis=1).max()
         chord = np.minimum(np.square(state.q - start.q).sum(axis=1), np.square(state.q + start.q).sum(axis=1))
         trials.moved = np.maximum(trials.moved, [far, 2.0 * np.sqrt(chord.max())])
-        force = self.twin.snapshot().section_force.reshape(-1, 2, 3)
-        trials.forces = np.maximum(trials.forces, np.linalg.norm(force, axis=2).max(axis=0, initial=0.0))
+        trials.forces = np.maximum(trials.forces, _largest(self.twin.snapshot().section_force))
+
+
+def _largest(section_force: Floats) -> Floats:
+    """Return the largest force and moment ``(2,)``."""
+    sizes = np.linalg.norm(section_force.reshape(-1, 2, 3), axis=2)
+    return np.asarray(sizes.max(axis=0, initial=0.0))
 
 
 def _away(state: State, better: State) -> Floats:
