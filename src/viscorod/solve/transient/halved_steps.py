@@ -130,6 +130,9 @@ class HalvedSteps:
             twin.accept()
             if at < end:
                 within = np.abs(_away(middle.state, twin.state))
+                if self.strains:
+                    inside = _largest(middle.section_force - twin.snapshot().section_force)
+                    trials.apart = np.maximum(trials.apart, inside)
         trials.within = np.maximum(trials.within, within)
         if trials.border is not None:  # two in a row
             trials.around.append(np.zeros(2))
