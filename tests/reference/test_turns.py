@@ -164,5 +164,51 @@ def test_motors_of_a_ball_joint_twist_a_rod_by_whole_turns():
     found = model.equilibrium()
     assert found.elastic_energy == pytest.approx(0.5 * 0.8 * 9.0**2, rel=1e-9)
     assert found.data["joint_force"].values[-1, -3:] == pytest.approx([7.2, 0.0, 0.0], abs=1e-8)
-    with pytest.raises(vr.InputError, match="cannot pass half a turn in a motion"):
-        model.simulate(0.1)
+
+
+@pytest.mark.parametrize("integrator", ["radau", "midpoint", "generalized_alpha"])
+def test_motors_of_a_ball_joint_turn_a_moving_rod_by_any_angle(integrator):
+    """Closed forms: the held end is turned by the rotation vector that the motors make, through two whole turns.
+
+    The torque of the motors turns what is nearly a rigid body: about the fixed axis of their rotation vector it is the
+    moment of inertia times the angular acceleration, and the work that it does is the kinetic energy.
+    """
+    axis, section = np.array([2.0, 1.0, 2.0]) / 3.0, vr.StiffnessSection([1e7] * 3 + [1e5] * 3, [1.0] * 6)
+    model, turn, duration = vr.Model(), 4.5 * np.pi, 2.0
+    model.add("rod", vr.Rod.straight((-0.5, 0, 0), (0.5, 0, 0), section=section, elements=2))
+
+    def motor(part):
+        c = part * turn / duration**2
+        return vr.FunctionOfTime(lambda t: c * t**2, lambda t: 2.0 * c * t, lambda t: 2.0 * c)
+
+    motors = {motion: motor(part) for motion, part in zip(("rx", "ry", "rz"), axis, strict=True)}
+    model.ball("rod@0.5", "ground", motion=motors)
+    steps = {} if integrator == "radau" else {"time_step": 0.005}
+    run = model.simulate(duration, integrator=integrator, initial="reference", output_interval=0.03, **steps)
+    angle = turn * (run.time / duration) ** 2
+    end = 0.5 * (
+        np.cos(angle)[:, None] * np.eye(3)[0]
+        + np.sin(angle)[:, None] * np.cross(axis, np.eye(3)[0])
+        + (1.0 - np.cos(angle))[:, None] * axis[0] * axis
+    )
+    assert run.data["position"].values[:, -1] == pytest.approx(end, abs=1e-3)
+    assert run.data["joint_value"].values[:, -3:] == pytest.approx(angle[:, None] * axis, abs=1e-5)
+    rate = 2.0 * turn * run.time / duration**2
+    inertia = (1.0 + 1.0 / 12.0) - axis[0] ** 2 / 12.0
+    kinetic = 0.5 * inertia * rate**2
+    assert run.data["kinetic"].values == pytest.approx(kinetic, abs=2e-3 * kinetic[-1])
+    assert run.data["external"].values[-1] == pytest.approx(kinetic[-1], rel=2e-3)
+
+
+def test_motors_of_a_ball_joint_twist_a_moving_rod():
+    """Closed form: ``GJ angle/L`` once the twist has come to rest, and its energy."""
+    section = vr.StiffnessSection(
+        [1e6] * 3 + [100.0, 100.0, 0.8], [1.0] * 3 + [1e-3] * 3, damping=[0.0] * 5 + [0.05]
+    )
+    model = vr.Model()
+    model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=3))
+    model.clamp("rod.start")
+    model.ball("rod.end", "ground", motion={"rx": vr.Ramp(0.0, 1.0, 9.0), "ry": 0.0, "rz": 0.0})
+    run = model.simulate(4.0, initial="reference")
+    assert run.data["elastic"].values[-1] == pytest.approx(0.5 * 0.8 * 9.0**2, rel=1e-4)
+    assert run.data["joint_force"].values[-1, -3:] == pytest.approx([7.2, 0.0, 0.0], abs=1e-3)

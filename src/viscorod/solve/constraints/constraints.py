@@ -79,7 +79,8 @@ class Constraints:
         self._rotations: Integers = np.array(
             [k for k in range(c) if k in driven and self.arrays.kind[k] == ROTATION], dtype=np.int64
         )
-        self._balls = sorted({int(self.joints.joint[k]) for k in self._rotations})
+        followed = set(self.joints.joint[self.ball_motors.coordinates].ravel().tolist())
+        self._balls = sorted({int(self.joints.joint[k]) for k in self._rotations} - followed)
         self.is_held = self.arrays.place >= 0
         self.reference_gaps = self._gaps_of_reference()
         taken = np.zeros(places, dtype=bool)
@@ -204,8 +205,8 @@ class Constraints:
                 raise InputError(
                     f"joints: the motors of {self.joints.names[joint]} are to turn it by {turn:.3g} rad at "
                     f"t = {t:.6g} s: the rotation vector of a joint that is free to turn all ways cannot pass half a "
-                    "turn in a motion, nor in statics unless rx, ry and rz are all driven; use a joint with one or two "
-                    "axes (revolute, cylindrical, universal), which turn any number of times"
+                    "turn unless rx, ry and rz are all driven; drive all three, or use a joint with one or two axes "
+                    "(revolute, cylindrical, universal), which turn any number of times"
                 )
 
     def stand_as(self, other: Constraints) -> None:
@@ -349,9 +350,12 @@ class Constraints:
 
     def state(self) -> JointState:
         """Return what was measured last."""
+        return self.state_of(self.value, self.rate, self.force)
+
+    def state_of(self, value: Floats, rate: Floats, force: Floats) -> JointState:
+        """Return coordinates, rates and the forces that they exert ``(c,)`` as motors and users count them."""
         motors = self.ball_motors
-        values, forces = motors.values(self.value), motors.forces(self.value, self.force)
-        return JointState(values, self.rate.copy(), -forces)
+        return JointState(motors.values(value), motors.rates(value, rate), -motors.forces(value, force))
 
     def loss(self, duration: float) -> float:
         """Return the energy [J] lost to dampers since the last call, ``duration`` [s] ago; 0 starts counting anew.

@@ -153,6 +153,9 @@ class Collocation:
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         h, self._end = end - self.t, end
+        links = self.stage_constraints
+        if links is not None and links.turn_axes(self.t, self.state):
+            self._have_jacobian = False
         self._prepare_step(end, before)
         if not self._have_jacobian:
             self.system.constraints.pace = self.tableau.real / h

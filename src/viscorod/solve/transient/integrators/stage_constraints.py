@@ -37,8 +37,25 @@ class StageConstraints:
         c = constraints.joints.count
         self._multiplier = np.zeros(len(constraints.gap))  # at t
         self._force = np.zeros(c)  # of all coordinates, at t
+        self._earlier = np.zeros(c)  # at the start of the last step
         self._past: tuple[Floats, float] | None = None  # multipliers and forces of the last step, its length
         self._start = JointState(np.zeros(c), np.zeros(c), np.zeros(c))
+
+    def turn_axes(self, t: float, state: State) -> bool:
+        """Measure ball joints from where their motors are at the start of a step, if that is far; tell if any is."""
+        constraints = self.constraints
+        if not len(constraints.ball_motors.coordinates):
+            return False
+        constraints.update(t)
+        turned = constraints.ball_motors.turn_axes()
+        for mine, change in turned:
+            place = constraints.arrays.place[mine]
+            for forces, at in ((state.multiplier, place), (self._multiplier, place), (self._force, mine)):
+                forces[at] = change @ forces[at]
+        if turned:
+            constraints.update(t)
+            self.reset()
+        return bool(turned)
 
     def prepare(self, i: int, t: float, *, before: bool) -> None:
         """Evaluate motors at stage ``i``, at time ``t`` [s]."""
@@ -100,6 +117,7 @@ class StageConstraints:
             stage: the end is the last stage, whose multipliers are known; else they are those of the middle.
         """
         constraints, states = self.constraints, self.arrays.states
+        self._earlier = self._force.copy()
         now = np.concatenate([self._multiplier, self._force])
         if len(self.tableau.nodes) > 1:
             stages = np.concatenate([states.multiplier, states.force], axis=1)
@@ -125,7 +143,6 @@ class StageConstraints:
 
     def between(
         self,
-        before: JointState,
         states: list[State],
         parts: Floats,
         times: Floats,
@@ -134,16 +151,16 @@ class StageConstraints:
         """Return the joints in ``states``, which are closed.
 
         Args:
-            before: at the start of the last step; parts, times: of the step, and the times [s] of the states.
+            parts, times: of the last step, and the times [s] of the states.
             solve: with the real matrix of the step.
         """
         constraints, exerted = self.constraints, self.arrays.states.force
         weights = self.tableau.polynomials(parts)
-        forces = before.force - weights @ (exerted + before.force)  # what joints exert has the other sign
+        forces = self._earlier + weights @ (exerted - self._earlier)
         found = []
         for state, force, t in zip(states, forces, times, strict=True):
             constraints.update(t)
             self.drift = max(self.drift[0], close_gaps(constraints, state, solve)), self.drift[1]
             value, rate, _ = constraints.measure(state)
-            found.append(JointState(value, rate, force))
+            found.append(constraints.state_of(value, rate, force))
         return found

@@ -78,7 +78,6 @@ class StepRecorder:
     def keep_start(self, state: State) -> None:
         """Keep the ``state`` at the start of an accepted step, and reactions at its stages, for states between."""
         self._start = (state, self._fields, self.snapshot.reaction)
-        self._joints = self.snapshot.joints
         stages = self.stages
         self._reactions = np.empty(stages.reaction.shape)
         self._reaction_wrenches(
@@ -159,9 +158,8 @@ class StepRecorder:
         )
         kinetic, work, loss = energies.tolist()
         joints: Sequence[JointState | None] = [None] * count
-        if self.stage_constraints is not None and self._joints is not None:
-            times = t - (1.0 - parts) * h
-            joints = self.stage_constraints.between(self._joints, states, parts, times, self.solve_real)
+        if self.stage_constraints is not None:
+            joints = self.stage_constraints.between(states, parts, t - (1.0 - parts) * h, self.solve_real)
         snapshots = map(Snapshot, states, *points, reaction, kinetic, [0.0] * count, joints)
         return list(zip(snapshots, work, loss, strict=True))
 
