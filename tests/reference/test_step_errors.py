@@ -124,7 +124,7 @@ def linear():
     model = steel()
     model.force("bar.end", (0, 1.0, 0), until=0.0)
     given = {"formulation": "intrinsic", "damping": "linearised", "dynamics": "linear"}
-    return model, {"duration": 0.1} | given
+    return model, {"duration": 0.05} | given
 
 
 def whirling():

@@ -40,6 +40,7 @@ REPORT = SimpleNamespace(
     bodies=[{"body": "plate", "mass [kg]": 2.0}],
     joints=[{"joint": "elbow", "kind": "revolute", "gap [m]": 0.001}],
     springs=[],
+    media=[{"load": "air", "kind": "drag", "linear across [Pa s]": 0.02}],
     conditions=5,
     linear_solver="band of half width 35",
 )

@@ -181,6 +181,8 @@ def _section_forces(problem: Problem, start: State, fields: Floats) -> Floats:
     Args:
         fields: body increments of the nodes ``(6 n, j)``.
     """
+    if not fields.shape[1]:
+        return np.zeros(2)
     system = GeometricSystem(problem)
     system.relaxation = None
     elements, still = system.elements(), np.zeros((problem.size, 6, 6))
