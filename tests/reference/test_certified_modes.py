@@ -306,11 +306,11 @@ def test_what_a_dashpot_alone_resists_creeps():
 @pytest.mark.parametrize("dense", [10**6, 0])
 def test_modes_near_a_frequency(dense, monkeypatch):
     """They are those of the whole list, with their names, and the count proves that none between is missing."""
-    whole = bar(elements=20).modes(40, about="reference")
+    whole = bar(elements=12).modes(40, about="reference")
     for module in (linearisation, undamped):
         monkeypatch.setattr(module, "DENSE", dense)
     middle = 0.5 * (whole.frequencies[25] + whole.frequencies[26])
-    found = bar(elements=20).modes(6, about="reference", near=middle)
+    found = bar(elements=12).modes(6, about="reference", near=middle)
     nearest = np.sort(np.argsort(np.abs(whole.frequencies - middle))[:6])
     np.testing.assert_allclose(found.frequencies, whole.frequencies[nearest], rtol=1e-7)
     assert found.names == tuple(whole.names[k] for k in nearest)
