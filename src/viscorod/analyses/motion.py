@@ -362,7 +362,7 @@ def _halved_steps(
     system = FORMULATIONS[discrete.formulation].make(discrete.problem)
     system.given_strain = discrete.system.given_strain
     twin = make(system, SupportState(discrete.problem), **given)
-    strains = settings.formulation == "intrinsic"
+    strains = _integrates_strains(settings)
     return HalvedSteps(twin, StartModes.of(linear), discrete.problem, method.order, strains=strains)
 
 

@@ -7,26 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.mechanics.elements.section_laws import PARAMETERS, POWER, law_values
+from viscorod.mechanics.elements.section_laws import POWER
 from viscorod.mechanics.nodes import inertia
 from viscorod.results.data_schema import DIMENSION, LABELS
 from viscorod.results.joint_histories import bodies_of_stations, connections, unique
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.formulations.system import GaussPositions
 from viscorod.solve.history import History, StationReader
+from viscorod.solve.problem.law_responses import law_responses
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-def _lost_in_laws(problem: Problem, gauss: GaussPositions, strain: Floats, rate: Floats) -> Floats:
-    """Return the power per length that the laws of sections dissipate at all states and Gauss points ``(k, m)``."""
-    values = np.zeros((len(strain) * len(gauss.section), PARAMETERS))
-    sections = np.tile(gauss.section, len(strain))
-    law_values(problem.laws, sections, strain.reshape(-1, 6), rate.reshape(-1, 6), values)
-    return values[:, POWER].reshape(len(strain), -1)
 
 
 def dataset(
@@ -83,7 +76,8 @@ def dataset(
         power = np.einsum("kgi,gij,kgj->kg", rate, gauss.damping, rate)
         if problem.laws.present:
             strain = np.array([snapshot.strain for snapshot in snapshots])
-            power += _lost_in_laws(problem, gauss, strain, rate)
+            sections = np.tile(gauss.section, (len(strain), 1))
+            power += law_responses(problem.laws, sections, strain, rate)[..., POWER]
         if problem.relaxing:
             power += np.array([snapshot.branch_power for snapshot in snapshots])
             variables["branch_loss"] = ((along, "branch"), np.array(history.branches))

@@ -10,7 +10,7 @@ from viscorod.mechanics.elements.gauss_batch import PointFields
 from viscorod.mechanics.elements.internal_force import Elements, energies
 from viscorod.mechanics.elements.lanes import LANES
 from viscorod.mechanics.elements.linearised import Operators, collect
-from viscorod.mechanics.elements.section_laws import BY_RATE, BY_STRAIN, ENERGY, PARAMETERS, law_values
+from viscorod.mechanics.elements.section_laws import BY_RATE, BY_STRAIN, ENERGY
 from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.solve.constraints.constraint_rows import gradients_of_gaps
 from viscorod.solve.constraints.constraints import Constraints
@@ -28,6 +28,7 @@ from viscorod.solve.problem.element_arrays import (
     unstressed_strains,
 )
 from viscorod.solve.problem.external_loads import NO_LOADS, LoadState
+from viscorod.solve.problem.law_responses import law_responses
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
@@ -249,11 +250,9 @@ class GeometricSystem:
         elements = self._present()
         C, D = elements.stiffness[elements.section], elements.damping[elements.section]
         if elements.laws.present:
-            values = np.zeros((elements.section.size, PARAMETERS))
-            strain = self.strain.reshape(-1, 6)
-            law_values(elements.laws, elements.section.ravel(), strain, np.zeros_like(strain), values)
-            C += values[:, BY_STRAIN:BY_RATE].reshape(C.shape)
-            D += values[:, BY_RATE:ENERGY].reshape(D.shape)
+            values = law_responses(elements.laws, elements.section, self.strain, np.zeros_like(self.strain))
+            C += values[..., BY_STRAIN:BY_RATE].reshape(C.shape)
+            D += values[..., BY_RATE:ENERGY].reshape(D.shape)
         return C, D
 
     def reset_stress(self) -> None:

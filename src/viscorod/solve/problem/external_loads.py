@@ -240,3 +240,10 @@ class ExternalLoads:
             values, _ = lagrange(elements.order, np.array([min(max(xi, -1.0), 1.0)]))
             return first + element, np.ascontiguousarray(values[0])
         raise AssertionError(f"rod {rod} has no elements")
+
+
+def load_count(problem: Problem) -> int:
+    """Return one more than the largest number of a load."""
+    numbers = [load.load for load in problem.nodal_loads]
+    numbers += [load.load for load in problem.station_loads] + [load.load for load in problem.motion_loads]
+    return 1 + max(numbers, default=-1)

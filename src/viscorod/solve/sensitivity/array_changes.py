@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.solve.problem.external_loads import load_count
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
 
@@ -52,10 +53,3 @@ class ArrayChanges(NamedTuple):
         """Add a multiple of other changes, in place."""
         for mine, its in zip(self, other, strict=True):
             np.add(mine, factor * its, out=mine)
-
-
-def load_count(problem: Problem) -> int:
-    """Return one more than the largest number of a load."""
-    numbers = [load.load for load in problem.nodal_loads]
-    numbers += [load.load for load in problem.station_loads] + [load.load for load in problem.motion_loads]
-    return 1 + max(numbers, default=-1)

@@ -10,11 +10,15 @@ import numpy as np
 
 from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.elements.linearised import Operators
-from viscorod.mechanics.elements.section_laws import BY_RATE, BY_STRAIN, PARAMETERS, law_values
+from viscorod.mechanics.elements.section_laws import BY_RATE, BY_STRAIN
+from viscorod.mechanics.nodes.inertia import add_coriolis
+from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
-from viscorod.solve.sensitivity.array_changes import ArrayChanges, load_count
+from viscorod.solve.problem.external_loads import load_count
+from viscorod.solve.problem.law_responses import law_responses
+from viscorod.solve.sensitivity.array_changes import ArrayChanges
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
@@ -65,11 +69,9 @@ class Balance:
         at = problem.held
         constraints.gap[at.place] = self.strain[at.element, at.point, at.component]
         self.scale = constraints.scale.copy()
-        self.weights = np.zeros(elements.section.shape)
-        for e, order in enumerate(elements.order):
-            self.weights[e, :order] = elements.weights[order, :order] * elements.half_lengths[e]
+        self.weights = elements.half_lengths[:, None] * elements.weights[elements.order]
         self._fall = acceleration.copy()  # gravity is an acceleration of the whole model the other way
-        self._fall[:, :3] -= _turned_back(state.q, actions.loads.at(t, before).gravity)
+        self._fall[:, :3] -= np.einsum("nji,j->ni", matrices(state.q), actions.loads.at(t, before).gravity)
         inertia = np.einsum("nij,nj->ni", problem.mass, acceleration) + _coriolis(problem.mass, state.twist)
         gaps = (self.scale * constraints.gap).reshape(-1, 6)
         self.residual: Floats = np.concatenate([internal - external + inertia, gaps])
@@ -126,12 +128,9 @@ class Balance:
 
     def _law_tangent(self) -> Floats:
         """Return the derivatives of the laws of sections by the strains ``(elements, points, 6, 6)``."""
-        elements, shape = self.elements, self.strain.shape
-        values: Floats = np.zeros((self.strain.size // 6, PARAMETERS))
-        if elements.laws.present:
-            flat = self.strain.reshape(-1, 6), self.strain_rate.reshape(-1, 6)
-            law_values(elements.laws, elements.section.ravel(), *flat, values)
-        return np.asarray(values[:, BY_STRAIN:BY_RATE].reshape(*shape, 6))
+        elements = self.elements
+        values = law_responses(elements.laws, elements.section, self.strain, self.strain_rate)
+        return values[..., BY_STRAIN:BY_RATE].reshape(*self.strain.shape, 6)
 
     def _gyroscopic(self) -> Floats:
         """Return the derivatives ``(n, 6, 6)`` of ``L1(x) M x`` by the twists, with ``L1(x) = -ad(x)^T``."""
@@ -144,8 +143,10 @@ class Balance:
 
 
 def _coriolis(mass: Floats, x: Floats) -> Floats:
-    """Return ``L1(x) M x`` of all nodes ``(n, 6)``, with ``L1(x) = -ad(x)^T``."""
-    return np.asarray(-np.einsum("nji,nj->ni", adjoint_map(x), np.einsum("nij,nj->ni", mass, x)))
+    """Return ``L1(x) M x`` of all nodes ``(n, 6)``."""
+    found = np.zeros_like(x)
+    add_coriolis(mass, x, found)
+    return found
 
 
 def adjoint_map(x: Floats) -> Floats:
@@ -157,9 +158,3 @@ def adjoint_map(x: Floats) -> Floats:
             found[..., first + i, second + j] = -a[..., k]
             found[..., first + j, second + i] = a[..., k]
     return found
-
-
-def _turned_back(q: Floats, a: Floats) -> Floats:
-    """Return a vector ``(3,)`` in the axes of all nodes with the quaternions ``q (n, 4)``."""
-    once = np.cross(q[:, 1:], a)
-    return np.asarray(a - 2.0 * q[:, :1] * once + 2.0 * np.cross(q[:, 1:], once))

@@ -12,11 +12,10 @@ from viscorod.mechanics.elements.section_laws import (
     BY_STRAIN,
     ENERGY,
     FORCE,
-    PARAMETERS,
-    law_values,
 )
 from viscorod.mechanics.nodes.attached_poses import link_map
 from viscorod.solve.constraints.rigid_motions import skew
+from viscorod.solve.problem.law_responses import law_responses
 from viscorod.typing import Floats
 
 
@@ -72,8 +71,7 @@ class StrainRates:
         energy = 0.5 * np.einsum("gi,gi->g", force, strain)
         if not self.laws.present:
             return SectionResponse(force, energy, self.C, self.D)
-        values = np.zeros((len(strain), PARAMETERS))
-        law_values(self.laws, self.section, strain, np.zeros_like(strain), values)
+        values = law_responses(self.laws, self.section, strain, np.zeros_like(strain))
         return SectionResponse(
             force + values[:, FORCE:BY_STRAIN],
             energy + values[:, ENERGY],

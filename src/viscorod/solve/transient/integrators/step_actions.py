@@ -9,7 +9,7 @@ import numpy as np
 from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
-from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
+from viscorod.solve.problem.external_loads import ExternalLoads, LoadState, load_count
 from viscorod.solve.transient.integrators.stage_data import Discretisation, StageLoads, SupportMotion
 from viscorod.solve.transient.load_content import StepContent
 from viscorod.typing import Floats
@@ -40,8 +40,7 @@ class StepActions:
         )
         self.content: StepContent | None = None
         problem = system.problem
-        numbers = [load.load for load in problem.nodal_loads] + [load.load for load in problem.station_loads]
-        self._count = 1 + max([-1, *numbers, *(load.load for load in problem.motion_loads)])
+        self._count = load_count(problem)
         self._rest = ExternalLoads(system.problem)
         self._written: list[LoadState | None] = [None] * stages
 
