@@ -131,6 +131,44 @@ def restore(value: Any, tree: SavedTree) -> Any:
     return _restored(value, tree)
 
 
+def hand_over(source: Any, target: Any) -> Any:
+    """Do what ``restore(target, saved(source))`` does, without a tree between: return ``target`` in that state."""
+    return _handed_over(source, target, set())
+
+
+def _handed_over(source: Any, target: Any, seen: set[int]) -> Any:
+    of = type(source)
+    kind = _kind(of)
+    if kind == "plain":
+        return source
+    if kind == "array" and source.dtype != object:
+        same = (
+            isinstance(target, np.ndarray) and target.shape == source.shape and target.dtype == source.dtype
+        )
+        if not same or not target.flags.writeable:
+            return source.copy()
+        target[...] = source
+        return target
+    inside = kind == "tuple" or (kind == "object" and hasattr(source, "__dict__"))
+    if not inside or of.__name__ in MADE:
+        tree = _saved(source, seen)
+        return target if tree is _LEFT_OUT else _restored(target, tree)
+    if id(source) in seen or type(target) is not of:
+        return target
+    seen.add(id(source))
+    if kind == "tuple":
+        items = [_handed_over(old, new, seen) for old, new in zip(source, target, strict=True)]
+        same = all(item is before for item, before in zip(items, target, strict=True))
+        return target if same else target._make(items)
+    fields = vars(target)
+    for key, item in vars(source).items():
+        old = fields.get(key)
+        new = _handed_over(item, old, seen)
+        if new is not old:
+            setattr(target, key, new)
+    return target
+
+
 def _restored(value: Any, tree: SavedTree) -> Any:
     """Return what is to stand where ``value`` stands now, which may be that object itself, changed."""
     if isinstance(tree, np.ndarray):

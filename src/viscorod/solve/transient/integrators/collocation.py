@@ -121,7 +121,8 @@ class Collocation:
         self._ad = np.zeros((problem.size, 6, 6))
         self.account = StepAccount.of(problem.size, stages)
         self._reaction = np.zeros((len(body.complete), 6))  # of the supports at t, along their axes
-        self._try_step = KnownTypes(try_step)
+        self._try_step, self._project = KnownTypes(try_step), KnownTypes(jacobian.project)
+        self._adjoint, self._add_inertia = KnownTypes(jacobian.adjoint), KnownTypes(jacobian.add_inertia)
         self._have_jacobian = self._fresh_jacobian = False
         self._factor_step = self._end = self._step = 0.0
         self._rate = 1.0
@@ -382,7 +383,7 @@ class Collocation:
     def _renew_jacobian(self) -> None:
         """Linearise at the start of the step."""
         state, matrices, body = self.state, self.matrices, self.body
-        jacobian.adjoint(state.twist, self._ad)
+        self._adjoint(state.twist, self._ad)
         matrices.K.fill(0.0)
         matrices.C.fill(0.0)
         self.forces.linearise(state, self._ad, self._stress, matrices.operators, matrices.K, matrices.C)
@@ -390,7 +391,7 @@ class Collocation:
             self.stage_constraints.linearise(state, self._ad, body.elements, matrices)
         self.actions.add_load_stiffness(self.t, state, self._ad, matrices.K, matrices.C)
         matrices.mass[:] = body.mass
-        jacobian.add_inertia(
+        self._add_inertia(
             body.mass,
             state.twist,
             self._ad,
@@ -401,7 +402,7 @@ class Collocation:
             self.scratch.square,
         )
         self.actions.move_supports(self.t, before=False)
-        jacobian.project(
+        self._project(
             body.supports,
             self.supports.target,
             self._reaction,

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.nodal_motion import extrapolate
 from viscorod.solve.formulations.system import State
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages
@@ -36,6 +37,7 @@ class Predictor:
         self._stress = np.empty((s + 1, stages.stress[0].size))
         self._stages_stress = stages.stress.reshape(s, -1)
         self._weights = np.empty((s, s + 1))
+        self._extrapolate = KnownTypes(extrapolate_step)
         self._old: State | None = None  # at the start of the last step
         self._step = 0.0
 
@@ -62,7 +64,7 @@ class Predictor:
             stages.X[:, body.held != 0.0] = 0.0
             stages.stress[:] = stress
             return
-        extrapolate_step(
+        self._extrapolate(
             tableau,
             self._gap,
             LastStep(self._step, old.r, old.q, old.twist, self._X, self._stress),

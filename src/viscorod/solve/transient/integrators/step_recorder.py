@@ -62,6 +62,7 @@ class StepRecorder:
         self._directions = support_kernels.Directions.of(1)
         self._reaction_wrenches = KnownTypes(support_kernels.reaction_wrenches)
         self._read_end, self._read_between = KnownTypes(read_end), KnownTypes(read_between)
+        self._interpolate = KnownTypes(interpolate)
 
     def record_state(
         self, state: State, points: GaussStates, reaction: Floats, kinetic: float, elastic: float
@@ -136,7 +137,13 @@ class StepRecorder:
         change = (stages.twist - old.twist).reshape(len(tableau.nodes), -1)
         start_rate = np.dot(tableau.start_derivative / h, change).reshape(n, 6)
         states, twist = interpolate_states(
-            parts, h, (old, start_rate), (new, end_rate), self.body.split, with_rates=len(tableau.nodes) > 1
+            self._interpolate,
+            parts,
+            h,
+            (old, start_rate),
+            (new, end_rate),
+            self.body.split,
+            with_rates=len(tableau.nodes) > 1,
         )
         if self.supports.moving and self.body.partly:
             for state, part in zip(states, parts, strict=True):
@@ -165,6 +172,7 @@ class StepRecorder:
 
 
 def interpolate_states(
+    kernel: Callable[..., object],
     parts: Floats,
     h: float,
     start: tuple[State, Floats],
@@ -176,13 +184,13 @@ def interpolate_states(
     """Return the states at ``parts (k,)`` (0 to 1) of a step of ``h`` [s], and their twists as one array ``(k, n, 6)``.
 
     Args:
-        start, end: states, and rates of their twists ``(n, 6)``.
+        kernel: calls ``interpolate``; start, end: states, and rates of their twists ``(n, 6)``.
         split: marks nodes that are held in part ``(n,)``.
         with_rates: poses are polynomials of degree 5 that have these rates at both ends; else of degree 3.
     """
     (old, old_rate), (new, new_rate) = start, end
     r, q, twist = (np.empty((len(parts), *field.shape)) for field in (new.r, new.q, new.twist))
-    interpolate(
+    kernel(
         parts,
         h,
         MovingPoses(old.r, old.q, old.twist, old_rate),
