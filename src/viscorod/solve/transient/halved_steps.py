@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from viscorod.mechanics.rotations.quaternion import conjugate, matrices, product, rotation_vectors
+from viscorod.mechanics.rotations.nodal_motion import pose_differences
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.start_modes import StartModes
@@ -185,6 +185,5 @@ def _largest(section_force: Floats) -> Floats:
 def _away(state: State, better: State) -> Floats:
     """Return by how much the poses of a state differ from better ones, body increments ``(n, 6)``."""
     pose = np.empty((len(state.r), 6))
-    pose[:, :3] = np.einsum("nji,nj->ni", matrices(better.q), state.r - better.r)
-    pose[:, 3:] = rotation_vectors(product(conjugate(better.q), state.q))
+    pose_differences(better.r, better.q, state.r, state.q, pose)
     return pose

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from viscorod.mechanics.nodes import inertia
-from viscorod.mechanics.rotations.pose_interpolation import interpolate
 from viscorod.mechanics.rotations.rotation import add_mapped, inverse_motion_tangent, retract
 from viscorod.solve.constraints.projection import close_gaps, start_consistently, with_allowed_velocities
 from viscorod.solve.constraints.support_state import SupportState
@@ -286,7 +285,7 @@ class GeneralizedAlpha:
         (old, before), after, rate = self._start, self._snapshot, self._rate
         split = np.zeros(len(rate))
         states, _ = interpolate_states(
-            interpolate, parts, self._step, (old, rate), (self.state, rate), split, with_rates=False
+            parts, self._step, (old, rate), (self.state, rate), split, with_rates=False
         )
         constraints, begin = self.system.constraints, self.t - self._step
         if constraints.rows:
