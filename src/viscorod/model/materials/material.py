@@ -192,6 +192,11 @@ class Material(Definition):
         """The assumptions about the damping, one sentence each."""
         return self._behaviour.assumptions
 
+    @property
+    def loss_band(self) -> tuple[float, float] | None:
+        """The band over which a loss factor holds (`LossFactor`), Hz; None of any other damping."""
+        return self.damping.holds if isinstance(self.damping, LossFactor) else None
+
     def relaxation(self, strain: str) -> RelaxationModulus | None:
         """Return the relaxation modulus of "extension" or "shear"; None where only times are known."""
         return self._behaviour.extension if strain == "extension" else self._behaviour.shear
