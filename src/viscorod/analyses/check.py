@@ -378,7 +378,7 @@ def _band_warnings(model: ModelDescription, frequencies: Floats) -> list[str]:
             )
             warnings.append(
                 f"rod {name}: its loss factor holds from {band[0]:.4g} to {band[1]:.4g} Hz, and of the first "
-                f"frequencies of the model {where} Hz {'are' if outside.size > 1 else 'is'} outside: there it is {losses} in "
-                "extension"
+                f"frequencies of the model {where} Hz {'are' if outside.size > 1 else 'is'} outside: there it is "
+                f"{losses} in extension"
             )
     return warnings
