@@ -83,6 +83,18 @@ class Behaviour:
     assumptions: tuple[str, ...] = ()
     pending: bool = False
 
+    def shifted(self, factor: float) -> Behaviour:
+        """Return the same behaviour at another temperature: all times and viscosities times a positive factor."""
+        return replace(
+            self,
+            shear_time=self.shear_time * factor,
+            bulk_time=self.bulk_time * factor,
+            bulk_viscosity=None if self.bulk_viscosity is None else self.bulk_viscosity * factor,
+            branches=tuple(branch._replace(time=branch.time * factor) for branch in self.branches),
+            extension=None if self.extension is None else self.extension.shifted(factor),
+            shear=None if self.shear is None else self.shear.shifted(factor),
+        )
+
     def assuming(self, *sentences: str) -> Behaviour:
         """Return the same behaviour with more assumptions."""
         return replace(self, assumptions=self.assumptions + sentences)
@@ -98,6 +110,10 @@ class Damping(Definition):
         Raises:
             InputError: the two do not go together.
         """
+
+    def behaviour_at(self, elastic: Elastic, shift: float) -> Behaviour:
+        """Return the behaviour at a temperature where relaxation takes ``shift`` times as long as in the data."""
+        return self.behaviour(elastic).shifted(shift)
 
 
 def bulk_time_of(

@@ -177,6 +177,14 @@ class Prony(Damping):
             at=("constant",),
         )
 
+    def behaviour_at(self, elastic: Elastic, shift: float) -> Behaviour:
+        """Return the behaviour at another temperature; the band of the motion remains what it is."""
+        times = {
+            f"{strain}_times": tuple(time * shift for time in getattr(self, f"{strain}_times") or ()) or None
+            for strain in STRAINS
+        }
+        return self.model_copy(update=times).behaviour(elastic)
+
     def behaviour(self, elastic: Elastic) -> Behaviour:
         """Return branches of extension and shear: E* = 9 K* G*/(3 K* + G*) by the correspondence principle."""
         extension, shear, bulk, nu = self._relaxations(elastic)
