@@ -16,7 +16,9 @@ LAWS = {
     "one frequency": vr.LossFactor(frequency=10.0, extension=0.2),
     "times": vr.KelvinVoigt(0.002, 0.003),
     "viscosities": vr.KelvinVoigt(shear_viscosity=800.0, bulk_viscosity=900.0),
-    "moduli": vr.ComplexModuli(frequency=[1, 10, 100], storage=[1e6, 1.2e6, 1.5e6], loss=[5e4, 9e4, 1e5], law="maxwell"),
+    "moduli": vr.ComplexModuli(
+        frequency=[1, 10, 100], storage=[1e6, 1.2e6, 1.5e6], loss=[5e4, 9e4, 1e5], law="maxwell"
+    ),
 }
 
 
@@ -92,7 +94,9 @@ def test_a_table_at_another_temperature_than_the_reference():
     warm = vr.Material(1e6, 0.4, 1000.0, damping=given, temperature=50.0, shift=SHIFT)
     assert warm.shift_factor == SHIFT.factor(50.0)
     fit = vr.kelvin_voigt_fit(warm, (1.0 / warm.shift_factor, 10.0 / warm.shift_factor))
-    assert fit.time == pytest.approx(warm.shift_factor * vr.kelvin_voigt_fit(given_material(given)).time, rel=1e-12)
+    assert fit.time == pytest.approx(
+        warm.shift_factor * vr.kelvin_voigt_fit(given_material(given)).time, rel=1e-12
+    )
 
 
 def given_material(damping):
@@ -115,7 +119,10 @@ def test_the_shift_is_told_and_written():
         ({"temperature": 20.0, "damping": LAWS["times"]}, "shift: a temperature and a shift"),
         ({"shift": SHIFT, "damping": LAWS["times"]}, "temperature: a temperature and a shift"),
         ({"shift": SHIFT, "temperature": 20.0}, "nothing relaxes"),
-        ({"shift": SHIFT, "temperature": -90.0, "damping": LAWS["times"]}, r"temperature: -90\.0: .* ends at -81\.6"),
+        (
+            {"shift": SHIFT, "temperature": -90.0, "damping": LAWS["times"]},
+            r"temperature: -90\.0: .* ends at -81\.6",
+        ),
         (
             {"shift": SHIFT, "temperature": 30.0, "damping": vr.MeasuredDamping(0.1)},
             "that at the temperature of the measurement",
@@ -150,7 +157,9 @@ def stretched_bar(damping, cycles=2, **more):
     """A bar whose end goes to and fro, slow beside its own vibrations: it is strained uniformly."""
     given = vr.Material(1e7, 0.3, 1000.0, damping=damping, **more)
     model = vr.Model()
-    rod = vr.Rod.straight((0, 0, 0), (0.1, 0, 0), section=vr.Circle(0.01), material=given, elements=1, order=2)
+    rod = vr.Rod.straight(
+        (0, 0, 0), (0.1, 0, 0), section=vr.Circle(0.01), material=given, elements=1, order=2
+    )
     model.add("bar", rod)
     model.clamp("bar.start")
     w = 2.0 * math.pi
