@@ -143,11 +143,9 @@ class EnergyAccount:
         The remainder is known at the ends of steps only, and linear between; the elastic energy is what the balance
         leaves.
         """
-        viscous, external, outside = (
-            self.viscous + step.loss,
-            self.external + step.work,
-            self.outside + step.outside,
-        )
+        work, loss, lost_outside = step
+        viscous, external = self.viscous + loss, self.external + work
+        outside = self.outside + lost_outside
         remainder = (1.0 - part) * self.numerical + part * end.numerical
         elastic = max(remainder - (kinetic + viscous + outside - external - self.start), 0.0)
         branches = self.branches + branch_loss
