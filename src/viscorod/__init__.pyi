@@ -15,7 +15,7 @@ from .model.actions.event import Crossing as Crossing
 from .model.actions.event import Decayed as Decayed
 from .model.actions.event import SteadyState as SteadyState
 from .model.actions.initial_strain import InitialStrain as InitialStrain
-from .model.actions.initial_strain import RestStrain as RestStrain
+from .model.actions.rest_strain import RestStrain as RestStrain
 from .model.actions.initial_velocity import InitialVelocity as InitialVelocity
 from .model.actions.load import DistributedForce as DistributedForce
 from .model.actions.load import DistributedMoment as DistributedMoment

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from viscorod.errors import Fault
+from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.connections import joint_checks, support_checks
 from viscorod.model.connections.place import GROUND, Place, find_rod, no_part
 from viscorod.model.connections.resolved_places import find
@@ -86,11 +87,8 @@ def _wrong_velocities(model: ModelDescription) -> Iterator[Fault]:
 
 
 def _wrong_strains(model: ModelDescription) -> Iterator[Fault]:
-    """Find initial and rest strains of unknown rods, or given twice."""
-    for key, strains, noun in (
-        ("strains", model.strains, "initial strain"),
-        ("rest_strains", model.rest_strains, "rest strain"),
-    ):
+    """Find initial and rest strains of unknown rods, initial ones given twice, and tables that leave their rods."""
+    for key, strains in (("strains", model.strains), ("rest_strains", model.rest_strains)):
         first: dict[str, int] = {}
         for index, given in enumerate(strains):
             try:
@@ -98,7 +96,12 @@ def _wrong_strains(model: ModelDescription) -> Iterator[Fault]:
             except RefusedError as error:
                 yield Fault(f"{key}[{index}].rod", error.found or "", error.why, error.instead)
                 continue
-            yield from _twice(first, given.rod, index, model, key, noun)
+            if isinstance(given, RestStrain):  # several add up
+                for error in given.misfits(model.rods[given.rod].length):
+                    where = path_text((key, index, *error.at))
+                    yield Fault(where, error.found or "", error.why, error.instead)
+            else:
+                yield from _twice(first, given.rod, index, model, key, "initial strain")
 
 
 def _twice(

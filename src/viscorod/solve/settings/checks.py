@@ -50,6 +50,8 @@ def unfit_for_steady(model: ModelDescription, damping: str) -> Iterator[Fault]:
     )
     if damping == "linearised":
         yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
+    why = "it changes with time, and a steady rotation does not"
+    yield from _changing_rest(model, why, "leave out time, or compute the motion with simulate")
 
 
 def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
@@ -85,6 +87,9 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
             model, why.format("laws of sections"), "leave it out, or take dynamics = 'nonlinear'"
         )
         yield from _changing_drag(model)
+        yield from _changing_rest(
+            model, why.format("rest strains that change with time"), "take dynamics = 'nonlinear'"
+        )
     else:
         if not formulation.constraints:
             why = f"the {settings.formulation} formulation has no {{}}"
@@ -96,6 +101,12 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
             yield from _branches(model, why, "take damping = 'full'")
         if not formulation.laws:
             yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
+        if settings.damping == "linearised":
+            why = "linearised damping is that of one unstressed shape, and this rest strain changes with time"
+            yield from _changing_rest(model, why, "take damping = 'full'")
+        if settings.integrator == "generalized_alpha" and any(rod.law is not None for rod in model.rods.values()):
+            why = "generalised alpha has no laws of sections with rest strains that change with time"
+            yield from _changing_rest(model, why, "take integrator = 'radau'")
     for index, event in enumerate(settings.events):
         if isinstance(event, Crossing):
             try:
@@ -130,6 +141,12 @@ def _changing_drag(model: ModelDescription) -> Iterator[Fault]:
             yield Fault(
                 f"loads[{index}]", load.word, why, "leave out time and until, or take dynamics = 'nonlinear'"
             )
+
+
+def _changing_rest(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
+    for index, strain in enumerate(model.rest_strains):
+        if strain.changes:
+            yield Fault(f"rest_strains[{index}].time", strain.rod, why, instead)
 
 
 def _springs(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
