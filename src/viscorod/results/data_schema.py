@@ -121,7 +121,9 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "dissipation": (STATES, "point"),
     "relaxation_time": ("branch",),
     "branch_loss": (STATES, "branch"),
-    **dict.fromkeys(("kinetic", "elastic", "viscous", "outside", "external", "actuator", "numerical"), (STATES,)),
+    **dict.fromkeys(
+        ("kinetic", "elastic", "viscous", "outside", "external", "actuator", "numerical"), (STATES,)
+    ),
     "reaction": (STATES, "support", "motion"),
     **dict.fromkeys(("joint", "joint_motion", "joint_held"), ("joint_coordinate",)),
     **dict.fromkeys(("joint_value", "joint_rate", "joint_force"), (STATES, "joint_coordinate")),

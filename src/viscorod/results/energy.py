@@ -71,7 +71,7 @@ class Energy:
     @property
     def supplied(self) -> Floats:
         """Energy at the start and all work since: of loads and supports, and of what changes rest strains."""
-        return self.total[0] + self.external + self.actuator
+        return np.asarray(self.total[0] + self.external + self.actuator)
 
     @property
     def moved(self) -> float:

@@ -220,7 +220,8 @@ def _decay(run: Run) -> str:
         lines.append(f"  (drag takes {100.0 * share:.3g} % of what is lost meanwhile, the material the rest)")
     if float(np.ptp(late)) > _WORKING * energy.moved:
         lines.append(
-            "  (loads, supports or rest strains do work meanwhile: these ratios describe the motion, not only the material)"
+            "  (loads, supports or rest strains do work meanwhile: "
+            "these ratios describe the motion, not only the material)"
         )
     return "\n".join(lines)
 

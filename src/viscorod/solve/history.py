@@ -88,7 +88,7 @@ class Progressing(Protocol):
 
 
 class StepShare(NamedTuple):
-    """What happened in a part of a step [J]: work, viscous loss, what loads dissipated outside, work of rest strains."""
+    """What happened in a part of a step [J]: work, viscous loss, loss of loads outside, work of rest strains."""
 
     work: float
     loss: float

@@ -17,7 +17,9 @@ from viscorod.model.actions.time_table import FunctionOfTime, TimeField
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import listed, quantity, row
 from viscorod.model.fields.metadata import Key, accepts, optional
-from viscorod.model.fields.values import Name, numbers, sequence
+from viscorod.model.fields.values import Name, OptionalNumber, numbers, sequence
+from viscorod.model.rod import Rod
+from viscorod.model.sections.section_base import AnySection
 from viscorod.typing import Floats
 
 __all__ = ["RestStrain"]
@@ -29,6 +31,11 @@ INSTANT = 1e-8
 @accepts(listed(quantity(), 2), "list of 2 numbers or more")
 def _stations(value: Any) -> tuple[float, ...]:
     return numbers(value, at_least=2)
+
+
+@accepts(row([quantity(), quantity()]), "2 numbers")
+def _two(value: Any) -> tuple[float, ...]:
+    return numbers(value, count=2)
 
 
 @accepts(listed(row([quantity(unit=k // 3) for k in range(6)]), 2), "list of lists of 6 numbers")
@@ -43,7 +50,8 @@ class RestStrain(Definition):
     that resist it the rod takes it without any force. A load factor multiplies it like a load. Rest strains of one rod
     add up. `value` is constant along the rod, or a Python function of the arc length, or of arc length and time (s, t);
     `stations` with `values` are a table along the rod, linear between stations; a station that is given twice is a
-    jump. `time` scales it.
+    jump. In their place `temperature` is a rise of the temperature, with a `gradient` across the section: the strain
+    follows from the thermal expansion of the materials. `time` scales what is given.
     """
 
     rod: Name = Key("name of the rod")
@@ -52,7 +60,10 @@ class RestStrain(Definition):
     )
     time: TimeField = Key("function of time that scales it", default=None)
     stations: Annotated[Sequence[float] | None, optional(_stations)] = Key(
-        "in place of value, arc lengths of a table along the rod, not decreasing", "m", default=None, kw_only=True
+        "in place of value, arc lengths of a table along the rod, not decreasing",
+        "m",
+        default=None,
+        kw_only=True,
     )
     values: Annotated[Sequence[Sequence[float]] | None, optional(_rows)] = Key(
         "strains there: shear 1, shear 2, stretch ({}), bend 1, bend 2, twist ({})",
@@ -61,15 +72,22 @@ class RestStrain(Definition):
         default=None,
         kw_only=True,
     )
+    temperature: OptionalNumber = Key(
+        "in place of value, rise of the temperature of the centre line", "K", default=None, kw_only=True
+    )
+    gradient: Annotated[Sequence[float] | None, optional(_two)] = Key(
+        "its slopes along d1 and d2", "K/m", default=None, kw_only=True
+    )
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         table = self.stations is not None or self.values is not None
-        if (self.value is not None) == table:
+        heat = self.temperature is not None or self.gradient is not None
+        if (self.value is not None) + table + heat != 1:
             raise RefusedError(
-                "the strain is given by value, or by a table along the rod",
-                "give value, or stations and values",
-                found="both" if table else "missing",
+                "the strain is given by value, by a table along the rod, or by a temperature",
+                "give one of value, stations with values, and temperature",
+                found="several of them" if table + heat else "missing",
                 at=("value",),
             )
         if table:
@@ -133,6 +151,7 @@ class RestStrain(Definition):
         """Return the strains (6,) at the arc length `s` [m] with the factor 1, at the time `t` [s] if they see it."""
         if self.stations is not None and self.values is not None:
             return self._interpolated(s)
+        assert self.value is not None, "a temperature is one of a rod: see on"
         if not callable(self.value):
             return np.array(self.value, dtype=float)
         given: Callable[..., Any] = self.value
@@ -147,6 +166,26 @@ class RestStrain(Definition):
                 found=show(result),
                 at=("value",),
             ) from None
+
+    def on(self, rod: Rod) -> RestStrain:
+        """Return it as strains of this rod: itself, unless a temperature gives them.
+
+        Raises:
+            RefusedError: the thermal expansion of a material is not known.
+        """
+        if self.temperature is None and self.gradient is None:
+            return self
+        along_d1, along_d2 = self.gradient or (0.0, 0.0)
+        rise = np.array([0.0, 0.0, self.temperature or 0.0, along_d2, -along_d1, 0.0])
+
+        def strain(s: float) -> Sequence[float]:
+            section = rod.section_at(s)
+            material = rod.material if section.needs_material else None
+            found: list[float] = section.thermal_strain(rise, material).tolist()
+            return found
+
+        constant = isinstance(rod.section, AnySection)
+        return RestStrain(self.rod, strain(0.0) if constant else strain, self.time)
 
     def _interpolated(self, s: float) -> Floats:
         """Return the strains of the table; at a jump those after it, beyond its ends those at the ends."""
@@ -181,11 +220,17 @@ class RestStrain(Definition):
         times = () if self.time is None else self.time.jumps
         return tuple(t for t in times if self.factor(t) != self.factor(t, before=True))
 
-    def misfits(self, length: float) -> Iterator[RefusedError]:
-        """Yield what is wrong with it on a rod of this length [m]."""
-        if self.stations is not None and not -1e-9 * length <= self.stations[0] <= self.stations[-1] <= (
-            1.0 + 1e-9
-        ) * length:
+    def misfits(self, rod: Rod) -> Iterator[RefusedError]:
+        """Yield what is wrong with it on its rod."""
+        length = rod.length
+        try:
+            self.on(rod)
+        except RefusedError as error:
+            yield error
+        if (
+            self.stations is not None
+            and not -1e-9 * length <= self.stations[0] <= self.stations[-1] <= (1.0 + 1e-9) * length
+        ):
             outside = self.stations[0] if self.stations[0] < 0.0 else self.stations[-1]
             yield RefusedError(
                 f"the rod ends at {length:.12g} m",

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from viscorod.errors import Fault
+from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.connections import joint_checks, support_checks
 from viscorod.model.connections.place import GROUND, Place, find_rod, no_part
@@ -88,7 +89,11 @@ def _wrong_velocities(model: ModelDescription) -> Iterator[Fault]:
 
 def _wrong_strains(model: ModelDescription) -> Iterator[Fault]:
     """Find initial and rest strains of unknown rods, initial ones given twice, and tables that leave their rods."""
-    for key, strains in (("strains", model.strains), ("rest_strains", model.rest_strains)):
+    both: dict[str, Sequence[InitialStrain | RestStrain]] = {
+        "strains": model.strains,
+        "rest_strains": model.rest_strains,
+    }
+    for key, strains in both.items():
         first: dict[str, int] = {}
         for index, given in enumerate(strains):
             try:
@@ -97,9 +102,9 @@ def _wrong_strains(model: ModelDescription) -> Iterator[Fault]:
                 yield Fault(f"{key}[{index}].rod", error.found or "", error.why, error.instead)
                 continue
             if isinstance(given, RestStrain):  # several add up
-                for error in given.misfits(model.rods[given.rod].length):
-                    where = path_text((key, index, *error.at))
-                    yield Fault(where, error.found or "", error.why, error.instead)
+                for misfit in given.misfits(model.rods[given.rod]):
+                    where = path_text((key, index, *misfit.at))
+                    yield Fault(where, misfit.found or "", misfit.why, misfit.instead)
             else:
                 yield from _twice(first, given.rod, index, model, key, "initial strain")
 

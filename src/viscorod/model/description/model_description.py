@@ -126,9 +126,12 @@ class ModelDescription(Held, Loaded, Joined):
         *,
         stations: Sequence[float] | None = None,
         values: Sequence[Sequence[float]] | None = None,
+        temperature: float | None = None,
+        gradient: Sequence[float] | None = None,
     ) -> None:
         """Give a rod the strain at which it is free of stress, in time; see `RestStrain`."""
-        fields: dict[str, Any] = given(value=value, time=time, stations=stations, values=values)
+        fields = given(value=value, time=time, stations=stations, values=values)
+        fields |= given(temperature=temperature, gradient=gradient)
         self.rest_strains.append(RestStrain(rod, **fields))
 
     def validate(self) -> None:

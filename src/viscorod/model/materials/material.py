@@ -12,7 +12,14 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import Definition, RefusedError, plain_value, show
 from viscorod.model.fields.forms import of_kind
 from viscorod.model.fields.metadata import Key, accepts
-from viscorod.model.fields.values import NOT_GIVEN, REQUIRED, PoissonsRatio, Positive, choose
+from viscorod.model.fields.values import (
+    NOT_GIVEN,
+    REQUIRED,
+    OptionalNumber,
+    PoissonsRatio,
+    Positive,
+    choose,
+)
 from viscorod.model.materials.complex_moduli import ComplexModuli
 from viscorod.model.materials.damping_model import Behaviour, Branch, Damping, Elastic
 from viscorod.model.materials.kelvin_voigt import KelvinVoigt
@@ -56,6 +63,10 @@ class Material(Definition):
     damping: Annotated[Damping | None, _damping] = Key(
         "`KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `MeasuredDamping`; left out, an elastic material",
         default=None,
+    )
+
+    thermal_expansion: OptionalNumber = Key(
+        "strain per temperature, for rest strains by temperature", "1/K", default=None
     )
 
     _behaviour: Behaviour = PrivateAttr()
@@ -205,6 +216,22 @@ class Material(Definition):
     def bulk_time(self) -> float:
         """Retardation time in volume change, tau_B = zeta/K, s; of a Maxwell material that of slow motion."""
         return self._known.bulk_time
+
+    @property
+    def expansion(self) -> float:
+        """Thermal expansion, 1/K.
+
+        Raises:
+            RefusedError: it was not given.
+        """
+        if self.thermal_expansion is None:
+            raise RefusedError(
+                "a temperature strains it by the thermal expansion of its material",
+                "give the material thermal_expansion (1/K)",
+                found="",
+                at=("temperature",),
+            )
+        return self.thermal_expansion
 
     @property
     def shear_viscosity(self) -> float:

@@ -93,7 +93,9 @@ def discretise(
         motion_loads=motion_loads,
         stations=stations_of(mesh),
         initial_strain={mesh.rod_index(strain.rod): strain.at for strain in model.strains},
-        rest_strains=tuple((mesh.rod_index(strain.rod), strain) for strain in model.rest_strains),
+        rest_strains=tuple(
+            (mesh.rod_index(strain.rod), strain.on(model.rods[strain.rod])) for strain in model.rest_strains
+        ),
         initial_twist=_initial_twist(model, places),
         relaxation_times=relaxation_times,
         length=length,

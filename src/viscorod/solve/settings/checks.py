@@ -104,9 +104,12 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
         if settings.damping == "linearised":
             why = "linearised damping is that of one unstressed shape, and this rest strain changes with time"
             yield from _changing_rest(model, why, "take damping = 'full'")
-        if settings.integrator == "generalized_alpha" and any(rod.law is not None for rod in model.rods.values()):
+        if settings.integrator == "generalized_alpha" and any(
+            rod.law is not None for rod in model.rods.values()
+        ):
             why = "generalised alpha has no laws of sections with rest strains that change with time"
             yield from _changing_rest(model, why, "take integrator = 'radau'")
+    yield from _struck_dashpots(model, settings)
     for index, event in enumerate(settings.events):
         if isinstance(event, Crossing):
             try:
@@ -147,6 +150,20 @@ def _changing_rest(model: ModelDescription, why: str, instead: str) -> Iterator[
     for index, strain in enumerate(model.rest_strains):
         if strain.changes:
             yield Fault(f"rest_strains[{index}].time", strain.rod, why, instead)
+
+
+def _struck_dashpots(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
+    """Refuse rest strains that jump where dashpots would answer with infinite forces."""
+    from_rest = settings.start is None and settings.initial == "equilibrium"
+    for index, strain in enumerate(model.rest_strains):
+        jumps = [t for t in strain.jumps if (0.0 <= t if from_rest else 0.0 < t) and t < settings.duration]
+        if jumps and model.rods[strain.rod].viscous:
+            yield Fault(
+                f"rest_strains[{index}].time",
+                f"a jump at {jumps[0]:g} s",
+                "the dashpots of the rod answer a jump of its rest strain with an infinite force",
+                "give a ramp, or a material with Maxwell branches alone",
+            )
 
 
 def _springs(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:

@@ -311,8 +311,8 @@ class Transient:
     def restart(self, t: float) -> None:
         """Start the integrator anew at ``t`` [s], after a jump of loads or prescribed motions.
 
-        The impulse of a support whose velocity jumps counts as external work, what a jump of rest strains changes of the
-        elastic energy as work of the actuator.
+        The impulse of a support whose velocity jumps counts as external work, and what a jump of rest strains changes
+        of the elastic energy as work of the actuator.
         """
         kinetic, elastic = self.integrator.kinetic, self.integrator.elastic
         self.integrator.start(t, self.integrator.state)

@@ -362,7 +362,9 @@ class Collocation:
     def _whole_strain(self, stage: int) -> Floats:
         """Return the strains ``(e, points, 6)`` at a stage, with the rest strains that change."""
         stages = self.stages
-        return stages.strain[stage] + stages.rest[stage] if len(stages.rest) else stages.strain[stage]
+        if not len(stages.rest):
+            return np.asarray(stages.strain[stage])
+        return np.asarray(stages.strain[stage] + stages.rest[stage])
 
     def _evaluate_state(
         self, t: float, state: State, *, before: bool, acceleration: Floats | None = None
