@@ -219,10 +219,8 @@ def _decay(run: Run) -> str:
         share = drag / (drag + float(np.ptp(energy.viscous[since])))
         lines.append(f"  (drag takes {100.0 * share:.3g} % of what is lost meanwhile, the material the rest)")
     if float(np.ptp(late)) > _WORKING * energy.moved:
-        lines.append(
-            "  (loads, supports or rest strains do work meanwhile: "
-            "these ratios describe the motion, not only the material)"
-        )
+        who = "rest strains, loads or supports" if energy.actuator.any() else "loads or supports"
+        lines.append(f"  ({who} do work meanwhile: these ratios describe the motion, not only the material)")
     return "\n".join(lines)
 
 
