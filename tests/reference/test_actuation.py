@@ -87,6 +87,21 @@ def test_functions_of_arc_length_and_time_and_tables_along_the_rod_say_the_same(
     assert np.ptp(found[0][0][:, 2]) > 0.01
 
 
+def test_a_free_cantilever_takes_an_elongation_and_two_curvatures() -> None:
+    # as code_aster's V3.01.104, large: r' = exp(s [u]) v in the frame of the start, no force anywhere
+    u, v = 100.0 * np.array([0.002, 0.003, 0.0]), np.array([0.0, 0.0, 1.1])
+    model = cantilever(elements=1, order=5)
+    model.rest_strain("arm", (0, 0, 0.1, *u))
+    found = model.equilibrium()
+    size = np.linalg.norm(u)
+    K = np.cross(u / size, np.eye(3)).T
+    a = size * L
+    travelled = (np.eye(3) * L + (1 - np.cos(a)) / size * K + (a - np.sin(a)) / size * K @ K) @ v
+    frame = model.rods["arm"].frames([0.0])[1][0]
+    assert found.position("arm.end") == pytest.approx(frame @ travelled, abs=1e-9)
+    assert np.abs(found.reactions.values).max() < 1e-9
+
+
 def test_a_rod_grows_into_a_helix() -> None:
     # rest curvature and twist ramped in time: radius kappa/(kappa^2+tau^2), pitch 2 pi tau/(kappa^2+tau^2)
     kappa, tau = 5.0, 3.0
@@ -146,6 +161,13 @@ def test_jumps_are_refused_where_dashpots_would_answer_with_infinite_forces() ->
     model = cantilever()
     model.rest_strain("arm", (0, 0, 0, 1, 0, 0), vr.Until(0.1))
     with pytest.raises(vr.InputError, match="infinite force"):
+        model.simulate(0.2)
+
+
+def test_strains_that_constraints_hold_do_not_change() -> None:
+    model = cantilever(constraints="inextensible")
+    model.rest_strain("arm", (0, 0, 0.1, 0, 0, 0), vr.Ramp(0.0, 0.1))
+    with pytest.raises(vr.InputError, match="inextensible hold a strain whose rest strain changes"):
         model.simulate(0.2)
 
 

@@ -110,6 +110,7 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
             why = "generalised alpha has no laws of sections with rest strains that change with time"
             yield from _changing_rest(model, why, "take integrator = 'radau'")
     yield from _struck_dashpots(model, settings)
+    yield from _driven_held_strains(model, settings)
     for index, event in enumerate(settings.events):
         if isinstance(event, Crossing):
             try:
@@ -163,6 +164,25 @@ def _struck_dashpots(model: ModelDescription, settings: SimulateSettings) -> Ite
                 f"a jump at {jumps[0]:g} s",
                 "the dashpots of the rod answer a jump of its rest strain with an infinite force",
                 "give a ramp, or a material with Maxwell branches alone",
+            )
+
+
+def _driven_held_strains(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
+    """Refuse rest strains that change where constraints keep strains at what they are, as some instants show."""
+    for index, strain in enumerate(model.rest_strains):
+        rod = model.rods[strain.rod]
+        if not strain.changes or not any(rod.constrained_strains):
+            continue
+        given = strain.on(rod)
+        times = [settings.duration * k / 4.0 for k in range(5)] if strain.sees_time else [0.0]
+        places = [rod.length * k / 4.0 for k in range(5)]
+        values = [given.at(s, t) for s in places for t in times]
+        if any(held and value[k] for value in values for k, held in enumerate(rod.constrained_strains)):
+            yield Fault(
+                f"rest_strains[{index}].rod",
+                strain.rod,
+                f"its constraints {', '.join(rod.constraints)} hold a strain whose rest strain changes with time",
+                "leave the constraint out, or that strain zero",
             )
 
 
