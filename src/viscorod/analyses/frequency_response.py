@@ -9,7 +9,7 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.linear_about import LinearAbout, linear_about, with_input_loads
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.solve.linear_systems.adaptive_frequencies import MOST, followed
@@ -32,8 +32,14 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
     low, high = float(given[0]), float(given[-1])
     _require_known(about, low, high)
     _require_moving(settings, low)
+    linear = about.linearisation()
+    if low == 0.0 and linear.rigid:
+        raise SolveError(
+            f"There is no response at 0 Hz: nothing holds the model against {', '.join(linear.texts)}; add supports, "
+            "or give frequencies > 0"
+        )
     response = HarmonicResponse(about.small, about.inputs, about.readings)
-    poles = poles_below(discrete.static, about.state, about.linearisation(), about.small, high)
+    poles = poles_below(discrete.static, about.state, linear, about.small, high)
     notes = list(about.notes)
     if not poles.complete:
         notes.append("not all resonances of this band were sought: narrow peaks may be missing")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from viscorod.pictures.style import (
     clean,
     figure,
     heading,
+    legend_above,
 )
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ def _bode(result: FrequencyResponse, pairs: list[tuple[int, int]]) -> Figure:
     rows = len(units) + 1
     height = 1.4 + 2.6 * rows
     picture = figure(9.0, height)
-    picture.subplots_adjust(top=1.0 - 0.85 / height, hspace=0.35)
+    picture.subplots_adjust(top=1.0 - 0.85 / height, hspace=0.42)
     hertz = result.frequencies
     logarithmic = hertz[0] > 0.0 and hertz[-1] > 8.0 * hertz[0]
     panels: list[Axes] = []
@@ -84,7 +85,7 @@ def _bode(result: FrequencyResponse, pairs: list[tuple[int, int]]) -> Figure:
             if hertz[0] <= f <= hertz[-1]:
                 axes.axvline(f, color=LIGHT, linewidth=1.0, zorder=0)
     for colour, (k, j) in enumerate(pairs):
-        line = {"color": COLOURS[colour % len(COLOURS)], "linewidth": 1.5}
+        line: dict[str, Any] = {"color": COLOURS[colour % len(COLOURS)], "linewidth": 1.5}
         line["linestyle"] = "-" if colour < len(COLOURS) else "--"
         values = result.response(k, j)
         axes = panels[units.index(result.unit(k, j))]
@@ -94,23 +95,22 @@ def _bode(result: FrequencyResponse, pairs: list[tuple[int, int]]) -> Figure:
         panels[-1].plot(hertz, _phase(values), **line)
     for axes, unit in zip(panels[:-1], units, strict=True):
         clean(axes, "", "size" if unit == "1" else f"size [{unit}]")
-        axes.legend(fontsize=SMALL, loc="best", framealpha=0.85, edgecolor="none")
+        axes.margins(x=0.0, y=0.14)
+        legend_above(axes, 2)
     clean(panels[-1], "frequency [Hz]", "phase [degrees]")
     panels[-1].set_yticks(np.arange(-180, 181, 90))
     panels[-1].set_ylim(-190.0, 190.0)
     _mark_peaks(result, pairs, units, panels)
-    heading(panels[0], "size and phase; grey lines: poles")
+    heading(panels[-1], "grey lines: poles; numbers at peaks: damping ratios by half power")
     panels[0].set_xlim(hertz[0], hertz[-1]) if len(hertz) > 1 else None
     return picture
 
 
 def _phase(values: np.ndarray) -> np.ndarray:
     """Return the phases in degrees, with gaps where they pass half a turn."""
-    found = np.degrees(np.angle(values))
-    jumps = np.flatnonzero(np.abs(np.diff(found)) > 180.0)
-    out = found.astype(float)
-    out[jumps] = np.nan
-    return out
+    found: np.ndarray = np.degrees(np.angle(values))
+    found[np.flatnonzero(np.abs(np.diff(found)) > 180.0)] = np.nan
+    return found
 
 
 def _mark_peaks(
@@ -142,12 +142,16 @@ def _nyquist(result: FrequencyResponse, pairs: list[tuple[int, int]]) -> Figure:
         axes = picture.add_subplot(rows, columns, number + 1)
         values, unit = result.response(k, j), result.unit(k, j)
         axes.plot(values.real, values.imag, color=COLOURS[number % len(COLOURS)], linewidth=1.4)
+        told: list[complex] = []
+        largest = float(np.abs(values).max())
         for one in result.resonances(k, j):
             at = int(np.argmin(np.abs(result.frequencies - one.frequency)))
-            if abs(values[at]) > 0.05 * np.abs(values).max():
+            if abs(values[at]) > 0.05 * largest:
+                close = any(abs(values[at] - other) < 0.15 * largest for other in told)
+                told.append(complex(values[at]))
                 axes.plot(values[at].real, values[at].imag, "o", color=GREY, markersize=4)
                 axes.annotate(
-                    f"{one.frequency:.4g} Hz",
+                    "" if close else f"{one.frequency:.4g} Hz",
                     (values[at].real, values[at].imag),
                     xytext=(5, 5),
                     textcoords="offset points",

@@ -23,6 +23,8 @@ __all__ = ["Poles", "poles_below"]
 FIRST, MOST = 12, 400
 """Modes sought at first, and at most."""
 ROUNDS, CONVERGED = 40, 1e-10
+FURTHER = 2.0
+"""Frequencies, as multiples of the highest, up to which undamped modes are followed to their poles."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ def poles_below(
         asked = min(count, most)
         try:
             found = (
-                _measured(solver, state, linear, small, asked)
+                _measured(solver, state, linear, small, (asked, hertz))
                 if small.measured
                 else _of_modes(solver, state, linear, asked)
             )
@@ -74,14 +76,21 @@ def _of_modes(
 
 
 def _measured(
-    solver: StaticSolver, state: State, linear: Linearisation, small: SmallMotions, count: int
+    solver: StaticSolver,
+    state: State,
+    linear: Linearisation,
+    small: SmallMotions,
+    wanted: tuple[int, float],
 ) -> tuple[np.ndarray, tuple[str, ...]]:
-    """Return poles by inverse iteration from the undamped modes."""
-    undamped = undamped_modes(linear, count)
+    """Return poles by inverse iteration from the undamped modes: ``wanted`` are their number and frequency [Hz]."""
+    undamped = undamped_modes(linear, wanted[0])
     energies = StrainEnergies(solver.system, state, undamped.linear)
     shapes = energies.principal(undamped.shapes, undamped.squares)
     kept = np.flatnonzero(undamped.squares > 0.0)
     kept = kept[np.argsort(undamped.squares[kept], kind="stable")]
+    # a complex modulus may be less than that at rest: modes somewhat faster take part too
+    reach = (FURTHER * 2.0 * np.pi * wanted[1]) ** 2
+    kept = kept[: int(np.searchsorted(undamped.squares[kept], reach)) + 2]
     nodal = np.asarray(undamped.linear.basis @ shapes[:, kept])
     names = numbered(energies.kinds(shapes[:, kept]), np.zeros(len(kept), dtype=bool))
     refine = _Refinement(small)

@@ -11,7 +11,7 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.fields.definition import some_of
 from viscorod.solve.linear_systems.small_motions import SmallMotions, global_axes
-from viscorod.solve.problem.external_loads import ExternalLoads
+from viscorod.solve.problem.external_loads import ExternalLoads, load_count
 from viscorod.solve.settings.signals import BASE, LoadInput, MotionInput, SignalInput
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
@@ -74,8 +74,7 @@ def inputs_of(
 def _unit_load(small: SmallMotions, number: int) -> Floats:
     """Return the generalised forces of a load with the factor 1 in the state of the small motions."""
     problem, state = small.problem, small.state
-    every = [load.load for load in (*problem.nodal_loads, *problem.station_loads, *problem.motion_loads)]
-    given = {load: float(load == number) for load in every}
+    given = {load: float(load == number) for load in range(load_count(problem))}
     external = np.zeros((problem.size, 6))
     ExternalLoads(problem).at(0.0, given=given).add(problem, (state.r, state.q), None, external)
     return external.ravel()

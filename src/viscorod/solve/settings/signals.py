@@ -115,10 +115,9 @@ def as_input(value: Any) -> SignalInput:
     place = place.strip()
     if place and last in WRENCHES:
         k = WRENCHES.index(last)
-        vector = [0.0, 0.0, 0.0]
-        vector[k % 3] = 1.0
+        x, y, z = (float(axis == k % 3) for axis in range(3))
         kind = Force if k < 3 else Moment
-        return LoadInput(f"{place} {last}", "N" if k < 3 else "N m", kind(place_text(place), vector))
+        return LoadInput(f"{place} {last}", "N" if k < 3 else "N m", kind(place_text(place), (x, y, z)))
     motion = motion_of(last)
     if place and motion is not None:
         return MotionInput(f"{place} {last}", motion[0], place, motion[1], motion[2])
