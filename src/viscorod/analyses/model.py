@@ -19,6 +19,7 @@ from viscorod.analyses.call_arguments import (
 )
 from viscorod.checks import checked
 from viscorod.model.description.model_description import ModelDescription
+from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.response import ResponseSettings
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
+    from viscorod.solve.statics.critical_loads import Buckling
 
 __all__ = ["Model"]
 
@@ -155,6 +157,25 @@ class Model(ModelDescription):
 
         discrete = DiscreteModel.of(with_input_loads(self, settings))
         return refined_response(frequency_response, discrete, settings)
+
+    @takes(BucklingSettings)
+    def buckling(self, settings: BucklingSettings) -> Buckling:
+        """Find critical loads: where along its equilibria the model loses stiffness, and how it gives way there.
+
+        All loads, prescribed motions and rest strains grow with the load factor, but those that are ``constant``.
+
+        Returns:
+            critical load factors, those of the linear problem beside them, and shapes.
+
+        Raises:
+            InputError: the model is inconsistent, nothing holds it, or nothing grows.
+            SolveError: there is no such prestress, or the equilibria could not be followed.
+        """
+        from viscorod.analyses.buckling import buckling
+        from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.refinement import refined_buckling
+
+        return refined_buckling(buckling, DiscreteModel.of(self), settings)
 
     @checked
     def draw(self, path: str | Path, title: str = "") -> Path:

@@ -29,10 +29,13 @@ class TableModulus:
 
     The logarithms of storage and loss modulus are interpolated over that of frequency by cubics that keep every rise
     and fall (Fritsch and Carlson 1980); where a loss modulus is 0 the moduli are interpolated themselves.
+
+    Args:
+        table: as it was measured; shift: relaxation times over those in the measurement (a_T), at another temperature.
     """
 
-    def __init__(self, table: DmaTable) -> None:
-        self.omega = table.omega
+    def __init__(self, table: DmaTable, shift: float = 1.0) -> None:
+        self.omega = table.omega / shift
         self._storage = self._interpolated(table.storage)
         self._loss = self._interpolated(table.loss)
 
@@ -131,7 +134,7 @@ def _parts(
         free = 1.0 - np.array(rod.constrained_strains, dtype=float)
         extensional, shearing, _ = section.geometry(material.poissons_ratio)
         shapes[:, k] = np.outer(free, free) * np.array([extensional, shearing])
-    tables = {strain: TableModulus(table) for strain, table in damping.tables.items()}
+    tables = {strain: TableModulus(table, material.shift_factor) for strain, table in damping.tables.items()}
     young, shear = material.youngs_modulus, material.shear_modulus
     if len(tables) == 1 or material.poissons_ratio == 0.5:  # incompressible: both moduli go together
         modulus = tables[damping.of]
