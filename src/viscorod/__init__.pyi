@@ -82,6 +82,7 @@ from .model.sections.section_shapes import SquareTube as SquareTube
 from .model.sections.stiffness_section import MaxwellBranch as MaxwellBranch
 from .model.sections.stiffness_section import StiffnessSection as StiffnessSection
 from .pictures.viewer import view as view
+from .results.buckling import Buckling as Buckling
 from .results.decrement import Decrement as Decrement
 from .results.energy import Energy as Energy
 from .results.files.storage import load as load
