@@ -8,6 +8,7 @@ from viscorod.mechanics.rotations.nodal_motion import coordinates, place
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.transient.integrators.collocation import Collocation
+from viscorod.solve.transient.integrators.record_kernels import StepEnd
 from viscorod.solve.transient.integrators.stage_data import Ends
 from viscorod.solve.transient.integrators.tableau import MIDPOINT
 from viscorod.typing import Floats
@@ -98,8 +99,9 @@ class Midpoint(Collocation):
         stages.rest[0], stages.rest_rate[0] = 0.5 * (first + last), (last - first) / (end - self.t)
         self.ends.rest[0] = last
 
-    def _end_step(self) -> None:
+    def _end_step(self, end: StepEnd, kinetic: float) -> None:
         """Extrapolate from the middle to the end of the step, and evaluate the forces there."""
+        del end, kinetic
         ends, stages = self.ends, self.stages
         twist = 2.0 * stages.twist[0] - self.state.twist
         self.forces.extrapolate_strains(self._whole_strain(0))
