@@ -12,6 +12,7 @@ from viscorod.mechanics.elements.basis import lagrange
 from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionTangent, MotionWork, add_motion_loads
+from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.problem.law_callbacks import MotionLaws
 from viscorod.solve.problem.problem import NodalLoad, Problem
 from viscorod.typing import Floats, Integers
@@ -36,7 +37,7 @@ class LoadState:
         stations: within elements.
         motion: loads that see motion; factors: of their places ``(m,)``; pushes: they act on what is at rest.
         laws: of these loads.
-        rest: part of the rest strains that is imposed.
+        rest: the rest strains that are imposed; None leaves them as they are.
     """
 
     nodes: Integers
@@ -49,7 +50,7 @@ class LoadState:
     stations: list[ActiveStation] = field(default_factory=list)
     pushes: bool = False
     laws: MotionLaws | None = None
-    rest: float = 1.0
+    rest: Imposed | None = None
 
     @property
     def none(self) -> bool:
@@ -130,7 +131,7 @@ NO_LOADS = LoadState(
 
 
 class _Rows(NamedTuple):
-    """Values ``(k, ...)`` of a load at nodes ``(k,)``, which may be there several times unless they are ``distinct``."""
+    """Values ``(k, ...)`` of a load at nodes ``(k,)``, which may be there several times if not ``distinct``."""
 
     nodes: Integers
     values: Floats
@@ -176,8 +177,9 @@ class ExternalLoads:
         self._factored += [(load.load, load.factor, load.law.at_rest) for load in problem.motion_loads]
         self._sums = [_rows_of(load) for load in problem.nodal_loads]
         self._loaded: dict[tuple[tuple[int, ...], bool], Integers] = {}
-        self._factors: tuple[float, tuple[float, ...]] | None = None
+        self._factors: tuple[float, ...] | None = None
         self._state: LoadState | None = None
+        self._driven = any(strain.changes for _, strain in problem.rest_strains)
         self.last: LoadState = NO_LOADS
 
     def at(
@@ -195,11 +197,14 @@ class ExternalLoads:
                 for load, factor, grows in self._factored
             ]
         )
-        rest = self._part(-1, scale)
-        if (rest, factors) != self._factors or self._state is None:
-            self._factors = rest, factors
-            self._state = self._nodal(factors, rest)
+        if factors != self._factors or self._state is None:
+            self._factors, self._state = factors, self._nodal(factors)
         state = self._state
+        if problem.rest_strains:
+            now = (t, before) if self._driven else ()
+            rest = Imposed(self._part(-1, scale), *now)
+            if rest != state.rest:
+                self._state = state = replace(state, rest=rest)
         self.last = state
         if not problem.station_loads:
             return state
@@ -223,8 +228,8 @@ class ExternalLoads:
         first, last = self.stage
         return float(first[load] + scale * (last[load] - first[load]))
 
-    def _nodal(self, factors: tuple[float, ...], rest: float) -> LoadState:
-        """Return the loads of nodes, first those that do not see motion, with their factors; rest strains, too."""
+    def _nodal(self, factors: tuple[float, ...]) -> LoadState:
+        """Return the loads of nodes, first those that do not see motion, with their factors."""
         problem, n = self.problem, self.problem.size
         dead, following, gravity = np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3)
         levers = np.zeros((n if self.offset else 0, 3, 3))
@@ -250,7 +255,6 @@ class ExternalLoads:
             places,
             pushes=pushes,
             laws=self.laws,
-            rest=rest,
         )
 
     def _nodes_under(self, acting: tuple[int, ...], *, everywhere: bool) -> Integers:

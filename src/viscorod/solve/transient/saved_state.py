@@ -28,6 +28,7 @@ from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
+from viscorod.solve.problem.imposed_strains import ImposedStrains
 from viscorod.solve.problem.joint_set import JointSet
 from viscorod.solve.problem.law_callbacks import LawCallbacks, MotionLaws
 from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
@@ -52,7 +53,7 @@ UNCHANGED = (
     Problem, ElementSet, SupportSet, Elements, ElementGroup, Discretisation, Pattern, Plan, Tableau, HeldStrains,
     JointSet, LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads,
     LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, StageFactors, StageLoads, SupportMotion, Work,
-    Coefficients, Relation, Solution, GaussPositions, ElementWork,
+    Coefficients, Relation, Solution, GaussPositions, ElementWork, ImposedStrains,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 
