@@ -58,6 +58,17 @@ def test_accuracy_of_radau():
     assert errors[-1, 0] < 5e-8
 
 
+@pytest.mark.parametrize(("stages", "steps"), [(5, (0.2, 0.16, 0.1)), (7, (0.4, 0.2))])
+def test_accuracy_of_radau_with_more_stages(stages, steps):
+    """Order 2 s - 1 of positions and velocities, against a fine run on the same mesh."""
+    given = {"stages": stages, "tolerance": 1e-9}
+    exact = March(swung(), 0.8, 0.02, **given)
+    (positions, velocities), errors = orders_against(exact, swung, 0.8, steps, **given)
+    assert positions == pytest.approx(2 * stages - 1, abs=0.5)
+    assert velocities == pytest.approx(2 * stages - 1, abs=0.5)
+    assert errors[-1, 0] > 1e-12  # above what Newton's method leaves
+
+
 def test_order_of_radau_with_prescribed_motion_and_partial_support():
     """Theory of index-3 constraints: order five of positions and three of velocities."""
     (positions, velocities), _ = orders(steered, 0.8, (0.08, 0.04, 0.02), 0.005)

@@ -27,6 +27,7 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
+from viscorod.solve.linear.stacked_solvers import StackedSolvers
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.problem.joint_set import JointSet
 from viscorod.solve.problem.law_callbacks import LawCallbacks, MotionLaws
@@ -52,7 +53,7 @@ UNCHANGED = (
     Problem, ElementSet, SupportSet, Elements, ElementGroup, Discretisation, Pattern, Plan, Tableau, HeldStrains,
     JointSet, LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads,
     LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, StageFactors, StageLoads, SupportMotion, Work,
-    Coefficients, Relation, Solution,
+    Coefficients, Relation, Solution, StackedSolvers,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 

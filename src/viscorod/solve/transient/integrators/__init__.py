@@ -27,6 +27,7 @@ class Method(NamedTuple):
         formulations: which ones it integrates.
         velocity_supports: it holds velocities along moving axes.
         parameters: settings that are its own, with their values unless given.
+        finer: other values of these from a given tolerance downwards, and that tolerance.
         make_linear: as ``make``, for linear dynamics; None: it has nonlinear dynamics only.
     """
 
@@ -38,6 +39,7 @@ class Method(NamedTuple):
     formulations: tuple[str, ...] = ("geometric", "intrinsic")
     velocity_supports: bool = True
     parameters: Mapping[str, float] = MappingProxyType({})
+    finer: tuple[float, Mapping[str, float]] = (0.0, MappingProxyType({}))
     make_linear: Callable[..., Integrator] | None = None
 
 
@@ -48,6 +50,8 @@ INTEGRATORS: dict[str, Method] = {
         order=5,
         adaptive=True,
         tolerance=1e-4,
+        parameters={"stages": 3},
+        finer=(1e-5, {"stages": 5}),
         make_linear=deferred("transient.integrators.linear_motion:linear_radau"),
     ),
     "generalized_alpha": Method(

@@ -1,4 +1,4 @@
-"""Radau IIA with three stages, steps that follow an error estimate."""
+"""Radau IIA, steps that follow an error estimate."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.collocation_step import largest_turn
-from viscorod.solve.transient.integrators.tableau import RADAU
+from viscorod.solve.transient.integrators.tableau import allowed_estimate, radau
+from viscorod.solve.transient.load_content import UNSEEN
 from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
 
 LEAST_CHANGE = 1e-13
@@ -22,22 +23,24 @@ TURN_OF_RECORD = 0.25
 
 
 class Radau(Collocation):
-    """Radau IIA with three stages: order 5, L-stable, stiffly accurate, with an error estimate.
+    """Radau IIA: order 2 s - 1 with s stages, L-stable, stiffly accurate, with an error estimate.
 
     Args:
         system, supports: the model.
         tolerance: wanted accuracy of the motion: displacement over model length, rotation in rad; a number, or one that
             follows the motion.
+        stages: their odd number.
+
+    Attributes:
+        estimate_order: of the embedded method that steps are compared with: the number of stages.
+        allowed: error of a step by its estimate, over the tolerance.
     """
 
-    step_factor = 2.0
-    """Error that a step may have by its estimate, over the tolerance. The estimate is that of a lower order."""
+    newton_factor, newton_power = 1.5e-3, 1.25
+    """Error left by the iteration is ``factor tolerance^power`` times the allowed estimate over the tolerance.
 
-    newton_factor, newton_power = 3e-3, 1.25
-    """Error left by the iteration is ``factor tolerance^power``: it changes velocities, which free motion adds up."""
-
-    estimate_order = 3
-    """Of the estimate; the method itself is of order 5."""
+    It changes velocities, which free motion adds up.
+    """
 
     half_iteration = 0.03
     """Tolerance of the iteration in steps that are computed again, over that of the run."""
@@ -45,13 +48,18 @@ class Radau(Collocation):
     largest_turn = 2.0
     """Rotation [rad] that a node may make in one step: coordinates of rotations are good to half a turn."""
 
-    def __init__(self, system: System, supports: SupportState, *, tolerance: float | Tolerance) -> None:
+    def __init__(
+        self, system: System, supports: SupportState, *, tolerance: float | Tolerance, stages: int = 3
+    ) -> None:
         self.tolerance = GivenTolerance(tolerance) if isinstance(tolerance, float) else tolerance
-        super().__init__(system, supports, RADAU, self._newton_tolerance())
+        self.estimate_order = stages
+        self.allowed = allowed_estimate(stages)
+        super().__init__(system, supports, radau(stages), self._newton_tolerance())
         self._turn = 0.0
 
     def _newton_tolerance(self) -> float:
-        return max(self.newton_factor * float(self.tolerance.value**self.newton_power), LEAST_CHANGE)
+        factor = self.newton_factor * self.allowed
+        return max(factor * float(self.tolerance.value**self.newton_power), LEAST_CHANGE)
 
     def start(self, t: float, state: State) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -74,9 +82,10 @@ class Radau(Collocation):
         self._turn, node = largest_turn(stages.X[last])
         reached = State(stages.r[last], stages.q[last], stages.twist[last], self.state.multiplier)
         unseen, where = self._unseen()
+        unseen *= self.allowed / UNSEEN
         if unseen > error:
             error, unknown = unseen, where
-        error /= self.step_factor * self.tolerance.at(self._end, reached)
+        error /= self.allowed * self.tolerance.at(self._end, reached)
         too_far = (self._turn / self.largest_turn) ** (self.estimate_order + 1)
         return (too_far, 6 * node + 3) if too_far > error else (error, unknown)
 

@@ -10,6 +10,7 @@ from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.nodes import support_rows as support_kernels
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate
+from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
@@ -122,8 +123,8 @@ class StepRecorder:
     ) -> list[tuple[Snapshot, float, float]]:
         """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start.
 
-        Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), Gauss points
-        and reactions follow the stages.
+        Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), corrected
+        towards the stages if they are many; Gauss points and reactions follow the stages.
 
         Args:
             parts: in ascending order.
@@ -135,9 +136,22 @@ class StepRecorder:
         count, (n, _) = len(parts), new.r.shape
         change = (stages.twist - old.twist).reshape(len(tableau.nodes), -1)
         start_rate = np.dot(tableau.start_derivative / h, change).reshape(n, 6)
-        states, twist = interpolate_states(
-            parts, h, (old, start_rate), (new, end_rate), self.body.split, with_rates=len(tableau.nodes) > 1
+        inner = tableau.exact_inside
+        r, q, twist = interpolate_poses(
+            np.append(parts, inner),
+            h,
+            (old, start_rate),
+            (new, end_rate),
+            self.body.split,
+            with_rates=len(tableau.nodes) > 1,
         )
+        if len(inner):
+            correct_inside(
+                tableau.polynomials(parts)[:, :-1], (r, q, twist), (stages.r, stages.q, stages.twist)
+            )
+        states = [
+            State(*fields, new.multiplier) for fields in zip(r[:count], q[:count], twist[:count], strict=True)
+        ]
         if self.supports.moving and self.body.partly:
             for state, part in zip(states, parts, strict=True):
                 self.supports.correct(state, t - (1.0 - part) * h)
@@ -152,7 +166,7 @@ class StepRecorder:
             self._places,
             whole_loss,
             self.body.mass,
-            twist,
+            twist[:count],
             ResultFields(points, reaction),
             energies,
         )
@@ -164,7 +178,7 @@ class StepRecorder:
         return list(zip(snapshots, work, loss, strict=True))
 
 
-def interpolate_states(
+def interpolate_poses(
     parts: Floats,
     h: float,
     start: tuple[State, Floats],
@@ -172,8 +186,8 @@ def interpolate_states(
     split: Floats,
     *,
     with_rates: bool,
-) -> tuple[list[State], Floats]:
-    """Return the states at ``parts (k,)`` (0 to 1) of a step of ``h`` [s], and their twists as one array ``(k, n, 6)``.
+) -> tuple[Floats, Floats, Floats]:
+    """Return positions ``(k, n, 3)``, quaternions and twists at ``parts (k,)`` (0 to 1) of a step of ``h`` [s].
 
     Args:
         start, end: states, and rates of their twists ``(n, 6)``.
@@ -194,4 +208,23 @@ def interpolate_states(
         twist,
         np.empty((10, 6)),
     )
-    return [State(*fields, new.multiplier) for fields in zip(r, q, twist, strict=True)], twist
+    return r, q, twist
+
+
+def correct_inside(weights: Floats, found: tuple[Floats, Floats, Floats], stages: tuple[Floats, ...]) -> None:
+    """Correct poses and twists within a step so that they go through its stages.
+
+    Args:
+        weights: ``(k, m)`` of polynomials that are one at one stage, zero at the others and at the start.
+        found: poses and twists, ``k`` to be corrected and those at the first ``m`` stages, interpolated; overwritten.
+        stages: poses and twists there.
+    """
+    (r, q, twist), (r_stages, q_stages, twist_stages) = found, stages
+    k, m = weights.shape
+    r[:k] += np.tensordot(weights, r_stages[:m] - r[k:], 1)
+    twist[:k] += np.tensordot(weights, twist_stages[:m] - twist[k:], 1)
+    turn = product(conjugate(q[k:]), q_stages[:m])
+    turn /= turn[..., :1]  # one, and half of a small rotation vector
+    whole = np.tensordot(weights, turn, 1)
+    whole[..., 0] = 1.0
+    q[:k] = product(q[:k], whole / np.linalg.norm(whole, axis=2, keepdims=True))
