@@ -9,7 +9,7 @@ from pydantic import model_validator
 
 from viscorod.model.actions.event import Events
 from viscorod.model.fields.definition import RefusedError, show
-from viscorod.model.fields.metadata import Key
+from viscorod.model.fields.metadata import Key, optional
 from viscorod.model.fields.values import (
     OneOfRegistry,
     OptionalPositive,
@@ -17,7 +17,6 @@ from viscorod.model.fields.values import (
     Positive,
     one_number_of,
     one_of,
-    optional,
 )
 from viscorod.solve.formulations.registry import damping_words, dampings, formulation_words
 from viscorod.solve.settings.mesh import LARGEST_TOLERANCE, Meshed
@@ -65,7 +64,7 @@ class SimulateSettings(Meshed):
         default=None,
     )
     stages: Annotated[int | None, optional(one_number_of(3, 5, 7))] = Key(
-        'of "radau", whose order is twice that less one; unless given 3, or 5 for a given tolerance of 1e-5 and less',
+        'of "radau", whose order is twice that less one; unless given 3, or 5 for a given tolerance of 1e-6 and less',
         default=None,
     )
     output_interval: OptionalPositive = Key(

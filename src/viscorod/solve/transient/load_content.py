@@ -20,9 +20,6 @@ from viscorod.typing import Floats
 SAMPLES = 2**15
 """Samples of a Python function over a run; up to half as many are added where it changes most."""
 
-UNSEEN = 2.0
-"""What this may make wrong in a step, over the tolerance."""
-
 _GAUSS, _WEIGHTS = legendre.leggauss(4)
 """Within a piece of a table, a cubic: products with polynomials of degree 4, and with itself, are exact."""
 

@@ -51,7 +51,7 @@ INTEGRATORS: dict[str, Method] = {
         adaptive=True,
         tolerance=1e-4,
         parameters={"stages": 3},
-        finer=(1e-5, {"stages": 5}),
+        finer=(1e-6, {"stages": 5}),
         make_linear=deferred("transient.integrators.linear_motion:linear_radau"),
     ),
     "generalized_alpha": Method(

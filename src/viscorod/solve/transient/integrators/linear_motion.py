@@ -13,22 +13,14 @@ from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.contract import StepReport
 from viscorod.solve.transient.integrators.linear_model import LinearModel
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
-from viscorod.solve.transient.integrators.tableau import (
-    MIDPOINT,
-    Tableau,
-    allowed_estimate,
-    radau,
-)
-from viscorod.solve.transient.load_content import UNSEEN, StepContent
+from viscorod.solve.transient.integrators.tableau import MIDPOINT, Tableau, radau
+from viscorod.solve.transient.load_content import StepContent
 from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
 from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
 
 SWEEPS = 3
 """Solutions with the same factors per step."""
-
-RECORDS = 4
-"""States per step that draw the motion smoothly."""
 
 
 class LinearMotion:
@@ -41,6 +33,9 @@ class LinearMotion:
         tolerance: wanted accuracy of the motion where the method has an error estimate: displacement over model
             length, rotation in rad.
     """
+
+    step_factor = 2.0
+    """Error that a step may have by its estimate, over the tolerance, as for nonlinear motions."""
 
     looks_within = True
 
@@ -57,7 +52,7 @@ class LinearMotion:
         self.system, self.supports, self.tableau = system, supports, tableau
         self.tolerance = GivenTolerance(tolerance) if isinstance(tolerance, float) else tolerance
         problem, stages = system.problem, len(tableau.nodes)
-        self.estimate_order, self.allowed = stages, allowed_estimate(stages)
+        self.estimate_order = stages
         self.t = 0.0
         self.state = State.reference(problem)
         self.kinetic = self.elastic = self.work = self.loss = self.outside = 0.0
@@ -72,7 +67,7 @@ class LinearMotion:
     @property
     def records(self) -> int:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return RECORDS if self._last else 1
+        return self._last + 2 if self._last else 1
 
     @property
     def strain(self) -> float:
@@ -149,11 +144,11 @@ class LinearMotion:
         report = StepReport(Outcome.CONVERGED, SWEEPS, size, 0.0, 0)
         if self.tolerance is None:
             return report
-        error = np.maximum(self._error(h, changes) / self.allowed, self._unseen() / UNSEEN)
+        error = np.maximum(self._error(h, changes), self._unseen())
         node, component = divmod(int(np.argmax(error)), 6)
         reached = body.state(*self._stages[:, last])
-        error = float(error.max()) / self.tolerance.at(end, reached)
-        return report._replace(error=error, node=node, component=component)
+        allowed = self.step_factor * self.tolerance.at(end, reached)
+        return report._replace(error=float(error.max()) / allowed, node=node, component=component)
 
     def _error(self, h: float, changes: Floats) -> Floats:
         """Return estimated errors ``(6 n,)``: displacements over model length, rotations (see ``step_error``)."""

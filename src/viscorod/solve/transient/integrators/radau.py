@@ -8,18 +8,14 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.collocation_step import largest_turn
-from viscorod.solve.transient.integrators.tableau import allowed_estimate, radau
-from viscorod.solve.transient.load_content import UNSEEN
+from viscorod.solve.transient.integrators.tableau import radau
 from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
 
 LEAST_CHANGE = 1e-13
 """Change of a pose (over the length, or in rad) below which rounding decides."""
 
-RECORDS = 4
-"""States recorded per step, so that what is drawn between them is smooth."""
-
 TURN_OF_RECORD = 0.25
-"""Rotation [rad] from record to record, if that takes more."""
+"""Rotation [rad] from record to record, if that takes more states than one above the stages."""
 
 
 class Radau(Collocation):
@@ -33,14 +29,13 @@ class Radau(Collocation):
 
     Attributes:
         estimate_order: of the embedded method that steps are compared with: the number of stages.
-        allowed: error of a step by its estimate, over the tolerance.
     """
 
-    newton_factor, newton_power = 1.5e-3, 1.25
-    """Error left by the iteration is ``factor tolerance^power`` times the allowed estimate over the tolerance.
+    step_factor = 2.0
+    """Error that a step may have by its estimate, over the tolerance. The estimate is that of a lower order."""
 
-    It changes velocities, which free motion adds up.
-    """
+    newton_factor, newton_power = 3e-3, 1.25
+    """Error left by the iteration is ``factor tolerance^power``: it changes velocities, which free motion adds up."""
 
     half_iteration = 0.03
     """Tolerance of the iteration in steps that are computed again, over that of the run."""
@@ -53,13 +48,11 @@ class Radau(Collocation):
     ) -> None:
         self.tolerance = GivenTolerance(tolerance) if isinstance(tolerance, float) else tolerance
         self.estimate_order = stages
-        self.allowed = allowed_estimate(stages)
         super().__init__(system, supports, radau(stages), self._newton_tolerance())
         self._turn = 0.0
 
     def _newton_tolerance(self) -> float:
-        factor = self.newton_factor * self.allowed
-        return max(factor * float(self.tolerance.value**self.newton_power), LEAST_CHANGE)
+        return max(self.newton_factor * float(self.tolerance.value**self.newton_power), LEAST_CHANGE)
 
     def start(self, t: float, state: State) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -82,14 +75,14 @@ class Radau(Collocation):
         self._turn, node = largest_turn(stages.X[last])
         reached = State(stages.r[last], stages.q[last], stages.twist[last], self.state.multiplier)
         unseen, where = self._unseen()
-        unseen *= self.allowed / UNSEEN
         if unseen > error:
             error, unknown = unseen, where
-        error /= self.allowed * self.tolerance.at(self._end, reached)
+        error /= self.step_factor * self.tolerance.at(self._end, reached)
         too_far = (self._turn / self.largest_turn) ** (self.estimate_order + 1)
         return (too_far, 6 * node + 3) if too_far > error else (error, unknown)
 
     @property
     def records(self) -> int:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return min(max(RECORDS, int(np.ceil(self._turn / TURN_OF_RECORD))), 4 * RECORDS)
+        least = self._last + 2
+        return min(max(least, int(np.ceil(self._turn / TURN_OF_RECORD))), 4 * least)

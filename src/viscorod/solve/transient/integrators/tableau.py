@@ -118,13 +118,5 @@ def radau(stages: int) -> Tableau:
     return Tableau.of(radau_nodes(stages))
 
 
-def allowed_estimate(stages: int) -> float:
-    """Return what the estimated error of a step of Radau IIA may be, over the tolerance.
-
-    The estimate is that of an order s, the method has 2 s - 1: the more stages, the farther they are apart (measured).
-    """
-    return float(2.0 * 5.0 ** ((stages - 3) / 2))
-
-
 MIDPOINT = Tableau.of(np.array([0.5]))
 """The implicit midpoint rule: order 2, symmetric."""
