@@ -9,6 +9,7 @@ import numpy as np
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate
+from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
@@ -118,8 +119,8 @@ class StepRecorder:
     ) -> list[tuple[Snapshot, float, float]]:
         """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start.
 
-        Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), Gauss points
-        and reactions follow the stages.
+        Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), corrected
+        towards the stages if they are many; Gauss points and reactions follow the stages.
 
         Args:
             parts: in ascending order.
@@ -127,11 +128,12 @@ class StepRecorder:
             powers: of loads, viscosity, and what loads dissipate, at the stages ``(3, s)`` [W].
             whole_loss: viscous, of the step [J].
         """
-        (old, start, start_reaction), stages = self._start, self.stages
-        count, corrected = len(parts), self.supports.moving and self.body.partly
-        found = Between.of(count, len(new.r), start.shape[1], len(start_reaction))
+        (old, start, start_reaction), stages, inner = self._start, self.stages, self.tableau.exact_inside
+        count, held = len(parts), self.supports.moving and self.body.partly
+        corrected = held or len(inner) > 0
+        places = np.append(parts, inner) if len(inner) else parts
+        found = Between.of(len(places), len(new.r), start.shape[1], len(start_reaction))
         given = (
-            parts,
             h,
             self.tableau,
             MovingPoses(old.r, old.q, old.twist, self._start_rate),
@@ -143,15 +145,19 @@ class StepRecorder:
             whole_loss,
             self._reading,
         )
-        self._read_between(*given, True, not corrected, found)
-        states = [
-            State(*fields, new.multiplier) for fields in zip(found.r, found.q, found.twist, strict=True)
-        ]
-        if corrected:
+        self._read_between(places, *given, True, not corrected, found)
+        r, q, twist = found[:3]
+        if len(inner):
+            correct_inside(
+                self.tableau.polynomials(parts)[:, :-1], (r, q, twist), (stages.r, stages.q, stages.twist)
+            )
+        states = [State(r[k], q[k], twist[k], new.multiplier) for k in range(count)]
+        if held:
             for state, part in zip(states, parts, strict=True):
                 self.supports.correct(state, t - (1.0 - part) * h)
-            self._read_between(*given, False, True, found)
-        kinetic, work, loss = found.energies.tolist()
+        if corrected:
+            self._read_between(parts, *given, False, True, found)
+        kinetic, work, loss = found.energies[:, :count].tolist()
         joints: Sequence[JointState | None] = [None] * count
         if self.stage_constraints is not None:
             joints = self.stage_constraints.between(states, parts, t - (1.0 - parts) * h, self.solve_real)
@@ -160,7 +166,7 @@ class StepRecorder:
         return list(zip(snapshots, work, loss, strict=True))
 
 
-def interpolate_states(
+def interpolate_poses(
     parts: Floats,
     h: float,
     start: tuple[State, Floats],
@@ -168,8 +174,8 @@ def interpolate_states(
     split: Floats,
     *,
     with_rates: bool,
-) -> tuple[list[State], Floats]:
-    """Return the states at ``parts (k,)`` (0 to 1) of a step of ``h`` [s], and their twists as one array ``(k, n, 6)``.
+) -> tuple[Floats, Floats, Floats]:
+    """Return positions ``(k, n, 3)``, quaternions and twists at ``parts (k,)`` (0 to 1) of a step of ``h`` [s].
 
     Args:
         start, end: states, and rates of their twists ``(n, 6)``.
@@ -190,4 +196,23 @@ def interpolate_states(
         twist,
         np.empty((10, 6)),
     )
-    return [State(*fields, new.multiplier) for fields in zip(r, q, twist, strict=True)], twist
+    return r, q, twist
+
+
+def correct_inside(weights: Floats, found: tuple[Floats, Floats, Floats], stages: tuple[Floats, ...]) -> None:
+    """Correct poses and twists within a step so that they go through its stages.
+
+    Args:
+        weights: ``(k, m)`` of polynomials that are one at one stage, zero at the others and at the start.
+        found: poses and twists, ``k`` to be corrected and those at the first ``m`` stages, interpolated; overwritten.
+        stages: poses and twists there.
+    """
+    (r, q, twist), (r_stages, q_stages, twist_stages) = found, stages
+    k, m = weights.shape
+    r[:k] += np.tensordot(weights, r_stages[:m] - r[k:], 1)
+    twist[:k] += np.tensordot(weights, twist_stages[:m] - twist[k:], 1)
+    turn = product(conjugate(q[k:]), q_stages[:m])
+    turn /= turn[..., :1]  # one, and half of a small rotation vector
+    whole = np.tensordot(weights, turn, 1)
+    whole[..., 0] = 1.0
+    q[:k] = product(q[:k], whole / np.linalg.norm(whole, axis=2, keepdims=True))
