@@ -63,6 +63,9 @@ from .model.materials.material import Material as Material
 from .model.materials.measured_damping import MeasuredDamping as MeasuredDamping
 from .model.materials.prony import Prony as Prony
 from .model.materials.relaxation_modulus import RelaxationModulus as RelaxationModulus
+from .model.materials.temperature_shift import WLF as WLF
+from .model.materials.temperature_shift import Arrhenius as Arrhenius
+from .model.materials.temperature_shift import ShiftTable as ShiftTable
 from .model.rod import Rod as Rod
 from .model.sections.composite import Composite as Composite
 from .model.sections.composite import CompositeRegion as CompositeRegion

@@ -19,6 +19,7 @@ from viscorod.analyses.call_arguments import (
 )
 from viscorod.checks import checked
 from viscorod.model.description.model_description import ModelDescription
+from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.modes import ModesSettings
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
     from viscorod.solve.modes.vibrations import Modes
+    from viscorod.solve.statics.critical_loads import Buckling
 
 __all__ = ["Model"]
 
@@ -130,6 +132,25 @@ class Model(ModelDescription):
         from viscorod.analyses.refinement import refined_modes
 
         return refined_modes(modes, DiscreteModel.of(self), settings)
+
+    @takes(BucklingSettings)
+    def buckling(self, settings: BucklingSettings) -> Buckling:
+        """Find critical loads: where along its equilibria the model loses stiffness, and how it gives way there.
+
+        All loads, prescribed motions and rest strains grow with the load factor, but those that are ``constant``.
+
+        Returns:
+            critical load factors, those of the linear problem beside them, and shapes.
+
+        Raises:
+            InputError: the model is inconsistent, nothing holds it, or nothing grows.
+            SolveError: there is no such prestress, or the equilibria could not be followed.
+        """
+        from viscorod.analyses.buckling import buckling
+        from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.refinement import refined_buckling
+
+        return refined_buckling(buckling, DiscreteModel.of(self), settings)
 
     @checked
     def draw(self, path: str | Path, title: str = "") -> Path:

@@ -22,13 +22,15 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.modes.vibrations import Modes
 from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES
+from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.mesh import Meshed
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.steady import SteadySettings
+from viscorod.solve.statics.critical_loads import Buckling
 from viscorod.typing import Floats
 
-__all__ = ["frequency_errors", "refined", "refined_modes", "refined_motion"]
+__all__ = ["frequency_errors", "refined", "refined_buckling", "refined_modes", "refined_motion"]
 
 MOST_MESHES = 12
 """Meshes that are tried at most."""
@@ -160,10 +162,46 @@ def refined_modes(
     discrete: DiscreteModel,
     settings: ModesSettings,
 ) -> Modes:
-    """Find modes on a mesh and on the one with all elements halved; their differences are the estimated errors.
+    """Find modes on a mesh that the program chooses, with the estimated errors of their frequencies."""
 
-    While a frequency differs by more than ``accuracy``, and the program may choose the mesh of a rod, the finer mesh
-    becomes the coarser one.
+    def compared(found: Modes, other: Modes) -> tuple[Modes, Floats]:
+        errors = frequency_errors(found, other)
+        return replace(found, frequency_errors=errors), errors
+
+    return beside_finer(analysis, discrete, settings, compared)
+
+
+def refined_buckling(
+    analysis: Callable[[DiscreteModel, BucklingSettings], Buckling],
+    discrete: DiscreteModel,
+    settings: BucklingSettings,
+) -> Buckling:
+    """Find critical loads on a mesh that the program chooses, with the estimated errors of their factors."""
+
+    def compared(found: Buckling, other: Buckling) -> tuple[Buckling, Floats]:
+        paired = min(len(found.load_factors), len(other.load_factors))
+        mine, theirs = found.load_factors[:paired], other.load_factors[:paired]
+        errors = np.full(len(found.load_factors), np.inf)
+        errors[:paired] = np.abs(mine - theirs) / np.maximum(np.abs(theirs), np.finfo(float).tiny)
+        return replace(found, errors=errors), errors
+
+    return beside_finer(analysis, discrete, settings, compared)
+
+
+def beside_finer(
+    analysis: Callable[[DiscreteModel, S], R],
+    discrete: DiscreteModel,
+    settings: S,
+    compared: Callable[[R, R], tuple[R, Floats]],
+) -> R:
+    """Run an analysis on a mesh and on the one with all elements halved; their differences are the estimated errors.
+
+    While one is more than ``accuracy``, and the program may choose the mesh of a rod, the finer mesh becomes the
+    coarser one.
+
+    Args:
+        analysis: what is run; discrete, settings: its arguments.
+        compared: returns a result with its errors, and these, from it and that of the finer mesh.
     """
     found, before = analysis(discrete, settings), np.inf
     if not discrete.watch.feasible:
@@ -176,9 +214,8 @@ def refined_modes(
             other = analysis(finer, settings)
         except SolveError:
             return found
-        errors = frequency_errors(found, other)
+        found, errors = compared(found, other)
         worst = float(errors.max(initial=0.0))
-        found = replace(found, frequency_errors=errors)
         stuck, before = worst > GAIN * before, worst
         if worst <= settings.accuracy or not free or stuck or finer.problem.size > MOST_CHOSEN_NODES:
             return found

@@ -35,6 +35,13 @@ class Law(BaseModel):
     shear: Series | None = None
 
 
+class HeatCapacity(BaseModel):
+    """Heat capacity per length of a rod, J/(m K), over its arc length, m."""
+
+    s: Annotated[list[Amount], Field(min_length=1)]
+    capacity: Annotated[list[Positive], Field(min_length=1)]
+
+
 class Event(BaseModel):
     """An event of a motion: time [s] and label."""
 
@@ -68,6 +75,7 @@ class ResultAttributes(BaseModel):
     ended_by: str = ""
     damping_assumptions: Json[dict[str, list[str]]] | None = None
     damping_laws: Json[dict[str, Law]] | None = None
+    heat_capacities: Json[dict[str, HeatCapacity]] | None = None
     mesh_errors: Json[dict[str, Amount]] | None = None
     mesh_motion_error: Amount = 0.0
     mesh_force_error: Amount = 0.0
@@ -142,6 +150,9 @@ def faults_of_attributes(attrs: Mapping[Any, Any], states: int) -> Iterator[str]
             if series is not None and len(series.moduli) != len(series.times):
                 count = f"{len(series.moduli)} moduli with {len(series.times)} times"
                 yield f"the attribute damping_laws has {count} for {name}"
+    for name, known in (found.heat_capacities or {}).items():
+        if len(known.s) != len(known.capacity):
+            yield f"the attribute heat_capacities has {len(known.s)} stations with {len(known.capacity)} for {name}"
 
 
 def _missing(found: ResultAttributes, plain: Mapping[str, Any]) -> Iterator[str]:

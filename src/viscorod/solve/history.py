@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -117,7 +117,15 @@ class EnergyAccount:
 
     def copy(self) -> EnergyAccount:
         """Return an independent copy."""
-        return replace(self)
+        return EnergyAccount(
+            self.kinetic,
+            self.elastic,
+            self.viscous,
+            self.external,
+            self.start,
+            self.outside,
+            self.branches,
+        )
 
     def add(self, step: Progressing) -> None:
         """Add a step."""

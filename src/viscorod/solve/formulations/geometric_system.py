@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy import sparse
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements import geometric_element as geometric
 from viscorod.mechanics.elements.gauss_batch import PointFields
 from viscorod.mechanics.elements.internal_force import Elements, energies
@@ -65,6 +68,7 @@ class GeometricSystem:
         self._no_blocks = np.zeros((0, 6, 6))
         self._no_columns = np.zeros((0, 1, 6, 6, LANES))
         self._operators: Operators | None = None
+        self._moving = KnownTypes(geometric.assemble), KnownTypes(collect)
         self.constraints = Constraints(problem, self.elements)
         order, self._positions = gauss_positions(problem.sets)
         self._places = gauss_indices(problem.sets)[order]
@@ -204,18 +208,20 @@ class GeometricSystem:
         kind: tuple[bool, Floats, bool],
         out: geometric.Assembled,
         operators: Operators | None,
+        kernels: tuple[Callable[..., object], Callable[..., object]] = (geometric.assemble, collect),
     ) -> None:
         """Add the forces of all elements and their tangent to ``out``; write the operators if they are wanted.
 
-        ``kind``: the state is moving, its rate maps, the tangent is wanted.
+        ``kind``: the state is moving, its rate maps, the tangent is wanted; ``kernels``: call these two.
         """
+        assemble, collected = kernels
         for number, group in enumerate(self.groups):
             columns = self._columns[number]
             strain_columns = self._no_columns if operators is None else np.empty_like(columns)
             fields = self._point_fields(number, stress, strain_columns)
-            geometric.assemble(elements, group, fields, state.r, state.q, state.twist, *kind, out)
+            assemble(elements, group, fields, state.r, state.q, state.twist, *kind, out)
             if operators is not None:
-                collect(elements, group, fields, operators)
+                collected(elements, group, fields, operators)
 
     def linearise(
         self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
@@ -224,7 +230,7 @@ class GeometricSystem:
         self.internal.fill(0.0)
         out = geometric.Assembled(self.internal, K, C)
         elements = self._elements._replace(stiffness=self._stiffness)  # motions have the whole rest strains
-        self._add_elements(elements, stress, state, (True, ad, True), out, operators)
+        self._add_elements(elements, stress, state, (True, ad, True), out, operators, self._moving)
 
     def carry_stress(self, increment: Floats) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""

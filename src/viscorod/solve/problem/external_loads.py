@@ -143,6 +143,9 @@ class ExternalLoads:
         self.laws = MotionLaws([load.law for load in problem.motion_loads])
         self.motion = self._motion_loads()
         self.stage: tuple[Floats, Floats] | None = None
+        self._factored = [(load.load, load.factor, True) for load in problem.nodal_loads]
+        # what does nothing at rest is no load that grows in statics
+        self._factored += [(load.load, load.factor, load.law.at_rest) for load in problem.motion_loads]
         self._factors: tuple[float, tuple[float, ...]] | None = None
         self._state: LoadState | None = None
         self.last: LoadState = NO_LOADS
@@ -155,13 +158,12 @@ class ExternalLoads:
         ``given`` are factors, by the number of the load, in place of those at ``t``.
         """
         problem, given = self.problem, given or {}
-        factored = [(load.load, load.factor, True) for load in problem.nodal_loads]
-        # what does nothing at rest is no load that grows in statics
-        factored += [(load.load, load.factor, load.law.at_rest) for load in problem.motion_loads]
         factors = tuple(
-            (self._part(load, scale) if grows else 1.0)
-            * (given[load] if load in given else factor(t, before))
-            for load, factor, grows in factored
+            [
+                (self._part(load, scale) if grows else 1.0)
+                * (given[load] if load in given else factor(t, before))
+                for load, factor, grows in self._factored
+            ]
         )
         rest = self._part(-1, scale)
         if (rest, factors) != self._factors or self._state is None:

@@ -25,6 +25,7 @@ from viscorod.solve.transient.integrators import iteration_verdict, jacobian
 from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.contract import StepReport
 from viscorod.solve.transient.integrators.predictor import Predictor
+from viscorod.solve.transient.integrators.record_kernels import Kept, StepEnd
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
 from viscorod.solve.transient.integrators.stage_dashpots import StageDashpots
@@ -121,7 +122,11 @@ class Collocation:
         self._ad = np.zeros((problem.size, 6, 6))
         self.account = StepAccount.of(problem.size, stages)
         self._reaction = np.zeros((len(body.complete), 6))  # of the supports at t, along their axes
-        self._try_step = KnownTypes(try_step)
+        self._kept = Kept(
+            self._force, self._reaction, self._stress, self.predictor.X, self.predictor.stresses
+        )
+        self._try_step, self._project = KnownTypes(try_step), KnownTypes(jacobian.project)
+        self._adjoint, self._add_inertia = KnownTypes(jacobian.adjoint), KnownTypes(jacobian.add_inertia)
         self._have_jacobian = self._fresh_jacobian = False
         self._factor_step = self._end = self._step = 0.0
         self._rate = 1.0
@@ -207,15 +212,14 @@ class Collocation:
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        weights = self.tableau.weights
         h = self._end - self.t
         self.elastic = float(self.account.elastic[self._last])
-        self.work, self.loss, self.outside = (h * (self.account.powers @ weights)).tolist()
-        self.recorder.keep_start(self.state)
-        self.predictor.keep(self.state, self._stress, h)
+        self.predictor.keep(self.state, h)
+        end, kinetic, shares = self.recorder.take_step(self.state, h, self.account, self._kept)
+        self.work, self.loss, self.outside = shares
         if self.dashpots is not None:
             self.dashpots.end_step(self.stages.strain)
-        self._end_step()
+        self._end_step(end, kinetic)
         self.t, self._step = self._end, h
         self._fresh_jacobian = False
         if self._rate > self.stale:
@@ -266,6 +270,8 @@ class Collocation:
 
     def outside_until(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        if not len(self.actions.loads.motion.nodes):  # only loads that see motion dissipate anything
+            return np.zeros(len(parts))
         return self._step * np.asarray(self.tableau.partial_weights(parts) @ self.account.powers[2])
 
     def resume(self) -> None:
@@ -319,23 +325,20 @@ class Collocation:
             if self.stage_constraints is not None:
                 self.stage_constraints.prepare(i, t, before=before and last)
 
-    def _end_step(self) -> None:
-        """Make the last stage the new state."""
-        stages, last = self.stages, self._last
-        self.state = State(
-            stages.r[last].copy(), stages.q[last].copy(), stages.twist[last].copy(), self.state.multiplier
-        )
-        self._force[:], self._stress[:] = stages.force[last], stages.stress[last]
-        self.forces.set_strains(stages.strain[last])
-        self._reaction[:] = stages.reaction[last]
+    def _end_step(self, end: StepEnd, kinetic: float) -> None:
+        """Make the last stage, ``end`` with its kinetic energy [J], the new state."""
+        self.state = State(end.r, end.q, end.twist, self.state.multiplier)
+        self.forces.set_strains(self.stages.strain[self._last])
         if len(self.supports.partial):
             self.actions.move_supports(self._end, before=True)
             self.supports.project_twists(self.state)
         if self.stage_constraints is not None:
             self.system.constraints.update(self._end, True)
             self.elastic += self.stage_constraints.end_step(self.state, self._end - self.t, stage=True)
-        self._end_rate = stages.acceleration[last].copy()
-        self.kinetic = self.recorder.record_end(self.state, self.elastic)
+        if len(self.supports.partial) or self.stage_constraints is not None:  # twists have been projected
+            kinetic = inertia.kinetic_energy(self.body.mass, self.state.twist)
+        self._end_rate, self.kinetic = end.rate, kinetic
+        self.recorder.record_end(self.state, kinetic, self.elastic)
 
     # --- parts
 
@@ -382,7 +385,7 @@ class Collocation:
     def _renew_jacobian(self) -> None:
         """Linearise at the start of the step."""
         state, matrices, body = self.state, self.matrices, self.body
-        jacobian.adjoint(state.twist, self._ad)
+        self._adjoint(state.twist, self._ad)
         matrices.K.fill(0.0)
         matrices.C.fill(0.0)
         self.forces.linearise(state, self._ad, self._stress, matrices.operators, matrices.K, matrices.C)
@@ -390,7 +393,7 @@ class Collocation:
             self.stage_constraints.linearise(state, self._ad, body.elements, matrices)
         self.actions.add_load_stiffness(self.t, state, self._ad, matrices.K, matrices.C)
         matrices.mass[:] = body.mass
-        jacobian.add_inertia(
+        self._add_inertia(
             body.mass,
             state.twist,
             self._ad,
@@ -401,7 +404,7 @@ class Collocation:
             self.scratch.square,
         )
         self.actions.move_supports(self.t, before=False)
-        jacobian.project(
+        self._project(
             body.supports,
             self.supports.target,
             self._reaction,

@@ -8,6 +8,7 @@ from viscorod.mechanics.rotations.nodal_motion import coordinates, place
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.transient.integrators.collocation import Collocation
+from viscorod.solve.transient.integrators.record_kernels import StepEnd
 from viscorod.solve.transient.integrators.stage_data import Ends
 from viscorod.solve.transient.integrators.tableau import MIDPOINT
 from viscorod.typing import Floats
@@ -89,8 +90,9 @@ class Midpoint(Collocation):
             motion.twist_rate[0, support] = (twist[k] - old.twist[node]) / h
         self._end_twist = twist
 
-    def _end_step(self) -> None:
+    def _end_step(self, end: StepEnd, kinetic: float) -> None:
         """Extrapolate from the middle to the end of the step, and evaluate the forces there."""
+        del end, kinetic
         ends, stages = self.ends, self.stages
         twist = 2.0 * stages.twist[0] - self.state.twist
         self.forces.extrapolate_strains(stages.strain[0])
