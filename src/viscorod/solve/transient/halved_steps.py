@@ -70,7 +70,7 @@ class HalvedSteps:
 
     Args:
         twin: an integrator like that of the run, made anew.
-        modes: small motions in which errors are taken apart; problem: that is solved.
+        modes: small motions in which errors are taken apart; problem: that is solved; order: of the method.
         strains: they are unknowns of their own, from which those of the poses drift apart.
 
     Attributes:
@@ -78,12 +78,12 @@ class HalvedSteps:
     """
 
     def __init__(
-        self, twin: Integrator, modes: StartModes, problem: Problem, *, strains: bool = False
+        self, twin: Integrator, modes: StartModes, problem: Problem, order: int, *, strains: bool = False
     ) -> None:
         self.twin, self.modes, self.mass, self.strains = twin, modes, problem.mass, strains
         self.unit = np.repeat([problem.length, 1.0], 3)
         self.trials = Trials(*np.zeros((2, problem.size, 6)))
-        self.power = 1 + round(-np.log2(1.0 - twin.seen_by_halving))  # of a step that its error goes with
+        self.power = order + 1
         self._start: State | None = None
         self._kept = False
 

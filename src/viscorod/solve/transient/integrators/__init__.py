@@ -21,7 +21,7 @@ class Method(NamedTuple):
         make: returns the :class:`~viscorod.solve.transient.integrators.contract.Integrator`:
             ``make(system, supports, **given)``, with the parameters and the tolerance, if there is one.
         title: in messages, such as "the midpoint rule".
-        order: of accuracy in time, of smooth motions.
+        order: of accuracy in time, of smooth motions, with its parameters unless given.
         adaptive: it estimates its error, so that steps can follow a tolerance.
         tolerance: unless given; None: steps are equal without one.
         formulations: which ones it integrates.
@@ -41,6 +41,11 @@ class Method(NamedTuple):
     parameters: Mapping[str, float] = MappingProxyType({})
     finer: tuple[float, Mapping[str, float]] = (0.0, MappingProxyType({}))
     make_linear: Callable[..., Integrator] | None = None
+
+    def order_with(self, parameters: Mapping[str, float]) -> int:
+        """Return the order with other values of its parameters."""
+        stages = parameters.get("stages")
+        return self.order if stages is None else 2 * int(stages) - 1
 
 
 INTEGRATORS: dict[str, Method] = {
