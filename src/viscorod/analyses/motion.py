@@ -366,7 +366,9 @@ def _halved_steps(
     system.given_strain = discrete.system.given_strain
     twin = make(system, SupportState(discrete.problem), **given)
     strains = _integrates_strains(settings)
-    return HalvedSteps(twin, StartModes.of(linear), discrete.problem, method.order_with(given), strains=strains)
+    return HalvedSteps(
+        twin, StartModes.of(linear), discrete.problem, method.order_with(given), strains=strains
+    )
 
 
 def small_motions(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:
