@@ -20,6 +20,7 @@ from viscorod.solve.constraints.projection import start_consistently
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
+from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators import iteration_verdict, jacobian
 from viscorod.solve.transient.integrators.collocation_step import try_step
@@ -86,14 +87,17 @@ class Collocation:
         problem = system.problem
         self.t = 0.0
         self.state = State.reference(problem)
-        self.kinetic = self.elastic = self.work = self.loss = self.outside = 0.0
+        self.kinetic = self.elastic = self.work = self.loss = self.outside = self.actuator = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         stages = len(tableau.nodes)
         self._last = stages - 1
         self.body = body = Discretisation.of(problem, system.elements(), supports)
-        self.forces = system.element_forces(body.elements, stages)
         self.actions = StepActions(system, supports, body, stages)
-        self.stages = Stages.of(stages, body)
+        driven = system.imposed.changes
+        self.stages = Stages.of(stages, body, driven=driven)
+        self.forces = system.element_forces(body.elements, stages)
+        if driven:
+            self.forces.take_rest(self.stages.rest, self.stages.rest_rate)
         self.predictor = Predictor(body, self.stages, tableau)
         self.stage_constraints = (
             StageConstraints(system.constraints, tableau) if problem.constrained else None
@@ -114,7 +118,7 @@ class Collocation:
         self.ends: Ends | None = None
         self.matrices = Matrices.of(body)
         self.scratch = Work.of(body, stages)
-        carried = len(problem.held.place) > 0 or problem.relaxing
+        carried = len(problem.held.place) > 0 or problem.relaxing or driven
         self._points = GaussStates.of(body.elements, 1, carried=carried)  # at t
         self._stress = np.zeros(body.elements.reference.shape)  # at t
         self._force = np.zeros((problem.size, 6))  # what accelerates the nodes at t
@@ -142,6 +146,7 @@ class Collocation:
         supports.project_twists(state)
         if self.stage_constraints is not None:
             self.system.constraints.update(t)
+            self.system.impose_rest(Imposed(t=t))
             start_consistently(self.system, supports, state)
             self.stage_constraints.reset()
         self._evaluate_state(t, state, before=False)
@@ -217,6 +222,8 @@ class Collocation:
         self.predictor.keep(self.state, h)
         end, kinetic, shares = self.recorder.take_step(self.state, h, self.account, self._kept)
         self.work, self.loss, self.outside = shares
+        if len(self.stages.rest):
+            self.actuator = h * float(self.account.powers[3] @ self.tableau.weights)
         if self.dashpots is not None:
             self.dashpots.end_step(self.stages.strain)
         self._end_step(end, kinetic)
@@ -274,6 +281,10 @@ class Collocation:
             return np.zeros(len(parts))
         return self._step * np.asarray(self.tableau.partial_weights(parts) @ self.account.powers[2])
 
+    def actuator_until(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self.account.powers[3])
+
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: factors follow from the Jacobian."""
         self.actions.reset()
@@ -324,11 +335,22 @@ class Collocation:
             self.actions.prepare(i, t, before=before and last)
             if self.stage_constraints is not None:
                 self.stage_constraints.prepare(i, t, before=before and last)
+        if self.system.imposed.changes:
+            self._prepare_rest(end, before=before)
+
+    def _prepare_rest(self, end: float, *, before: bool) -> None:
+        """Evaluate rest strains at all stages of the step to ``end``, and the rates of the polynomial through them."""
+        stages, imposed, h = self.stages, self.system.imposed, end - self.t
+        for i, c in enumerate(self.tableau.nodes):
+            last = i == self._last
+            stages.rest[i] = imposed.driven(end if last else self.t + c * h, before and last)
+        gained = stages.rest - imposed.driven(self.t)
+        stages.rest_rate[:] = np.einsum("ij,jegk->iegk", self.tableau.derivative, gained) / h
 
     def _end_step(self, end: StepEnd, kinetic: float) -> None:
         """Make the last stage, ``end`` with its kinetic energy [J], the new state."""
         self.state = State(end.r, end.q, end.twist, self.state.multiplier)
-        self.forces.set_strains(self.stages.strain[self._last])
+        self.forces.set_strains(self._whole_strain(self._last))
         if len(self.supports.partial):
             self.actions.move_supports(self._end, before=True)
             self.supports.project_twists(self.state)
@@ -342,6 +364,13 @@ class Collocation:
 
     # --- parts
 
+    def _whole_strain(self, stage: int) -> Floats:
+        """Return the strains ``(e, points, 6)`` at a stage, with the rest strains that change."""
+        stages = self.stages
+        if not len(stages.rest):
+            return np.asarray(stages.strain[stage])
+        return np.asarray(stages.strain[stage] + stages.rest[stage])
+
     def _evaluate_state(
         self, t: float, state: State, *, before: bool, acceleration: Floats | None = None
     ) -> None:
@@ -352,6 +381,7 @@ class Collocation:
         supports, body, points = self.supports, self.body, self._points
         self.t, self.state = t, state
         internal, external = self.scratch.vector, self.scratch.change
+        self.system.impose_rest(Imposed(1.0, t, before))
         self.forces.evaluate(state, points, internal)
         constraints = self.system.constraints
         if self.stage_constraints is not None:
