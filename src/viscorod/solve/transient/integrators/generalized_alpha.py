@@ -28,7 +28,7 @@ from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.statics.newton import Convergence, Outcome, SingularMatrixError, worst_node
 from viscorod.solve.transient.integrators.contract import StepReport
-from viscorod.solve.transient.integrators.step_recorder import interpolate_poses
+from viscorod.solve.transient.integrators.step_recorder import interpolate_states
 from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
 
@@ -288,10 +288,9 @@ class GeneralizedAlpha:
         """Interpolate within the last step, cubic in the poses, linear in the rest (see ``contract.Integrator``)."""
         (old, before), after, rate = self._start, self._snapshot, self._rate
         split = np.zeros(len(rate))
-        fields = interpolate_poses(
+        states, _ = interpolate_states(
             parts, self._step, (old, rate), (self.state, rate), split, with_rates=False
         )
-        states = [State(*poses, self.state.multiplier) for poses in zip(*fields, strict=True)]
         constraints, begin = self.system.constraints, self.t - self._step
         if constraints.rows:
             for state, part in zip(states, parts, strict=True):

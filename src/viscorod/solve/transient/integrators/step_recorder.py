@@ -128,11 +128,9 @@ class StepRecorder:
             powers: of loads, viscosity, and what loads dissipate, at the stages ``(3, s)`` [W].
             whole_loss: viscous, of the step [J].
         """
-        (old, start, start_reaction), stages, inner = self._start, self.stages, self.tableau.exact_inside
-        count, held = len(parts), self.supports.moving and self.body.partly
-        corrected = held or len(inner) > 0
-        places = np.append(parts, inner) if len(inner) else parts
-        found = Between.of(len(places), len(new.r), start.shape[1], len(start_reaction))
+        (old, start, start_reaction), stages = self._start, self.stages
+        count, held, inner = len(parts), self.supports.moving and self.body.partly, self.tableau.exact_inside
+        found = Between.of(count + len(inner), len(new.r), start.shape[1], len(start_reaction))
         given = (
             h,
             self.tableau,
@@ -145,19 +143,21 @@ class StepRecorder:
             whole_loss,
             self._reading,
         )
-        self._read_between(places, *given, True, not corrected, found)
-        r, q, twist = found[:3]
+        corrected = held or len(inner) > 0
+        self._read_between(np.append(parts, inner), *given, True, not corrected, found)
         if len(inner):
-            correct_inside(
-                self.tableau.polynomials(parts)[:, :-1], (r, q, twist), (stages.r, stages.q, stages.twist)
-            )
-        states = [State(r[k], q[k], twist[k], new.multiplier) for k in range(count)]
+            weights = self.tableau.polynomials(parts)[:, : len(inner)]
+            correct_inside(weights, (found.r, found.q, found.twist), (stages.r, stages.q, stages.twist))
+            found = found.first(count)
+        states = [
+            State(*fields, new.multiplier) for fields in zip(found.r, found.q, found.twist, strict=True)
+        ]
         if held:
             for state, part in zip(states, parts, strict=True):
                 self.supports.correct(state, t - (1.0 - part) * h)
         if corrected:
             self._read_between(parts, *given, False, True, found)
-        kinetic, work, loss = found.energies[:, :count].tolist()
+        kinetic, work, loss = found.energies.tolist()
         joints: Sequence[JointState | None] = [None] * count
         if self.stage_constraints is not None:
             joints = self.stage_constraints.between(states, parts, t - (1.0 - parts) * h, self.solve_real)
@@ -166,7 +166,7 @@ class StepRecorder:
         return list(zip(snapshots, work, loss, strict=True))
 
 
-def interpolate_poses(
+def interpolate_states(
     parts: Floats,
     h: float,
     start: tuple[State, Floats],
@@ -174,8 +174,8 @@ def interpolate_poses(
     split: Floats,
     *,
     with_rates: bool,
-) -> tuple[Floats, Floats, Floats]:
-    """Return positions ``(k, n, 3)``, quaternions and twists at ``parts (k,)`` (0 to 1) of a step of ``h`` [s].
+) -> tuple[list[State], Floats]:
+    """Return the states at ``parts (k,)`` (0 to 1) of a step of ``h`` [s], and their twists as one array ``(k, n, 6)``.
 
     Args:
         start, end: states, and rates of their twists ``(n, 6)``.
@@ -196,7 +196,7 @@ def interpolate_poses(
         twist,
         np.empty((10, 6)),
     )
-    return r, q, twist
+    return [State(*fields, new.multiplier) for fields in zip(r, q, twist, strict=True)], twist
 
 
 def correct_inside(weights: Floats, found: tuple[Floats, Floats, Floats], stages: tuple[Floats, ...]) -> None:
