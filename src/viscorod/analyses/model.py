@@ -25,12 +25,12 @@ from viscorod.solve.settings.response import LinearSettings, ResponseSettings
 
 if TYPE_CHECKING:
     from viscorod.analyses.co_simulation import CoSimulation
+    from viscorod.results.buckling import Buckling
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.linear_system import LinearSystem
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
-    from viscorod.solve.statics.critical_loads import Buckling
 
 __all__ = ["Model"]
 
