@@ -87,6 +87,9 @@ from .results.decrement import Decrement as Decrement
 from .results.energy import Energy as Energy
 from .results.files.storage import load as load
 from .results.frequency_response import FrequencyResponse as FrequencyResponse
+from .results.linear_system import LinearSystem as LinearSystem
+from .results.linear_system import ReducedSystem as ReducedSystem
+from .results.linear_system import StateMatrices as StateMatrices
 from .results.modes_result import Modes as Modes
 from .results.resonances import Resonance as Resonance
 from .results.run import Equilibrium as Equilibrium
