@@ -20,11 +20,13 @@ from viscorod.analyses.call_arguments import (
 from viscorod.checks import checked
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings.modes import ModesSettings
+from viscorod.solve.settings.theories import TheorySettings
 
 if TYPE_CHECKING:
     from viscorod.analyses.co_simulation import CoSimulation
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
+    from viscorod.results.theory_comparison import TheoryComparison
     from viscorod.solve.modes.vibrations import Modes
 
 __all__ = ["Model"]
@@ -130,6 +132,27 @@ class Model(ModelDescription):
         from viscorod.analyses.refinement import refined_modes
 
         return refined_modes(modes, DiscreteModel.of(self), settings)
+
+    @takes(TheorySettings)
+    def compare_theories(self, settings: TheorySettings) -> TheoryComparison:
+        """Compute a planar straight beam by Euler-Bernoulli, Timoshenko and von Karman beside the exact theory.
+
+        Euler-Bernoulli's and Timoshenko's beams are linear, without and with shear and rotary inertia; von Karman's
+        has no shear, and its deflections stretch it, eps = u' + w'^2/2 (Artola, Wynn and Palacios, section IV). Loads
+        and mesh are the same.
+
+        Returns:
+            Displacements, section forces and frequencies of all of them, what each errs by, and which is enough for
+            this load and amplitude; ``print`` shows them in a table.
+
+        Raises:
+            InputError: the model is no single straight rod in a plane with dead loads and fixed supports.
+            SolveError: a theory has no equilibrium under the loads.
+        """
+        from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.theories import compare_theories
+
+        return compare_theories(DiscreteModel.of(self), settings)
 
     @checked
     def draw(self, path: str | Path, title: str = "") -> Path:

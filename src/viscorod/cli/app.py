@@ -23,6 +23,7 @@ from viscorod.cli.probe_command import probe
 from viscorod.cli.run_commands import resume, run
 from viscorod.cli.schema_command import schema
 from viscorod.cli.sweep_command import sweep
+from viscorod.cli.theories_command import theories
 from viscorod.cli.view_command import view
 from viscorod.cli.warmup_command import warmup
 
@@ -34,7 +35,10 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-for command in (example, check, run, resume, sweep, view, plot, probe, export, animate, schema, warmup):
+for command in (
+    *(example, check, run, resume, sweep, theories),
+    *(view, plot, probe, export, animate, schema, warmup),
+):
     app.command()(command)
 app.add_typer(damping, name="damping")
 
