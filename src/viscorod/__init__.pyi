@@ -85,6 +85,9 @@ from .pictures.viewer import view as view
 from .results.decrement import Decrement as Decrement
 from .results.energy import Energy as Energy
 from .results.files.storage import load as load
+from .results.frequency_response import FrequencyResponse as FrequencyResponse
+from .results.modes_result import Modes as Modes
+from .results.resonances import Resonance as Resonance
 from .results.run import Equilibrium as Equilibrium
 from .results.run import Run as Run
 from .results.steady_result import Steady as Steady

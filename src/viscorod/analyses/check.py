@@ -21,7 +21,9 @@ from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_fr
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings.analysis import AnySettings
 from viscorod.solve.settings.checks import require_fit
+from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.typing import Floats
@@ -170,7 +172,8 @@ def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
     flies = isinstance(settings, SimulateSettings) and (
         settings.initial == "reference" or settings.start is not None
     )
-    settled = not (flies or isinstance(settings, SteadySettings))
+    unloaded = isinstance(settings, ModesSettings | ResponseSettings) and settings.about == "reference"
+    settled = not (flies or unloaded or isinstance(settings, SteadySettings))
     slowest = frequencies[frequencies > 0.0][:1]
     return _doubts(discrete.model, discrete.problem, slowest, settled=settled)
 

@@ -54,7 +54,7 @@ class ResultAttributes(BaseModel):
 
     model_config = ConfigDict(extra="allow")
 
-    kind: Literal["simulate", "equilibrium", "steady"]
+    kind: Literal["simulate", "equilibrium", "steady", "modes"]
     title: str = ""
     outcome: str = "completed"
     message: str = ""
@@ -117,6 +117,9 @@ class ResultAttributes(BaseModel):
     unstable: Count | None = None
     neutral: Count | None = None
     growth_rate: FiniteFloat | None = None
+    mode_rigid: Count | None = None
+    mode_certified: Literal[0, 1] | None = None
+    mode_about: str = ""
 
 
 _TOGETHER = {
@@ -159,6 +162,8 @@ def _missing(found: ResultAttributes, plain: Mapping[str, Any]) -> Iterator[str]
     needed = {other: name for name, others in _TOGETHER.items() if plain.get(name) for other in others}
     if found.kind == "steady":
         needed |= dict.fromkeys(_STEADY, "kind")
+    if found.kind == "modes":
+        needed |= dict.fromkeys(("mode_rigid", "mode_certified"), "kind")
     if found.formulation == "intrinsic" and found.kind == "simulate":
         needed |= dict.fromkeys(("dynamics", "damping"), "formulation")
     if found.negative_eigenvalues is not None and found.stability != "tangent stiffness":
