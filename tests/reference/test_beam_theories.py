@@ -224,6 +224,28 @@ def bent():
     return model
 
 
+def turning_over():
+    """A flat beam between ball joints, loaded on edge."""
+    model = vr.Model()
+    material = vr.Material(YOUNG, NU, DENSITY)
+    rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Rectangle(0.02, 0.03), material=material)
+    model.add("beam", rod)
+    model.pin("beam.start")
+    model.pin("beam.end")
+    model.force("beam@0.3", (0, 0, 5.0))
+    return model
+
+
+def test_a_bar_under_axial_load_alone():
+    # F L/EA in every theory, and no bending that errors could be parts of
+    model = beam({"beam.start": None})
+    model.force("beam.end", (1000.0, 0.0, 0.0))
+    found = model.compare_theories()
+    for solution in found.theories.values():
+        assert solution.displacement[0, -1] == pytest.approx([1000.0 * LENGTH / EA, 0.0], rel=1e-9, abs=1e-12)
+        assert found.error(solution.word) < 1e-6
+
+
 @pytest.mark.parametrize(
     ("model", "message"),
     [
@@ -234,6 +256,8 @@ def bent():
         (changed(lambda m: m.add("b", m.rods["beam"])), "give a model with one rod"),
         (pulled(), "free to move in its plane"),
         (bent(), r"rods\.beam: curved or twisted"),
+        (changed(lambda m: m.roller("beam.end", (0, 0.6, 0.8))), "neither in the plane of the beam nor normal"),
+        (turning_over(), "the exact beam leaves their plane"),
     ],
 )  # fmt: skip
 def test_refused(model, message):

@@ -28,6 +28,8 @@ __all__ = ["compare_theories"]
 
 PROBES = 50
 """Times at which loads are looked at to find their plane."""
+OUTSIDE = 1e-5
+"""Section forces out of the plane over the largest that are round-off or errors of the solution."""
 RECORDS = 200
 """Intervals at which a motion is compared unless others are given."""
 
@@ -79,11 +81,30 @@ def _exact(discrete: DiscreteModel, settings: TheorySettings, plane: Plane) -> t
     last = slice(-times.size, None)  # of an equilibrium the last of its load steps
     moved = result.field("displacement", states=last)
     forces = np.asarray(result.data["section_force"].values[last], dtype=float)
+    _require_in_plane(forces, plane, discrete.problem.length)
     bend = forces[..., 4] if plane.transverse == 0 else -forces[..., 3]
     section = np.stack([forces[..., 2], forces[..., plane.transverse], bend], axis=-1)
     along_and_across = np.stack([moved @ plane.tangent, moved @ plane.across], axis=-1)
     squares = _exact_squares(discrete, plane, settings.frequencies)
     return TheorySolution(EXACT, "exact", along_and_across, section, *_judged(squares)), times
+
+
+def _require_in_plane(forces: Floats, plane: Plane, length: float) -> None:
+    """Refuse an exact beam that leaves the plane: it turned over, or buckled out of it.
+
+    Raises:
+        InputError: it does.
+    """
+    size = np.abs(forces).max(axis=(0, 1)) * np.repeat([1.0, 1.0 / length], 3)
+    if np.delete(size, plane.strains).max() > OUTSIDE * size.max():
+        raise InputError(
+            Fault(
+                "model",
+                "out of the plane",
+                "under these loads the exact beam leaves their plane: it turns about its axis, or gives way sideways",
+                "hold its rotation about the axis and its displacement normal to the plane, or load it less",
+            )
+        )
 
 
 def _judged(squares: Floats) -> tuple[Floats, bool]:

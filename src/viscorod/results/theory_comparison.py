@@ -15,6 +15,8 @@ __all__ = ["TheoryComparison", "TheorySolution"]
 
 ROUND_OFF = 1e-9
 """A force below this part of the largest reads 0."""
+LITTLE = 1e-4
+"""Moments over the length below this part of the forces, and the other way round, are not what errors are parts of."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +92,9 @@ class TheoryComparison:
         apart = np.abs(self.theories[word].section_force - exact).max(axis=(0, 1))
         size = self.exact.largest_forces
         size[:2] = size[:2].max()
+        length = float(self.s[-1])
+        least = LITTLE * max(float(size[0]), float(size[2]) / length) * np.array([1.0, 1.0, length])
+        size = np.maximum(size, least)
         found: Floats = np.divide(apart, size, out=np.zeros(3), where=size > 0.0)
         return found
 

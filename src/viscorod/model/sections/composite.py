@@ -247,6 +247,11 @@ class Composite(AnySection):
         density = [m.density for m in self._materials]
         return stiffness, damping, np.tensordot(density, found.inertia, 1)
 
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials of its regions."""
+        return tuple(self._materials)
+
     def heat_capacity(self, material: Material | None) -> float | None:
         """Return the heat capacity per length, J/(m K); None where a region's specific heat is not known."""
         del material

@@ -115,6 +115,7 @@ def plane_of(problem: Problem, loads: Sequence[LoadState]) -> Plane:
     else:
         transverse = int(np.argmax(planes))
     plane = Plane.of(problem, transverse)
+    _require_split_supports(problem, plane)
     if _coupled(problem, plane):
         raise InputError(
             Fault(
@@ -125,6 +126,29 @@ def plane_of(problem: Problem, loads: Sequence[LoadState]) -> Plane:
             )
         )
     return plane
+
+
+def _require_split_supports(problem: Problem, plane: Plane) -> None:
+    """Refuse supports that couple motions in the plane with others: what they hold is another thing in a mirror.
+
+    Raises:
+        InputError: there is such a support, by name.
+    """
+    supports = problem.supports
+    mirror = np.eye(3) - 2.0 * np.outer(plane.normal, plane.normal)
+    for name, axes, fixed in zip(supports.names, supports.axes, supports.fixed, strict=True):
+        for held in (fixed[:3], fixed[3:]):
+            directions = axes[:, held > 0.0]
+            both = np.hstack([directions, mirror @ directions])
+            if directions.size and np.linalg.matrix_rank(both, tol=STRAIGHT) > directions.shape[1]:
+                raise InputError(
+                    Fault(
+                        "supports",
+                        name,
+                        "it holds a direction that is neither in the plane of the beam nor normal to it",
+                        "hold directions along and across the beam and normal to its plane",
+                    )
+                )
 
 
 def _coupled(problem: Problem, plane: Plane) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any
 
 from viscorod.model.fields.definition import Definition
@@ -26,7 +27,7 @@ class TheorySettings(Definition):
         "s",
         default=None,
     )
-    theory: Annotated[tuple[str, ...], _theories] = Key(
+    theory: Annotated[str | Sequence[str], _theories] = Key(
         'one of "euler_bernoulli", "timoshenko" and "von_karman", or several of them',
         default=tuple(THEORIES),
     )
