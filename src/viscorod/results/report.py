@@ -84,7 +84,9 @@ def _validity(run: Run) -> str:
         found = run.damping_validity()
     except InputError:  # too short for a spectrum
         return ""
-    return found.sentence if any(np.isfinite(strain.bound) for strain in found.strains) else ""
+    bounded = any(np.isfinite(strain.bound) for strain in found.strains)
+    lines = [found.sentence] if bounded else []
+    return "\n".join([*lines, *(note for note in found.notes if "loss factor" in note)])
 
 
 def _heating(run: Run) -> str:
