@@ -11,7 +11,7 @@ from scipy.interpolate import KroghInterpolator
 import viscorod as vr
 from viscorod.mechanics.rotations.quaternion import matrices
 
-STIFFNESS = np.array([5e3, 5e3, 1e5, 1.0, 2.0, 1.0])
+STIFFNESS = np.array([5e3, 5e3, 1e4, 1.0, 2.0, 1.0])
 INERTIA = np.array([1.0, 1.0, 1.0, 2e-4, 2e-4, 4e-4])
 AXIS = np.array([0.0, 0.0, 1.0])
 INTRINSIC = {"formulation": "intrinsic"}
