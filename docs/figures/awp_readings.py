@@ -40,7 +40,9 @@ def hinged(
     return model
 
 
-def stiff(axial: float = 1e5, shear: float = 5e3, twist: float = 1.0, first: float = 1.0, second: float = 2.0) -> list[float]:
+def stiff(
+    axial: float = 1e5, shear: float = 5e3, twist: float = 1.0, first: float = 1.0, second: float = 2.0
+) -> list[float]:
     return [axial, shear, shear, twist, first, second]
 
 
@@ -97,7 +99,10 @@ def main() -> None:
             continue
         spin = float(run.data["angular_velocity"].values[-1, 0, 2])
         axial = (given.get("inertia") or [0, 0, 0, 4e-4])[3]
-        print(f"| {name} | {abs(spin):.3f} | {run.energy.total[-1]:.5f} | {axial * spin**2 / 2:.5f} |", flush=True)
+        print(
+            f"| {name} | {abs(spin):.3f} | {run.energy.total[-1]:.5f} | {axial * spin**2 / 2:.5f} |",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """LLT 2.6, "a detailed comparison remains to be done": the rod beside the same bar as a solid in ANCF.
 
-The solid is independent of the package: other unknowns, strains of three dimensions, lambda and mu, a law at every point.
+The solid is independent of the package: other unknowns, strains of three dimensions, lambda and mu, a law at every
+point.
 """
 
 from __future__ import annotations
@@ -115,8 +116,8 @@ def test_small_vibrations_agree_only_if_the_section_can_bulge():
 def test_fast_stretching_shows_the_relaxation_in_the_section():
     """First longitudinal mode, bulk time ten times the shear time: rho s^2 + E*(s) k^2 = 0 with k = pi/2L.
 
-    The solid has 1/E* = 1/(9 K*) + 1/(3 G*): its lateral contraction lags. The rod prescribes the contraction, E* = E (1 +
-    s tau_E), which is the same to first order in s tau only.
+    The solid has 1/E* = 1/(9 K*) + 1/(3 G*): its lateral contraction lags. The rod prescribes the contraction,
+    E* = E (1 + s tau_E), which is the same to first order in s tau only.
     """
     shear, bulk = 0.0005, 0.005
     bar = solid(False, shear, bulk).bar

@@ -413,9 +413,13 @@ def test_ancf_and_back(nu):
 
 
 def test_ancf_needs_a_compressible_material():
-    with pytest.raises(InputError, match=r"ancf: nu = 0\.5: lambda of an incompressible material is infinite"):
+    with pytest.raises(
+        InputError, match=r"ancf: nu = 0\.5: lambda of an incompressible material is infinite"
+    ):
         vd.ANCF.from_section(data_of(material=rubber(0.02, 0.5)))
-    with pytest.raises(InputError, match="ancf: a section given by its stiffness: the viscosities are those of"):
+    with pytest.raises(
+        InputError, match="ancf: a section given by its stiffness: the viscosities are those of"
+    ):
         vd.ANCF.from_section(data_of(vr.StiffnessSection(np.eye(6), np.eye(6))))
     with pytest.raises(InputError, match=r"ancf\.gamma_v1: -1"):
         vd.ANCF.from_numbers([-1.0, 0.02], data_of())

@@ -1,7 +1,7 @@
 """A planar bar in the absolute nodal coordinate formulation (ANCF) whose law is that of three-dimensional strains.
 
-The position of a material point (x, y, z) of a bar of square section is polynomial over the section, with vectors of the
-line as coefficients; the motion is symmetric about the plane z = 0:
+The position of a material point (x, y, z) of a bar of square section is polynomial over the section, with vectors of
+the line as coefficients; the motion is symmetric about the plane z = 0:
 
     in the plane   r0 + y r_y                      + y^2/2 r_yy + z^2/2 r_zz
     across         z (c                            + y d)
@@ -14,13 +14,15 @@ Gauss-Lobatto points along x. Energy and dissipation are those of the solid (Abd
 
 No lateral contraction is prescribed and no stress condition is used: the section finds its own.
 
-``python -m tests.reference.independent.ancf``, from the repository root, prints the rows of docs/explanation/llt_cantilever.md.
+``python -m tests.reference.independent.ancf``, from the repository root, prints rows of
+docs/explanation/llt_cantilever.md.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -168,16 +170,14 @@ class Ancf:
         """Return the derivatives of the internal forces by positions and by velocities."""
         bar = self.bar
         F, Ft, S = self._stresses(q, rate)
-        elastic, viscous = np.zeros((2, 3, 3, 3, 3, F.shape[-1]))
-        for parts, lam, mu, G in (
-            (elastic, bar.lam, bar.mu, F),
-            (elastic, bar.lam_v, bar.mu_v, Ft),
-            (viscous, bar.lam_v, bar.mu_v, F),
-        ):
-            # F_ai (lam d_ij G_bm + mu (G_bi d_jm + G_bj d_im)), by component bm of F or of its rate
-            parts += lam * np.einsum("ajp,bmp->ajbmp", F, G)
-            parts += mu * np.einsum("amp,bjp->ajbmp", F, G)
-            parts += mu * np.einsum("aip,bip,jm->ajbmp", F, G, UNIT)
+
+        def moduli(lam: float, mu: float, G: Array) -> Array:
+            """F_ai (lam d_ij G_bm + mu (G_bi d_jm + G_bj d_im)), by the components bm of F or of its rate."""
+            unlike = np.einsum("amp,bjp->ajbmp", F, G) + np.einsum("aip,bip,jm->ajbmp", F, G, UNIT)
+            return np.asarray(lam * np.einsum("ajp,bmp->ajbmp", F, G) + mu * unlike)
+
+        elastic = moduli(bar.lam, bar.mu, F) + moduli(bar.lam_v, bar.mu_v, Ft)
+        viscous = moduli(bar.lam_v, bar.mu_v, F)
         elastic += np.einsum("ab,mjp->ajbmp", UNIT, S)
         R = self._rows.reshape(9, self.weights.size, -1)
         both = []
@@ -243,7 +243,14 @@ class Ancf:
 
         begin = np.concatenate([q[self.free], np.zeros(n)])
         found = solve_ivp(
-            slope, (times[0], times[-1]), begin, "Radau", times, jac=jacobian, rtol=tolerance, atol=tolerance * 1e-2
+            slope,
+            (times[0], times[-1]),
+            begin,
+            "Radau",
+            times,
+            jac=jacobian,
+            rtol=tolerance,
+            atol=tolerance * 1e-2,
         )
         if not found.success:
             raise ArithmeticError(found.message)
@@ -253,7 +260,7 @@ class Ancf:
 
 
 def uniaxial_modulus(bar: Bar, s: complex) -> complex:
-    """Return E*(s) of a bar that is free to contract, 1/E* = 1/(9 K*) + 1/(3 G*) with K* = K (1 + s tau_B), G* likewise."""
+    """Return E*(s) of a bar free to contract: 1/E* = 1/(9 K*) + 1/(3 G*), K* = K (1 + s tau_B), G* likewise."""
     bulk = (bar.lam + 2 / 3 * bar.mu) * (1 + s * bar.bulk_time)
     shear = bar.mu * (1 + s * bar.shear_time)
     return 9 * bulk * shear / (3 * bulk + shear)
@@ -263,7 +270,7 @@ def _points(edges: Array, order: int) -> Array:
     """Gauss-Lobatto points of all elements."""
     inner = legendre.Legendre.basis(order).deriv().roots()
     x = np.concatenate([[-1.0], np.real(inner), [1.0]])
-    parts = [a + (b - a) * (x[:-1] + 1) / 2 for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    parts = [a + (b - a) * (x[:-1] + 1) / 2 for a, b in pairwise(edges)]
     return np.append(np.concatenate(parts), edges[-1])
 
 

@@ -64,7 +64,7 @@ class ANCF(ProgramInputs):
 
     @property
     def lame(self) -> tuple[float, float]:
-        """lambda and mu, Pa."""
+        """Lambda and mu, Pa."""
         nu = self.poissons_ratio
         mu = self.youngs_modulus / 2.0 / (1.0 + nu)
         return 2.0 * mu * nu / (1.0 - 2.0 * nu), mu
@@ -78,7 +78,7 @@ class ANCF(ProgramInputs):
 
     @property
     def times(self) -> Floats:
-        """Six times, s, (6,), of a solid that is free to contract: gamma_v2 for shear and twist, tau_E elsewhere (LLT 4)."""
+        """Six times, s, (6,), of a solid free to contract: gamma_v2 in shear and twist, else tau_E (LLT 4)."""
         nu, shear = self.poissons_ratio, self.gamma_v2
         extension = ((1.0 - 2.0 * nu) * self.gamma_v1 + 2.0 * (1.0 + nu) * shear) / 3.0
         return np.array([shear, shear, extension, extension, extension, shear])
