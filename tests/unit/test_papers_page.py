@@ -38,7 +38,7 @@ def test_every_call_and_every_test_exists(row):
             if k + 1 < len(path):
                 owner = getattr(owner, name)
         for keyword in re.findall(r"(\w+)=", given):
-            assert keyword in inspect.signature(getattr(owner, path[-1])).parameters
+            assert keyword in inspect.signature(getattr(owner, path[-1])).parameters, f"{call}: no {keyword}"
     found = re.findall(r"`([^`]+)`", tests)
     assert found
     for test in found:
