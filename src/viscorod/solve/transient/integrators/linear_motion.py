@@ -13,7 +13,7 @@ from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.contract import StepReport
 from viscorod.solve.transient.integrators.linear_model import LinearModel
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
-from viscorod.solve.transient.integrators.tableau import MIDPOINT, RADAU, Tableau
+from viscorod.solve.transient.integrators.tableau import MIDPOINT, Tableau, radau
 from viscorod.solve.transient.load_content import StepContent
 from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
 from viscorod.solve.transient.time_step import first_time_step
@@ -21,9 +21,6 @@ from viscorod.typing import Floats
 
 SWEEPS = 3
 """Solutions with the same factors per step."""
-
-RECORDS = 4
-"""States per step that draw the motion smoothly."""
 
 
 class LinearMotion:
@@ -40,8 +37,6 @@ class LinearMotion:
     step_factor = 2.0
     """Error that a step may have by its estimate, over the tolerance, as for nonlinear motions."""
 
-    estimate_order = 3
-
     looks_within = True
 
     drift = 0.0, 0.0
@@ -57,6 +52,7 @@ class LinearMotion:
         self.system, self.supports, self.tableau = system, supports, tableau
         self.tolerance = GivenTolerance(tolerance) if isinstance(tolerance, float) else tolerance
         problem, stages = system.problem, len(tableau.nodes)
+        self.estimate_order = stages
         self.t = 0.0
         self.state = State.reference(problem)
         self.kinetic = self.elastic = self.work = self.loss = self.outside = self.actuator = 0.0
@@ -71,7 +67,7 @@ class LinearMotion:
     @property
     def records(self) -> int:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return RECORDS if self._last else 1
+        return self._last + 2 if self._last else 1
 
     @property
     def strain(self) -> float:
@@ -135,9 +131,9 @@ class LinearMotion:
             modes = -(tableau.to_modes @ residual @ basis)
             change = np.empty_like(modes)
             change[0] = self._real.solve(modes[0])
-            if last:
-                pair = self._pair.solve(modes[1] + 1j * modes[2])
-                change[1], change[2] = pair.real, pair.imag
+            for m, pair in enumerate(self._pairs):
+                solution = pair.solve(modes[2 * m + 1] + 1j * modes[2 * m + 2])
+                change[2 * m + 1], change[2 * m + 2] = solution.real, solution.imag
             correction = (tableau.to_stages @ change) @ basis.T
             changes += correction
             size = float(np.abs(correction / body.unit).max())
@@ -219,12 +215,20 @@ class LinearMotion:
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`.
 
-        Displacements are polynomials of degree 5 through both ends, with velocities and accelerations.
+        Displacements are polynomials of degree 5 through both ends, with velocities and accelerations, corrected
+        towards the stages if they are many.
         """
-        h, found, loss = self._step, [], 0.0
-        totals = h * self.tableau.partial_weights(parts) @ self._powers
-        for part, (work, lost, _) in zip(parts, totals, strict=True):
-            xi, x, a = _quintic(float(part), h, self._before, self._now, self._rates)
+        h, found, loss, tableau = self._step, [], 0.0, self.tableau
+        totals = h * tableau.partial_weights(parts) @ self._powers
+        ends = h, self._before, self._now, self._rates
+        missed = [
+            self._stages[:, i] - _quintic(float(c), *ends)[:2] for i, c in enumerate(tableau.exact_inside)
+        ]
+        weights = tableau.polynomials(parts)
+        for part, own, (work, lost, _) in zip(parts, weights, totals, strict=True):
+            xi, x, a = _quintic(float(part), *ends)
+            for weight, (shift, speed) in zip(own, missed, strict=False):
+                xi, x = xi + weight * shift, x + weight * speed
             load = self.body.loads(self.t - (1.0 - float(part)) * h, False)
             loss = max(loss, min(float(lost), self.loss))  # interpolation must not give energy back
             found.append((self.body.snapshot(xi, x, a, load), float(work), loss))
@@ -258,9 +262,9 @@ class LinearMotion:
         mu = self.tableau.real / h
         try:
             self._real = spla.splu(sparse.csc_array(K + mu * C + mu**2 * M))
-            if self._last:
-                pair = self.tableau.pair / h
-                self._pair = spla.splu(sparse.csc_array(K + pair * C + pair**2 * M))
+            self._pairs = [
+                spla.splu(sparse.csc_array(K + mu * C + mu**2 * M)) for mu in self.tableau.pairs / h
+            ]
         except RuntimeError:  # exactly singular
             return False
         return True
@@ -283,9 +287,11 @@ def _quintic(
     return xi, x, a
 
 
-def linear_radau(system: System, supports: SupportState, *, tolerance: float | Tolerance) -> LinearMotion:
-    """Return Radau IIA of order 5 with error control."""
-    return LinearMotion(system, supports, RADAU, tolerance)
+def linear_radau(
+    system: System, supports: SupportState, *, tolerance: float | Tolerance, stages: int = 3
+) -> LinearMotion:
+    """Return Radau IIA with error control."""
+    return LinearMotion(system, supports, radau(stages), tolerance)
 
 
 def linear_midpoint(system: System, supports: SupportState) -> LinearMotion:
