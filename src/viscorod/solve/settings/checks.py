@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from viscorod.errors import Fault, InputError
 from viscorod.model.actions.event import Crossing
 from viscorod.model.actions.time_function import Constant
+from viscorod.model.connections.place import GROUND
 from viscorod.model.connections.resolved_places import find
 from viscorod.model.connections.velocity_support import VelocitySupport
 from viscorod.model.fields.definition import RefusedError, show
@@ -36,20 +37,26 @@ def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
         raise InputError(problems)
 
 
-def unfit_for_steady(model: ModelDescription, damping: str) -> Iterator[Fault]:
-    """Yield what a steady rotation cannot be computed with: joints, constrained strains, Maxwell branches.
-
-    With linearised ``damping``, laws of sections too.
-    """
-    why = "steady rotations are computed without {}"
-    instead = "leave it out, or compute the motion with simulate"
-    yield from _joints(model, why.format("joints"), instead)
-    yield from _constraints(model, why.format("constrained strains"), instead)
-    yield from _branches(
-        model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("compute the motion with simulate")
-    )
+def unfit_for_steady(model: ModelDescription, formulation: str, damping: str) -> Iterator[Fault]:
+    """Yield what a steady rotation in a formulation with a kind of damping cannot be computed with."""
+    if formulation == "intrinsic":
+        why, instead = "steady rotations of the intrinsic formulation have no {}", "leave out formulation"
+        yield from _joints(model, why.format("joints, which hold positions"), instead)
+        yield from _springs(model, why.format("springs, which pull by positions"), instead)
+        yield from _constraints(model, why.format("held strains"), instead)
+        yield from _branches(model, why.format("Maxwell branches"), _KELVIN_VOIGT.format(instead))
     if damping == "linearised":
         yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
+    for index, joint in enumerate(model.joints):
+        where = f"joints[{index}]"
+        for word, motion in joint.motion.items():
+            if not isinstance(motion, Constant):
+                why = f"its prescribed motion {word} is a function of time, not a steady rotation"
+                yield Fault(where, joint.label, why, "give a number, or compute the motion with simulate")
+        if joint.damping and GROUND in joint.ends:
+            why = "the ground of a joint turns with the model, while its damper would stand still"
+            instead = "join the place to a body that is clamped, or leave out damping"
+            yield Fault(where, joint.label, why, instead)
 
 
 def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
