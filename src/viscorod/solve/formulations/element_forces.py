@@ -104,27 +104,50 @@ class IntrinsicForces:
         self.motion = StrainMotion.of(elements, stages, linearised=linearised)
         self._now = StrainMotion.of(elements, 1, linearised=linearised)
         self._known = False
+        if len(system.problem.held.place):
+            system.constraints.strains_as_states = self.strains_at
 
     def evaluate(self, state: State, points: GaussStates, internal: Floats) -> None:
         """See :class:`ElementForces`."""
         if not self._known:
-            GeometricForces(self.system, self.elements).evaluate(state, points, internal)
-            strain = points.strain[0]
-            if self.system.given_strain is not None:
-                strain.reshape(-1, 6)[self.system.gauss_indices()] = self.system.given_strain
-            self.set_strains(strain)
-        points.strain[0] = self.motion.start
+            self._begin(state, points, internal)
+        held, strain = self.system.problem.held, self.motion.start
+        prestress = branch_forces(self.system.relaxation, strain)
+        prestress[held.element, held.point, held.component] += state.multiplier[held.place] / held.weight
+        points.strain[0] = strain
         forces_at(
             self.elements,
             self._now,
             state.twist[None],
             points.strain,
             points.strain_rate,
-            branch_forces(self.system.relaxation, points.strain[0]),
+            prestress,
             points.section_force,
             internal[None],
         )
         points.stress[:] = points.section_force
+
+    def _begin(self, state: State, points: GaussStates, internal: Floats) -> None:
+        """Take the first strains from the poses, or those that are given; held ones are exactly zero."""
+        held = self.system.problem.held
+        GeometricForces(self.system, self.elements).evaluate(state, points, internal)
+        strain = points.strain[0]
+        if self.system.given_strain is not None:
+            strain.reshape(-1, 6)[self.system.gauss_indices()] = self.system.given_strain
+        strain[held.element, held.point, held.component] = 0.0
+        self.set_strains(strain)
+
+    def strains_at(self, state: State) -> tuple[Floats, Floats]:
+        """Return the present strains and how fast the twists of ``state`` change them ``(1, e, points, 6)``."""
+        shape, exact = self.elements.reference.shape, self._now._replace(linearised=False)
+        if not self._known:
+            self._begin(state, GaussStates.of(self.elements, 1, carried=True), np.zeros_like(state.twist))
+        strain, rate, unused = self.motion.start[None], *np.zeros((2, 1, *shape))
+        none = np.zeros(shape)
+        forces_at(
+            self.elements, exact, state.twist[None], strain, rate, none, unused, np.zeros((1, *state.twist.shape))
+        )
+        return strain, rate
 
     def linearise(
         self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats

@@ -47,12 +47,9 @@ def unfit_for_steady(model: ModelDescription, formulation: str, damping: str) ->
         yield from _branches(model, why.format("Maxwell branches"), _KELVIN_VOIGT.format(instead))
     if damping == "linearised":
         yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
+    yield from _moving_joints(model, "a steady rotation needs joints that stay as they are")
     for index, joint in enumerate(model.joints):
         where = f"joints[{index}]"
-        for word, motion in joint.motion.items():
-            if not isinstance(motion, Constant):
-                why = f"its prescribed motion {word} is a function of time, not a steady rotation"
-                yield Fault(where, joint.label, why, "give a number, or compute the motion with simulate")
         if joint.damping and GROUND in joint.ends:
             why = "the ground of a joint turns with the model, while its damper would stand still"
             instead = "join the place to a body that is clamped, or leave out damping"
@@ -81,23 +78,13 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
                 "leave it out, or take dynamics = 'nonlinear'",
             )
     if settings.dynamics == "linear":
-        why, instead = "linear dynamics have no {}", "leave it out, or take formulation = 'geometric'"
-        yield from _joints(model, why.format("joints"), instead)
-        yield from _springs(model, why.format("springs"), instead)
-        yield from _constraints(model, why.format("constrained strains"), instead)
-        yield from _branches(
-            model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("take dynamics = 'nonlinear'")
-        )
+        why = "linear dynamics have no {}"
+        yield from _moving_joints(model, "linear dynamics need joints that stay where they are")
         yield from _laws(
             model, why.format("laws of sections"), "leave it out, or take dynamics = 'nonlinear'"
         )
         yield from _changing_drag(model)
     else:
-        if not formulation.constraints:
-            why = f"the {settings.formulation} formulation has no {{}}"
-            instead = "leave it out, or take formulation = 'geometric'"
-            yield from _joints(model, why.format("joints"), instead)
-            yield from _constraints(model, why.format("constrained strains"), instead)
         if not formulation.branches:
             why = f"{settings.damping} damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
             yield from _branches(model, why, "take damping = 'full'")
@@ -126,6 +113,18 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
 def _joints(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
     for index, joint in enumerate(model.joints):
         yield Fault(f"joints[{index}]", joint.label, why, instead)
+
+
+def _moving_joints(model: ModelDescription, why: str) -> Iterator[Fault]:
+    for index, joint in enumerate(model.joints):
+        for word, motion in joint.motion.items():
+            if not isinstance(motion, Constant):
+                yield Fault(
+                    f"joints[{index}].motion.{word}",
+                    joint.label,
+                    f"{why}, and this motion is a function of time",
+                    "give a number, or compute the nonlinear motion with simulate",
+                )
 
 
 def _changing_drag(model: ModelDescription) -> Iterator[Fault]:
