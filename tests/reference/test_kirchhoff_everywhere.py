@@ -85,6 +85,7 @@ ANALYSES = {
     "intrinsic midpoint": moved(integrator="midpoint", time_step=0.01, formulation="intrinsic"),
     "linear dynamics": moved(tolerance=1e-8, **LINEAR),
     "steady": turned(),
+    "intrinsic steady": turned(formulation="intrinsic"),
 }
 
 
@@ -103,8 +104,12 @@ def test_both_formulations_of_motion_agree_with_the_mesh():
     settings = {"initial": "reference", "tolerance": 1e-8}
     errors = []
     for order in (3, 5):
-        runs = [loaded(order=order).simulate(0.3, formulation=f, **settings) for f in ("geometric", "intrinsic")]
-        places, forces = ([run.data[field].values[-1] for run in runs] for field in ("position", "section_force"))
+        runs = [
+            loaded(order=order).simulate(0.3, formulation=f, **settings) for f in ("geometric", "intrinsic")
+        ]
+        places, forces = (
+            [run.data[field].values[-1] for run in runs] for field in ("position", "section_force")
+        )
         errors.append([np.abs(np.subtract(*pair)).max() / np.abs(pair[0]).max() for pair in (places, forces)])
     errors = np.array(errors)
     assert (errors[1] < 0.05 * errors[0]).all()

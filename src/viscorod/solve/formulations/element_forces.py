@@ -145,7 +145,14 @@ class IntrinsicForces:
         strain, rate, unused = self.motion.start[None], *np.zeros((2, 1, *shape))
         none = np.zeros(shape)
         forces_at(
-            self.elements, exact, state.twist[None], strain, rate, none, unused, np.zeros((1, *state.twist.shape))
+            self.elements,
+            exact,
+            state.twist[None],
+            strain,
+            rate,
+            none,
+            unused,
+            np.zeros((1, *state.twist.shape)),
         )
         return strain, rate
 

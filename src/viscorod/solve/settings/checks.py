@@ -43,7 +43,6 @@ def unfit_for_steady(model: ModelDescription, formulation: str, damping: str) ->
         why, instead = "steady rotations of the intrinsic formulation have no {}", "leave out formulation"
         yield from _joints(model, why.format("joints, which hold positions"), instead)
         yield from _springs(model, why.format("springs, which pull by positions"), instead)
-        yield from _constraints(model, why.format("held strains"), instead)
         yield from _branches(model, why.format("Maxwell branches"), _KELVIN_VOIGT.format(instead))
     if damping == "linearised":
         yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
@@ -141,12 +140,6 @@ def _changing_drag(model: ModelDescription) -> Iterator[Fault]:
 def _springs(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
     for index, spring in enumerate(model.springs):
         yield Fault(f"springs[{index}]", spring.label, why, instead)
-
-
-def _constraints(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
-    for name, rod in model.rods.items():
-        if any(rod.constrained_strains):
-            yield Fault(f"rods.{name}.constraints", show(list(rod.constraints)), why, instead)
 
 
 def _laws(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:

@@ -34,7 +34,6 @@ from viscorod.solve.transient.integrators.stage_data import Discretisation, Matr
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
-
 NO_BRANCHES = np.zeros((0, 0))
 """Dashpot strains of a model without Maxwell branches."""
 
@@ -105,9 +104,7 @@ class LinearModel:
         held = (self.body.elements.order, matrices.operators.strain)
         rows = held if len(self.system.problem.held.place) else None
         self.conditions = LinearConditions(self.system.constraints, self.base, rows, basis)
-        return Linearisation(
-            stiffness, damping, mass, basis, self.conditions.conditions
-        ).unconditional()
+        return Linearisation(stiffness, damping, mass, basis, self.conditions.conditions).unconditional()
 
     def _sparse(self, blocks: Floats) -> sparse.csr_array:
         size = 6 * len(self.body.mass)  # multipliers come after the nodes
