@@ -47,9 +47,7 @@ def statics(model):
 
 def path(model):
     model.force("bow.end", (0.2, 0.4, 0.5))
-    found = model.path(largest_load_factor=1.0, smallest_load_factor=-0.5)
-    last = int(np.argmax(found.load_factor))
-    return found.field("position")[last]
+    return model.path(load_factor=1.0).field("position")[-1]
 
 
 def modes(model):

@@ -1,4 +1,4 @@
-"""Steady rotations of assemblies against closed forms: hinged blades, an overhung disc, springs, held strains, branches.
+"""Steady rotations of assemblies against closed forms: hinged blades, overhung discs, held strains, branches.
 
 Closed forms: W. Johnson, Helicopter Theory (1980), 5-1 and 5-19: flap and lag of a rigid hinged blade; the overhung
 disc is the textbook rotor of Jeffcott with gyroscopic couples (Genta, Dynamics of Rotating Systems, 2005, 2.6); a thin
