@@ -63,6 +63,9 @@ from .model.materials.material import Material as Material
 from .model.materials.measured_damping import MeasuredDamping as MeasuredDamping
 from .model.materials.prony import Prony as Prony
 from .model.materials.relaxation_modulus import RelaxationModulus as RelaxationModulus
+from .model.materials.temperature_shift import WLF as WLF
+from .model.materials.temperature_shift import Arrhenius as Arrhenius
+from .model.materials.temperature_shift import ShiftTable as ShiftTable
 from .model.rod import Rod as Rod
 from .model.sections.composite import Composite as Composite
 from .model.sections.composite import CompositeRegion as CompositeRegion
@@ -82,6 +85,9 @@ from .pictures.viewer import view as view
 from .results.decrement import Decrement as Decrement
 from .results.energy import Energy as Energy
 from .results.files.storage import load as load
+from .results.frequency_response import FrequencyResponse as FrequencyResponse
+from .results.modes_result import Modes as Modes
+from .results.resonances import Resonance as Resonance
 from .results.run import Equilibrium as Equilibrium
 from .results.run import Run as Run
 from .results.steady_result import Steady as Steady

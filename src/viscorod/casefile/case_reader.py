@@ -35,7 +35,9 @@ from viscorod.model.materials.material import Material
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.section_profile import Piecewise, Taper, one_section
 from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
@@ -48,6 +50,8 @@ ANALYSES: dict[str, type[AnySettings]] = {
     "equilibrium": EquilibriumSettings,
     "path": PathSettings,
     "steady": SteadySettings,
+    "modes": ModesSettings,
+    "response": ResponseSettings,
 }
 """The analyses by their table in a case file; exactly one of them stands in a file."""
 
@@ -168,7 +172,8 @@ class CaseReader:
                 given[0] if given else "simulate",
                 f"the tables {' and '.join(given)}" if given else "",
                 "a case asks for exactly one analysis",
-                "give one table: [simulate] with a duration, [equilibrium], [path], or [steady] with a spin",
+                "give one table: [simulate] with a duration, [equilibrium], [path], [steady] with a spin, [modes], "
+                "or [response] with inputs and outputs",
             )
         for key in given:
             parsed = self._parsed(key, ANALYSES[key].model_validate, self.data[key])

@@ -25,6 +25,7 @@ from viscorod.model.fields.metadata import accepted, meaning, units_of
 from viscorod.model.fields.values import REQUIRED
 from viscorod.model.materials.complex_moduli import ModulusTable
 from viscorod.model.materials.material import DAMPINGS, KelvinVoigt, Material
+from viscorod.model.materials.temperature_shift import SHIFTS
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.composite import CompositeRegion
 from viscorod.model.sections.section_laws import SECTION_LAWS
@@ -42,6 +43,7 @@ DRAFT = "http://json-schema.org/draft-07/schema#"
 
 GROUPS: dict[str, tuple[str, Mapping[str, type[Definition]], type[Definition] | None]] = {
     "damping": ("damping", DAMPINGS, KelvinVoigt),
+    "shift": ("shifts", SHIFTS, None),
     "section": ("sections", SECTIONS, None),
     "law": ("laws", SECTION_LAWS, None),
     "body": ("bodies", BODIES, Body),

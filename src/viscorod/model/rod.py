@@ -329,6 +329,11 @@ class Rod(Definition):
         stiffness, inertia = _with_direction(stiffness, inertia, self.length)
         return stiffness, damping, inertia
 
+    def heat_capacity_at(self, s: float) -> float | None:
+        """Return the heat capacity per length at the arc length `s`, J/(m K); None where it is not known."""
+        section = self.section_at(s)
+        return section.heat_capacity(self.material if section.needs_material else None)
+
     @property
     def assumptions(self) -> list[str]:
         """What is assumed of its sections and material, one sentence each."""

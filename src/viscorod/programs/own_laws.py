@@ -34,6 +34,7 @@ def refuse_own_laws(rod: Rod, stations: Floats | Sequence[float]) -> None:
                     "",
                     f"its section at {s:.4g} m has Maxwell branches, and the other programs have Kelvin-Voigt "
                     "damping only",
-                    'a Prony series with law = "kelvin_voigt" has the viscosity of slow motion instead',
+                    'a Prony series with law = "kelvin_voigt" has the viscosity of slow motion instead, a LossFactor '
+                    "with frequency in place of band that at one frequency",
                 )
             )

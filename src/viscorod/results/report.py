@@ -46,6 +46,7 @@ def run_report(run: Run) -> str:
         str(run.energy),
         _events(run),
         _validity(run),
+        _heating(run),
         _drift(run),
         _effort(run),
         _warnings(run),
@@ -84,6 +85,12 @@ def _validity(run: Run) -> str:
     except InputError:  # too short for a spectrum
         return ""
     return found.sentence if any(np.isfinite(strain.bound) for strain in found.strains) else ""
+
+
+def _heating(run: Run) -> str:
+    """Say how much the motion warms the rods whose specific heat is known."""
+    known = "heat_capacities" in run.data.attrs and "dissipation" in run.data and run.time.size > 1
+    return str(run.self_heating()) if known else ""
 
 
 def _formulation(run: Run) -> str:

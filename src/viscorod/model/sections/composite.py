@@ -247,6 +247,15 @@ class Composite(AnySection):
         density = [m.density for m in self._materials]
         return stiffness, damping, np.tensordot(density, found.inertia, 1)
 
+    def heat_capacity(self, material: Material | None) -> float | None:
+        """Return the heat capacity per length, J/(m K); None where a region's specific heat is not known."""
+        del material
+        heats = [(m.density, m.specific_heat) for m in self._materials]
+        known = [density * heat for density, heat in heats if heat is not None]
+        if len(known) < len(heats):
+            return None
+        return float(np.tensordot(known, self._parts.inertia, 1)[0, 0])
+
     def branch_matrices(self, material: Material | None = None) -> Branches:
         """Return Maxwell branches: times (n,), s, and E_j C_E,m + G_j C_G,m (n, 6, 6) of every material's branches.
 

@@ -70,6 +70,12 @@ class AnySection(Definition):
         """Return remarks about the formulas used for this section."""
         return ()
 
+    def heat_capacity(self, material: Material | None) -> float | None:
+        """Return the heat capacity per length, J/(m K); None where a specific heat is not known."""
+        if material is None or material.specific_heat is None:
+            return None
+        return float(self.matrices(material)[2][0, 0]) * material.specific_heat
+
     @abstractmethod
     def matrices(self, material: Material | None = None) -> Matrices:
         """Return stiffness C (N, N m, N m^2), damping D (the same times s), inertia M (kg/m, kg, kg m), (6, 6) each."""
