@@ -43,8 +43,9 @@ def unfit_for_steady(model: ModelDescription, formulation: str, damping: str) ->
         why, instead = "steady rotations of the intrinsic formulation have no {}", "leave out formulation"
         yield from _joints(model, why.format("joints, which hold positions"), instead)
         yield from _springs(model, why.format("springs, which pull by positions"), instead)
-        yield from _branches(model, why.format("Maxwell branches"), _KELVIN_VOIGT.format(instead))
     if damping == "linearised":
+        why = "linearised damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
+        yield from _branches(model, why, _KELVIN_VOIGT.format("damping = 'full'"))
         yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
     yield from _moving_joints(model, "a steady rotation needs joints that stay as they are")
     for index, joint in enumerate(model.joints):

@@ -16,6 +16,7 @@ import scipy.linalg
 
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.nodes.inertia import kinetic_energy
+from viscorod.solve.formulations.dashpot_memory import DashpotMemory
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.steady.rigid_rotation import RotationAxis, coriolis, gyroscopic
@@ -37,6 +38,7 @@ class IntrinsicSteady:
         joint: node whose angular velocity counts as the spin; still: whether the mass centre must not travel.
         line: the line about which poses are to turn.
         state: twists of the first guess, and the pose from which poses are found; strain: its strains.
+        relaxation: Maxwell branches of the sections.
     """
 
     def __init__(
@@ -52,8 +54,10 @@ class IntrinsicSteady:
         line: RotationAxis,
         state: State,
         strain: Floats,
+        relaxation: DashpotMemory | None = None,
     ) -> None:
         self.problem, self.elements, self.linearised = problem, elements, linearised
+        self.relaxation = relaxation
         self.rates = StrainRates(elements, problem.size)
         self.free = np.flatnonzero(free.ravel())
         self.following, self.joint, self.still, self.line = following, joint, still, line
@@ -177,22 +181,50 @@ class IntrinsicSteady:
         matrix[count:] *= -1.0
         pick = np.ix_(self._columns, self._columns)
         mass, matrix = mass[pick], matrix[pick]
-        if not self.held.any():
-            return FirstOrder(mass, matrix, np.abs(matrix), self._increments)
+        size = len(matrix)
         tried, allowed = self._allowed(matrix)
+        relaxing = self.relaxation is not None
+        if self.relaxation is not None:
+            matrix = self._with_branches(matrix, self.relaxation)
+            dashpots = np.eye(len(matrix) - size)
+            mass, tried, allowed = (
+                scipy.linalg.block_diag(part, dashpots) for part in (mass, tried, allowed)
+            )
 
         def increments(s: complex, z: np.ndarray) -> np.ndarray:
-            return self._increments(s, allowed @ z)
+            return self._increments(s, (allowed @ z)[:size])
 
         magnitude = np.abs(tried).T @ np.abs(matrix) @ np.abs(allowed)
-        return FirstOrder(tried.T @ mass @ allowed, tried.T @ matrix @ allowed, magnitude, increments)
+        return FirstOrder(
+            tried.T @ mass @ allowed, tried.T @ matrix @ allowed, magnitude, increments, relaxing=relaxing
+        )
+
+    def _with_branches(self, matrix: Floats, relaxation: DashpotMemory) -> Floats:
+        """Add Maxwell branches, relaxed in the rotation: ``alpha' = (e - alpha)/tau``, ``S = C_j (e - alpha)``."""
+        count, size = self.strain.size, len(matrix)
+        B, weighted = self.rates.at(self.strain), self.rates.weights[:, None, None]
+        seen = np.diag((~self.held).ravel().astype(float))
+        branches = np.moveaxis(relaxation.branches, 1, 0)
+        whole = np.zeros((size + len(branches) * count,) * 2)
+        whole[:size, :size] = matrix
+        for j, (C, tau) in enumerate(zip(branches, relaxation.times, strict=True)):
+            through = np.einsum("gai,gab->igb", B, weighted * C[self.rates.section])
+            through = through.reshape(-1, count)[self.free]
+            own = slice(size + j * count, size + (j + 1) * count)
+            whole[count:size, :count] -= through @ seen
+            whole[count:size, own] = through
+            whole[own, :count] = seen / tau
+            whole[own, own] = -np.eye(count) / tau
+        return whole
 
     def _allowed(self, matrix: Floats) -> tuple[Floats, Floats]:
         """Return the motions that test the equations, and those that held strains allow, as columns.
 
-        The rates of held strains ``H e + B x`` vanish with strains e and twists x that change: ``x = Z y - B^+ H e``.
-        Section forces of held strains do no work on Z.
+        Without held strains these are all. The rates of held strains ``H e + B x`` vanish with strains e and twists x
+        that change: ``x = Z y - B^+ H e``. Section forces of held strains do no work on Z.
         """
+        if not self.held.any():
+            return np.eye(len(matrix)), np.eye(len(matrix))
         held = np.concatenate([self.held.ravel(), np.zeros(len(self.free), dtype=bool)])
         strains = np.flatnonzero(~held[: self.strain.size])
         twists = np.arange(self.strain.size, len(held))
