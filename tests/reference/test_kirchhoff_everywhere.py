@@ -101,7 +101,7 @@ def test_both_formulations_of_motion_agree_with_the_mesh():
     """Positions and forces of held strains: both formulations share no formula of strains."""
     settings = {"initial": "reference", "tolerance": 1e-8}
     errors = []
-    for order in (3, 5):
+    for order in (3, 6):
         runs = [
             loaded(order=order).simulate(0.3, formulation=f, **settings) for f in ("geometric", "intrinsic")
         ]
@@ -110,5 +110,5 @@ def test_both_formulations_of_motion_agree_with_the_mesh():
         )
         errors.append([np.abs(np.subtract(*pair)).max() / np.abs(pair[0]).max() for pair in (places, forces)])
     errors = np.array(errors)
-    assert (errors[1] < 0.05 * errors[0]).all()
+    assert (errors[1] < 0.1 * errors[0]).all()
     assert (errors[1] < [1e-4, 1e-3]).all()

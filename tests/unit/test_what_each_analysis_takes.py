@@ -17,7 +17,7 @@ SPIN = {"spin": (1.0, 0, 0)}
 
 
 def moved(model, **settings):
-    model.simulate(1e-3, initial="reference", integrator="midpoint", time_step=1e-3, **settings)
+    model.simulate(1e-3, initial="reference", tolerance=1e-4, **settings)
 
 
 ANALYSES = {

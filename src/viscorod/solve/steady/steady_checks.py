@@ -57,7 +57,8 @@ def require_steady(model: ModelDescription, problem: Problem, settings: SteadySe
     faults = [*unfit_for_steady(model, settings.formulation, settings.damping), *_size(problem, settings)]
     if support_kind(problem) is SupportKind.HELD and not settings.driven:
         held = [_label(model, name) for name in problem.supports.names]
-        name = [*held, *(part.label for part in (*model.joints, *model.springs))][0]
+        joined = [joint.label for joint in model.joints] + [spring.label for spring in model.springs]
+        name = [*held, *joined][0]
         faults.append(
             Fault(
                 settings.measure,

@@ -119,7 +119,11 @@ class LinearMotion:
 
     def _imbalance(self) -> Floats:
         """Return what accelerates the nodes ``(n, 6)``."""
-        return (self._load - self.body.internal(*self._now, self._dashpot)).reshape(-1, 6)
+        return (self._load - self._internal_now()).reshape(-1, 6)
+
+    def _internal_now(self) -> Floats:
+        """Return the internal forces at t ``(6 n,)``."""
+        return self.body.internal(self._now[0], self._now[1], self._dashpot)
 
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -177,7 +181,7 @@ class LinearMotion:
         tableau, body, x = self.tableau, self.body, self._now[1]
         p = x + tableau.error @ changes / h
         v = tableau.error @ (self._stages[1] - x) / h + tableau.real / h * p
-        side = self._load - body.internal(*self._now, self._dashpot) + body.mass @ v + body.damping(p)
+        side = self._load - self._internal_now() + body.mass @ v + body.damping(p)
         if body.branches is not None:
             rates = body.branches.rates(body.strains(self._now[0]), self._dashpot)
             rates = rates + np.tensordot(tableau.error / h, self._dashpots - self._dashpot, 1)
