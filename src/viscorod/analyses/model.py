@@ -25,11 +25,11 @@ from viscorod.solve.settings.response import ResponseSettings
 
 if TYPE_CHECKING:
     from viscorod.analyses.co_simulation import CoSimulation
+    from viscorod.results.buckling import Buckling
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
-    from viscorod.solve.statics.critical_loads import Buckling
 
 __all__ = ["Model"]
 

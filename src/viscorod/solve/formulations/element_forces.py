@@ -14,6 +14,7 @@ from viscorod.mechanics.elements.internal_force import Elements, ElementWork, Ga
 from viscorod.mechanics.elements.intrinsic_element import StrainMotion, forces_at
 from viscorod.mechanics.elements.intrinsic_linearised import linearise_intrinsic
 from viscorod.mechanics.elements.linearised import Operators
+from viscorod.mechanics.elements.rest_strains import deduct_rest
 from viscorod.solve.formulations.dashpot_memory import DashpotMemory
 from viscorod.solve.formulations.system import State, System
 from viscorod.typing import Floats
@@ -44,6 +45,12 @@ class ElementForces(Protocol):
     def extrapolate_strains(self, middle: Floats) -> None:
         """Set the strains at the end of a step from those in its middle, by linear extrapolation."""
 
+    def take_rest(self, rest: Floats, rate: Floats) -> None:
+        """Take the arrays ``(s, e, points, 6)`` of rest strains that change with time, and of their rates, of stages.
+
+        The strains that are set contain them.
+        """
+
 
 def branch_forces(relaxation: DashpotMemory | None, strain: Floats) -> Floats:
     """Return the forces of Maxwell branches at ``strain (e, points, 6)``, in which a motion begins relaxed."""
@@ -67,14 +74,19 @@ class GeometricForces:
         where = state.r[None], state.q[None], state.twist[None]
         internal_forces(self.elements, *where, points, self._work, internal[None])
         held, relaxation = self.system.problem.held, self.system.relaxation
-        if not len(held.place) and relaxation is None:
+        driven = self.system.rest if self.system.imposed.changes else None
+        if not len(held.place) and relaxation is None and driven is None:
             return
+        if driven is not None:
+            deduct_rest(self.elements, *driven, points)
         # once more, with the section forces that need the strains, and multipliers for those that no law gives
         points.stress[:] = points.section_force
         points.stress[0] += branch_forces(relaxation, points.strain[0])
         forces = state.multiplier[held.place] / held.weight
         points.stress[0, held.element, held.point, held.component] = forces
         internal_forces(self.elements, *where, points, self._work, internal[None])
+        if driven is not None:
+            deduct_rest(self.elements, *driven, points)
         points.section_force[:] = points.stress
 
     def linearise(
@@ -88,6 +100,9 @@ class GeometricForces:
 
     def extrapolate_strains(self, middle: Floats) -> None:
         """Do nothing: strains follow from poses."""
+
+    def take_rest(self, rest: Floats, rate: Floats) -> None:
+        """Do nothing: a step deducts them from strains that follow from poses."""
 
 
 class IntrinsicForces:
@@ -111,13 +126,14 @@ class IntrinsicForces:
         """See :class:`ElementForces`."""
         if not self._known:
             self._begin(state, points, internal)
-        held, strain = self.system.problem.held, self.motion.start
-        prestress = branch_forces(self.system.relaxation, strain)
+        held = self.system.problem.held
+        points.strain[0] = self.motion.start - self._rest()
+        prestress = branch_forces(self.system.relaxation, points.strain[0])
         prestress[held.element, held.point, held.component] += state.multiplier[held.place] / held.weight
-        points.strain[0] = strain
+        now = self._at_rest(self._now)
         forces_at(
             self.elements,
-            self._now,
+            now,
             state.twist[None],
             points.strain,
             points.strain_rate,
@@ -135,14 +151,14 @@ class IntrinsicForces:
         if self.system.given_strain is not None:
             strain.reshape(-1, 6)[self.system.gauss_indices()] = self.system.given_strain
         strain[held.element, held.point, held.component] = 0.0
-        self.set_strains(strain)
+        self.set_strains(strain + self._rest())
 
     def strains_at(self, state: State) -> tuple[Floats, Floats]:
         """Return the present strains and how fast the twists of ``state`` change them ``(1, e, points, 6)``."""
-        shape, exact = self.elements.reference.shape, self._now._replace(linearised=False)
+        shape, exact = self.elements.reference.shape, self._at_rest(self._now._replace(linearised=False))
         if not self._known:
             self._begin(state, GaussStates.of(self.elements, 1, carried=True), np.zeros_like(state.twist))
-        strain, rate, unused = self.motion.start[None], *np.zeros((2, 1, *shape))
+        strain, rate, unused = (self.motion.start - self._rest())[None], *np.zeros((2, 1, *shape))
         none = np.zeros(shape)
         forces_at(
             self.elements,
@@ -171,10 +187,11 @@ class IntrinsicForces:
             np.zeros_like(rate),
             np.zeros((1, *state.twist.shape)),
         )
+        rest = self._rest()
         linearise_intrinsic(
-            self.elements,
+            self.elements._replace(reference=self.elements.reference + rest),
             now.linearised,
-            self.motion.start,
+            self.motion.start - rest,
             now.twist[0],
             rate[0],
             ad,
@@ -192,3 +209,18 @@ class IntrinsicForces:
     def extrapolate_strains(self, middle: Floats) -> None:
         """See :class:`ElementForces`."""
         self.set_strains(2.0 * middle - self.motion.start)
+
+    def take_rest(self, rest: Floats, rate: Floats) -> None:
+        """See :class:`ElementForces`."""
+        self.motion = self.motion._replace(rest=rest, rest_rate=rate)
+
+    def _at_rest(self, motion: StrainMotion) -> StrainMotion:
+        """Return scratch for one state with the rest strains of the present time, where these change."""
+        if not self.system.imposed.changes:
+            return motion
+        rest, rate = self.system.rest
+        return motion._replace(rest=rest, rest_rate=rate)
+
+    def _rest(self) -> Floats | float:
+        """Return the rest strains that change, at the time that the system has."""
+        return self.system.rest[0][0] if self.system.imposed.changes else 0.0
