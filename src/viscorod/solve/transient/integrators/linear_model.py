@@ -198,8 +198,18 @@ class LinearModel:
         """Return the velocities ``(6 n,)`` nearest to given ones that joints and held strains allow."""
         if self.conditions is None or self.conditions.conditions is None:
             return x
+        return self._pushed(self.mass @ x)
+
+    def acceleration(self, force: Floats) -> Floats:
+        """Return how forces ``(6 n,)`` accelerate the nodes, on which forces of conditions depend; else 0."""
+        if self.conditions is None or self.conditions.conditions is None:
+            return np.zeros_like(force)
+        return self._pushed(force)
+
+    def _pushed(self, momentum: Floats) -> Floats:
+        """Return the motion within the conditions that has a momentum ``(6 n,)``."""
         basis = self.reduced.basis
-        return np.asarray(basis @ factored(self.reduced.mass).solve(basis.T @ (self.mass @ x)))
+        return np.asarray(basis @ factored(self.reduced.mass).solve(basis.T @ momentum))
 
     def kinetic(self, x: Floats) -> float:
         """Return the kinetic energy [J]."""

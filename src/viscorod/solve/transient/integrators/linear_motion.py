@@ -106,7 +106,7 @@ class LinearMotion:
             self._now[1] = self.body.allowed(self._now[1])
         self._load = self.body.loads(t, False)
         self.evaluations += 1
-        self._set_state(self._now, np.zeros_like(self._load))
+        self._set_state(self._now, self.body.acceleration(self._imbalance().ravel()))
         if self.tolerance is not None:
             self.tolerance.begin(t, self.state, self._imbalance())
 
