@@ -13,8 +13,10 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.materials.material import Material
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus
 from viscorod.model.rod import Rod
+from viscorod.model.sections.section_base import AnySection
+from viscorod.solve.formulations.system import GaussPositions
 
-__all__ = ["material_record", "provenance"]
+__all__ = ["material_record", "provenance", "section_record"]
 
 
 def provenance(model: ModelDescription, title: str, more: dict[str, str]) -> dict[str, str]:
@@ -44,6 +46,23 @@ def material_record(model: ModelDescription) -> dict[str, str]:
     sentences = {name: list(rod.assumptions) for name, rod in model.rods.items() if rod.assumptions}
     laws = {name: _law(rod) for name, rod in model.rods.items()}
     return {"damping_assumptions": json.dumps(sentences), "damping_laws": json.dumps(laws)}
+
+
+def section_record(model: ModelDescription, gauss: GaussPositions) -> dict[str, str]:
+    """Return the attribute ``sections``, JSON by rod: what of its sections the attribute ``case`` does not hold.
+
+    That are materials whose damping followed from a mode, and sections that are a function of the arc length: at the
+    Gauss points, ``stations`` [m] and ``sampled``.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for number, (name, rod) in enumerate(model.rods.items()):
+        if rod.material is not None and rod.material.assumptions:
+            found[name] = {"material": rod.material.to_dict()}
+        if callable(rod.section) and not isinstance(rod.section, AnySection):
+            stations = gauss.s[gauss.rod == number].tolist()
+            sampled = [rod.section_at(s).to_dict() for s in stations]
+            found[name] = found.get(name, {}) | {"stations": stations, "sampled": sampled}
+    return {"sections": json.dumps(found)} if found else {}
 
 
 def _law(rod: Rod) -> dict[str, Any]:

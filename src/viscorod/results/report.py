@@ -11,6 +11,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.results.data_schema import COUNTERS
+from viscorod.results.largest_stress import largest_stress
 from viscorod.results.result_warnings import warnings_of
 from viscorod.results.step_error import step_errors
 from viscorod.results.text_table import table
@@ -45,6 +46,7 @@ def run_report(run: Run) -> str:
         _decay(run),
         str(run.energy),
         _events(run),
+        _stress(run),
         _validity(run),
         _drift(run),
         _effort(run),
@@ -106,6 +108,7 @@ def equilibrium_report(equilibrium: Equilibrium) -> str:
         _path(equilibrium),
         _joints(equilibrium),
         _stability(equilibrium),
+        _stress(equilibrium),
         _effort(equilibrium),
         _warnings(equilibrium),
     ]
@@ -122,6 +125,7 @@ def steady_report(steady: Steady) -> str:
         _ends(steady, _places(steady), -1),
         _reactions(steady),
         _small_motions(steady),
+        _stress(steady),
         _effort(steady),
         _warnings(steady),
     ]
@@ -283,6 +287,25 @@ def _joints(equilibrium: Equilibrium) -> str:
         ("joint", "motion", "value [m, rad]", "force [N, N m]", ""),
         rows,
     )
+
+
+def _stress(result: Result) -> str:
+    """Report the largest von Mises stress, and where it is."""
+    found = largest_stress(result)
+    if found is None or not found.value:
+        return ""
+    place = result.sites.along(found.rod, found.s).label
+    x, y = _vector(np.array(found.point), max(map(abs, found.point)) or 1.0)
+    when = {"time": f" at {found.level:.6g} s", "load_factor": f" under {load_level(found.level)}"}
+    text = (
+        f"Largest von Mises stress {found.value:.6g} Pa, {place}, at ({x}, {y}) m of the section along d1, d2"
+        f"{when.get(result.dimension, '')}"
+    )
+    if found.missing:
+        more = f" and {len(found.missing) - _MOST_MESHES} more" if len(found.missing) > _MOST_MESHES else ""
+        names = ", ".join(found.missing[:_MOST_MESHES])
+        text += f"\n  (not of {names}{more}: sections without a known shape, or with a law)"
+    return text
 
 
 def _drift(result: Result) -> str:
