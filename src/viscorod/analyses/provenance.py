@@ -51,17 +51,21 @@ def material_record(model: ModelDescription) -> dict[str, str]:
 def section_record(model: ModelDescription, gauss: GaussPositions) -> dict[str, str]:
     """Return the attribute ``sections``, JSON by rod: what of its sections the attribute ``case`` does not hold.
 
-    That are materials whose damping followed from a mode, and sections that are a function of the arc length: at the
-    Gauss points, ``stations`` [m] and ``sampled``.
+    That are materials whose damping followed from a mode, and at the Gauss points, ``stations`` [m]: sections that are
+    a function of the arc length, ``sampled``, and the reference curvatures of rods that count them, ``bent`` [1/m].
     """
     found: dict[str, dict[str, Any]] = {}
     for number, (name, rod) in enumerate(model.rods.items()):
         if rod.material is not None and rod.material.assumptions:
             found[name] = {"material": rod.material.to_dict()}
+        sampled: dict[str, Any] = {}
+        stations = gauss.s[gauss.rod == number].tolist()
         if callable(rod.section) and not isinstance(rod.section, AnySection):
-            stations = gauss.s[gauss.rod == number].tolist()
-            sampled = [rod.section_at(s).to_dict() for s in stations]
-            found[name] = found.get(name, {}) | {"stations": stations, "sampled": sampled}
+            sampled["sampled"] = [rod.section_at(s).to_dict() for s in stations]
+        if rod.curvature_correction:
+            sampled["bent"] = [rod.curvature_at(s).tolist() for s in stations]
+        if sampled:
+            found[name] = found.get(name, {}) | {"stations": stations} | sampled
     return {"sections": json.dumps(found)} if found else {}
 
 

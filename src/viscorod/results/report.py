@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.errors import InputError
 from viscorod.results.data_schema import COUNTERS
 from viscorod.results.largest_stress import largest_stress
 from viscorod.results.result_warnings import warnings_of
@@ -77,15 +76,10 @@ def _events(run: Run) -> str:
     return "\n".join(["Events", *lines])
 
 
-def _validity(run: Run) -> str:
-    """Say in a sentence whether Kelvin-Voigt damping was right for the data of a material."""
-    if "damping_laws" not in run.data.attrs:
-        return ""
-    try:
-        found = run.damping_validity()
-    except InputError:  # too short for a spectrum
-        return ""
-    return found.sentence if any(np.isfinite(strain.bound) for strain in found.strains) else ""
+def _validity(result: Result) -> str:
+    """Tell the conditions of a rod model, each with its number."""
+    found = result.validity()
+    return str(found) if found.conditions else ""
 
 
 def _formulation(run: Run) -> str:
@@ -109,6 +103,7 @@ def equilibrium_report(equilibrium: Equilibrium) -> str:
         _joints(equilibrium),
         _stability(equilibrium),
         _stress(equilibrium),
+        _validity(equilibrium),
         _effort(equilibrium),
         _warnings(equilibrium),
     ]
@@ -126,6 +121,7 @@ def steady_report(steady: Steady) -> str:
         _reactions(steady),
         _small_motions(steady),
         _stress(steady),
+        _validity(steady),
         _effort(steady),
         _warnings(steady),
     ]

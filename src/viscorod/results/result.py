@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from viscorod.results.probe import Places
+    from viscorod.results.validity import Validity
     from viscorod.solve.stress.recorded_rods import RecordedRods
 
 Quantity: TypeAlias = Literal["position", "displacement", "velocity"]
@@ -260,6 +261,16 @@ class Result(ABC):
         from viscorod.results.stress import stress_at
 
         return stress_at(self, place, points)
+
+    def validity(self) -> Validity:
+        """Return the conditions under which a rod model is right, each with its number and its limit.
+
+        Curvature, twist and slenderness of the reference shape, strains, and how quick the motion is beside the
+        material's relaxation (Linn, Lang and Tuganov 2013, sections 2.2 and 2.6); ``print`` shows a table.
+        """
+        from viscorod.results.validity import validity_of
+
+        return validity_of(self)
 
     @checked
     def plot_stress(self, path: str | Path, place: str | int, time: float | None = None) -> Path:

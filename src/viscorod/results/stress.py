@@ -50,7 +50,7 @@ class RodStress:
 
     def at(self, s: float, curvature: Floats) -> SectionStress:
         """Return the section at an arc length [m] where the reference shape has this curvature ``(3,)`` [1/m]."""
-        here, curvature = self._sections.at(s), curvature[:2]
+        here, curvature = self._sections.at(s), self._sections.curvature(s, curvature[:2])
         half = here.section.half_width
         if half is not None and half * np.linalg.norm(curvature) < STRAIGHT:
             curvature = np.zeros(2)
@@ -183,7 +183,7 @@ def section_patch(result: Result, place: str | int, time: float | None = None) -
                 break
             size = float(von_mises(section.fields(patch.samples, parts.at(np.array([k]))).stress).max())
             largest, state = (size, int(k)) if size > largest else (largest, state)
-    level = time if instants is not None else result.data[result.dimension].values[state]
+    level = result.data[result.dimension].values[state] if time is None else time
     chosen = parts.at(np.array([state]))
     stress = section.fields(patch.samples, chosen).stress[0]
     return StressPatch(site.label, float(level), patch.samples.points, patch.triangles, stress)

@@ -32,6 +32,7 @@ def draw_stress(result: Result, place: str | int, time: float | None = None) -> 
     from matplotlib import colormaps
     from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.ticker import MaxNLocator
+    from matplotlib.tri import Triangulation
 
     patch = section_patch(result, place, time)
     width, height = np.ptp(patch.points, axis=0)
@@ -53,6 +54,7 @@ def draw_stress(result: Result, place: str | int, time: float | None = None) -> 
     )
     length, unit = (1e3, "mm") if np.abs(patch.points).max() < 1.0 else (1.0, "m")
     points = length * patch.points
+    grid = Triangulation(*points.T, patch.triangles)
     across, along = np.linalg.norm(patch.stress[:, :2], axis=1), patch.stress[:, 2]
     # light to strong, so that dark arrows show everywhere
     heat = LinearSegmentedColormap.from_list("heat", colormaps["YlOrRd"](np.linspace(0.0, 0.72, 64)))
@@ -66,8 +68,7 @@ def draw_stress(result: Result, place: str | int, time: float | None = None) -> 
         factor, pascal = scaled("Pa", values)
         top = factor * max(float(np.abs(values).max()), np.finfo(float).tiny)
         drawn = axes.tripcolor(
-            *points.T,
-            patch.triangles,
+            grid,
             factor * values,
             shading="gouraud",
             cmap=heat if colours == "heat" else colormaps[colours],

@@ -14,19 +14,27 @@ from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection
 from viscorod.model.sections.section_profile import Piecewise, SectionProfile, Taper, section_profile
 from viscorod.model.strain_constraints import constrained_strains
+from viscorod.typing import Floats
 
 __all__ = ["RecordedRod", "RecordedRods", "SectionHere"]
 
-_KEYS = ("section", "sections", "taper", "stations", "sampled", "material", "constraints", "law")
+_KEYS = (
+    *("section", "sections", "taper", "stations", "sampled", "bent"),
+    *("material", "constraints", "law", "curvature_correction"),
+)
 """What a table of a rod says of its sections."""
 
 
 class SectionHere(NamedTuple):
-    """A section with the material that it takes, and which of the six strains its rod holds."""
+    """A section with the material that it takes, and which of the six strains its rod holds.
+
+    ``corrected`` tells whether the curvature of the reference shape is counted in its matrices.
+    """
 
     section: AnySection
     material: Material | None
     held: tuple[bool, ...]
+    corrected: bool = False
 
 
 class RecordedRods:
@@ -76,12 +84,17 @@ class RecordedRod:
     Attributes:
         profile: the sections; material: of those that take one; held: strains that the rod holds.
         length: of the rod [m].
+        corrected: whether its matrices count the reference curvature, which then is known at ``stations`` [m].
+        bent: these curvatures [1/m].
     """
 
     profile: SectionProfile
     material: Material | None
     held: tuple[bool, ...]
     length: float
+    corrected: bool = False
+    stations: tuple[float, ...] = ()
+    bent: tuple[tuple[float, float], ...] = ()
 
     @classmethod
     def of(cls, name: str, rod: Mapping[str, Any], length: float) -> RecordedRod:
@@ -101,7 +114,23 @@ class RecordedRod:
             )
         material = None if rod.get("material") is None else Material.model_validate(rod["material"])
         held = constrained_strains(tuple(rod.get("constraints") or ()))
-        return cls(_profile(rod), material, held, length)
+        bent = tuple((float(first), float(second)) for first, second in rod.get("bent") or ())
+        corrected = bool(rod.get("curvature_correction"))
+        stations = tuple(rod.get("stations") or ())
+        return cls(_profile(rod), material, held, length, corrected, stations, bent)
+
+    def curvature(self, s: float, seen: Floats) -> Floats:
+        """Return the reference curvatures ``(2,)`` [1/m] at an arc length: at Gauss points those that are kept.
+
+        Args:
+            s: arc length [m].
+            seen: curvatures of the interpolated reference shape there ``(2,)``.
+        """
+        if self.bent:
+            near = int(np.argmin(np.abs(np.array(self.stations) - s)))
+            if abs(self.stations[near] - s) <= 1e-9 * self.length:
+                return np.array(self.bent[near])
+        return seen
 
     def at(self, s: float) -> SectionHere:
         """Return the section at an arc length [m]."""
@@ -113,11 +142,12 @@ class RecordedRod:
             section = self.profile
         else:
             section = self.profile(s)
-        return SectionHere(section, self.material if section.needs_material else None, self.held)
+        material = self.material if section.needs_material else None
+        return SectionHere(section, material, self.held, self.corrected)
 
 
 def _profile(rod: Mapping[str, Any]) -> SectionProfile:
-    if "stations" in rod:  # a function of the arc length, at the Gauss points
+    if "sampled" in rod:  # a function of the arc length, at the Gauss points
         stations = np.asarray(rod["stations"], dtype=float)
         sections = [section_profile(one) for one in rod["sampled"]]
 

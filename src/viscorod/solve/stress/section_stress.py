@@ -22,6 +22,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from viscorod.model.sections.curved_section import curved_branches, curved_matrices
 from viscorod.model.sections.stress_field import SectionSamples, resultants
 from viscorod.solve.stress.recorded_rods import SectionHere
 from viscorod.typing import Floats
@@ -85,8 +86,12 @@ class SectionStress:
     def __init__(self, here: SectionHere, curvature: Floats) -> None:
         self.curvature = curvature
         self.field = here.section.stress_field(here.material)
-        stiffness, damping, _ = here.section.matrices(here.material)
-        self.times, branches = here.section.branch_matrices(here.material)
+        matrices = here.section.matrices(here.material)
+        relaxing = here.section.branch_matrices(here.material)
+        if here.corrected:
+            matrices = curved_matrices(matrices, here.section, here.material, curvature)
+            relaxing = curved_branches(relaxing, here.section, here.material, curvature)
+        (stiffness, damping, _), (self.times, branches) = matrices, relaxing
         free = np.outer(*(2 * [~np.array(here.held)]))
         self.stiffness, self.damping = free * stiffness, free * damping
         self.branches = free * branches
