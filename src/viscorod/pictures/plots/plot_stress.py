@@ -54,7 +54,7 @@ def draw_stress(result: Result, place: str | int, time: float | None = None) -> 
     )
     length, unit = (1e3, "mm") if np.abs(patch.points).max() < 1.0 else (1.0, "m")
     points = length * patch.points
-    grid = Triangulation(*points.T, patch.triangles)
+    grid = Triangulation(points[:, 0], points[:, 1], patch.triangles)
     across, along = np.linalg.norm(patch.stress[:, :2], axis=1), patch.stress[:, 2]
     # light to strong, so that dark arrows show everywhere
     heat = LinearSegmentedColormap.from_list("heat", colormaps["YlOrRd"](np.linspace(0.0, 0.72, 64)))
