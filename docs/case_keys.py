@@ -27,10 +27,12 @@ FILE = {
     "velocities": ("tables `[[velocities]]`", "at rest", "see Initial velocities"),
     "strains": ("tables `[[strains]]`", "unstrained", "see Initial strains"),
     "rest_strains": ("tables `[[rest_strains]]`", "none", "see Rest strains"),
-    "simulate": ("table `[simulate]`", "one of these four", "see Analyses"),
-    "equilibrium": ("table `[equilibrium]`", "one of these four", "see Analyses"),
-    "path": ("table `[path]`", "one of these four", "see Analyses"),
-    "steady": ("table `[steady]`", "one of these four", "see Analyses"),
+    "simulate": ("table `[simulate]`", "one of these six", "see Analyses"),
+    "equilibrium": ("table `[equilibrium]`", "one of these six", "see Analyses"),
+    "path": ("table `[path]`", "one of these six", "see Analyses"),
+    "steady": ("table `[steady]`", "one of these six", "see Analyses"),
+    "modes": ("table `[modes]`", "one of these six", "see Analyses"),
+    "response": ("table `[response]`", "one of these six", "see Analyses"),
 }
 ROD = {
     "section": (SECTION, "one of these three", "the section of the whole rod"),

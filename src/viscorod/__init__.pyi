@@ -15,7 +15,6 @@ from .model.actions.event import Crossing as Crossing
 from .model.actions.event import Decayed as Decayed
 from .model.actions.event import SteadyState as SteadyState
 from .model.actions.initial_strain import InitialStrain as InitialStrain
-from .model.actions.initial_strain import RestStrain as RestStrain
 from .model.actions.initial_velocity import InitialVelocity as InitialVelocity
 from .model.actions.load import DistributedForce as DistributedForce
 from .model.actions.load import DistributedMoment as DistributedMoment
@@ -23,6 +22,7 @@ from .model.actions.load import Force as Force
 from .model.actions.load import Gravity as Gravity
 from .model.actions.load import Moment as Moment
 from .model.actions.load import MovingForce as MovingForce
+from .model.actions.rest_strain import RestStrain as RestStrain
 from .model.actions.time_function import Constant as Constant
 from .model.actions.time_function import Ramp as Ramp
 from .model.actions.time_function import Sine as Sine
@@ -63,6 +63,9 @@ from .model.materials.material import Material as Material
 from .model.materials.measured_damping import MeasuredDamping as MeasuredDamping
 from .model.materials.prony import Prony as Prony
 from .model.materials.relaxation_modulus import RelaxationModulus as RelaxationModulus
+from .model.materials.temperature_shift import WLF as WLF
+from .model.materials.temperature_shift import Arrhenius as Arrhenius
+from .model.materials.temperature_shift import ShiftTable as ShiftTable
 from .model.rod import Rod as Rod
 from .model.sections.composite import Composite as Composite
 from .model.sections.composite import CompositeRegion as CompositeRegion
@@ -79,9 +82,13 @@ from .model.sections.section_shapes import SquareTube as SquareTube
 from .model.sections.stiffness_section import MaxwellBranch as MaxwellBranch
 from .model.sections.stiffness_section import StiffnessSection as StiffnessSection
 from .pictures.viewer import view as view
+from .results.buckling import Buckling as Buckling
 from .results.decrement import Decrement as Decrement
 from .results.energy import Energy as Energy
 from .results.files.storage import load as load
+from .results.frequency_response import FrequencyResponse as FrequencyResponse
+from .results.modes_result import Modes as Modes
+from .results.resonances import Resonance as Resonance
 from .results.run import Equilibrium as Equilibrium
 from .results.run import Run as Run
 from .results.steady_result import Steady as Steady

@@ -11,19 +11,25 @@ from typing import TYPE_CHECKING, Any
 from viscorod.analyses.call_arguments import CallOptions, Progress
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium
+from viscorod.analyses.frequency_response import frequency_response, with_inputs
 from viscorod.analyses.model import Model
+from viscorod.analyses.modes import modes
 from viscorod.analyses.motion import motion
 from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.path import equilibrium_path
-from viscorod.analyses.refinement import refined, refined_motion
+from viscorod.analyses.refinement import refined, refined_modes, refined_motion, refined_response
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
+from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
 if TYPE_CHECKING:
+    from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
 
@@ -47,7 +53,8 @@ def discretised_case(case: Case) -> DiscreteModel:
     if case.source is not None:
         about["case_file"] = str(case.source)
     options = CallOptions(title=case.title, attributes=about)
-    return DiscreteModel.of(case.description, case.settings, options, validated=True)
+    described = with_inputs(case.description, case.settings)
+    return DiscreteModel.of(described, case.settings, options, validated=described is case.description)
 
 
 def run_case(
@@ -60,7 +67,7 @@ def run_case(
     resume: bool = False,
     anew: bool = False,
     stop: Callable[[], str] | None = None,
-) -> Run | Equilibrium | Steady:
+) -> Run | Equilibrium | Steady | Modes | FrequencyResponse:
     """Run the analysis of a case file.
 
     Args:
@@ -86,6 +93,10 @@ def run_case(
     with one_blas_thread():
         if isinstance(settings, SimulateSettings):
             return refined_motion(motion, discrete, settings)
+        if isinstance(settings, ModesSettings):
+            return refined_modes(modes, discrete, settings)
+        if isinstance(settings, ResponseSettings):
+            return refined_response(frequency_response, discrete, settings)
         return refined(ANALYSES[type(settings)], discrete, settings)
 
 

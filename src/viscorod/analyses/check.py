@@ -24,7 +24,9 @@ from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_fr
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings.analysis import AnySettings
 from viscorod.solve.settings.checks import require_fit
+from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.typing import Floats
@@ -171,8 +173,10 @@ def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
     flies = isinstance(settings, SimulateSettings) and (
         settings.initial == "reference" or settings.start is not None
     )
-    settled = not (flies or isinstance(settings, SteadySettings))
-    return _doubts(discrete.model, discrete.problem, frequencies[frequencies > 0.0], settled=settled)
+    unloaded = isinstance(settings, ModesSettings | ResponseSettings) and settings.about == "reference"
+    settled = not (flies or unloaded or isinstance(settings, SteadySettings))
+    slowest = frequencies[frequencies > 0.0][:1]
+    return _doubts(discrete.model, discrete.problem, slowest, settled=settled)
 
 
 def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, settled: bool) -> list[str]:
@@ -190,7 +194,7 @@ def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, s
             f"nothing holds the model against {named(free)}: loads may hold it, such as the weight of a pendulum, in "
             "another position than the reference shape"
         )
-    return warnings + _speed_warnings(model, frequencies)
+    return warnings + _speed_warnings(model, frequencies) + _band_warnings(model, frequencies)
 
 
 def _material_rows(model: ModelDescription) -> list[dict[str, object]]:
@@ -396,5 +400,27 @@ def _speed_warnings(model: ModelDescription, frequencies: Floats) -> list[str]:
             warnings.append(
                 f"rod {name}: first angular frequency times longest retardation time is {omega * time:.2g}; "
                 "Kelvin-Voigt damping is meant for motions much slower than the material's relaxation"
+            )
+    return warnings
+
+
+def _band_warnings(model: ModelDescription, frequencies: Floats) -> list[str]:
+    """Compare the bands of loss factors with the frequencies [Hz] of the first motions."""
+    warnings = []
+    for name, rod in model.rods.items():
+        band = None if rod.material is None else rod.material.loss_band
+        if band is None or rod.material is None:
+            continue
+        outside = frequencies[(frequencies < band[0]) | (frequencies > band[1])]
+        modulus = rod.material.relaxation("extension")
+        if outside.size and modulus is not None:
+            found = modulus.complex_modulus(2.0 * np.pi * outside)
+            where, losses = (
+                ", ".join(f"{value:.3g}" for value in values) for values in (outside, found.imag / found.real)
+            )
+            warnings.append(
+                f"rod {name}: its loss factor holds from {band[0]:.4g} to {band[1]:.4g} Hz, and of the first "
+                f"frequencies of the model {where} Hz {'are' if outside.size > 1 else 'is'} outside: there it is "
+                f"{losses} in extension"
             )
     return warnings

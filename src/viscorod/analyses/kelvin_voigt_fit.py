@@ -186,7 +186,7 @@ def _source(material: Any, strain: str) -> RelaxationModulus | tuple[Floats, Com
                 )
             )
         table = damping.tables[strain]
-        return table.omega, table.storage + 1j * table.loss
+        return table.omega / material.shift_factor, table.storage + 1j * table.loss
     found = material.relaxation(strain)
     if found is None or not found.times:
         raise InputError(

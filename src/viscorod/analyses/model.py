@@ -19,13 +19,17 @@ from viscorod.analyses.call_arguments import (
 )
 from viscorod.checks import checked
 from viscorod.model.description.model_description import ModelDescription
+from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.modes import ModesSettings
+from viscorod.solve.settings.response import ResponseSettings
 
 if TYPE_CHECKING:
     from viscorod.analyses.co_simulation import CoSimulation
+    from viscorod.results.buckling import Buckling
+    from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
-    from viscorod.solve.modes.vibrations import Modes
 
 __all__ = ["Model"]
 
@@ -130,6 +134,48 @@ class Model(ModelDescription):
         from viscorod.analyses.refinement import refined_modes
 
         return refined_modes(modes, DiscreteModel.of(self), settings)
+
+    @takes(ResponseSettings)
+    def frequency_response(self, settings: ResponseSettings) -> FrequencyResponse:
+        """Find the responses to harmonic inputs: small motions about a state, solved at every frequency.
+
+        Materials have their exact complex moduli: Kelvin-Voigt, Maxwell branches, and tables over frequency as they
+        were measured. Receptance is displacement over force, mobility velocity over force, accelerance acceleration
+        over force, transmissibility motion over the motion of a support.
+
+        Returns:
+            The complex responses over frequency, their peaks with the damping that is read off them, and the poles.
+
+        Raises:
+            InputError: the model is inconsistent, or there is no such input or output.
+            SolveError: no such equilibrium was found, or an undamped vibration is in resonance.
+        """
+        from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.frequency_response import frequency_response
+        from viscorod.analyses.linear_about import with_input_loads
+        from viscorod.analyses.refinement import refined_response
+
+        discrete = DiscreteModel.of(with_input_loads(self, settings))
+        return refined_response(frequency_response, discrete, settings)
+
+    @takes(BucklingSettings)
+    def buckling(self, settings: BucklingSettings) -> Buckling:
+        """Find critical loads: where along its equilibria the model loses stiffness, and how it gives way there.
+
+        All loads, prescribed motions and rest strains grow with the load factor, but those that are ``constant``.
+
+        Returns:
+            critical load factors, those of the linear problem beside them, and shapes.
+
+        Raises:
+            InputError: the model is inconsistent, nothing holds it, or nothing grows.
+            SolveError: there is no such prestress, or the equilibria could not be followed.
+        """
+        from viscorod.analyses.buckling import buckling
+        from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.refinement import refined_buckling
+
+        return refined_buckling(buckling, DiscreteModel.of(self), settings)
 
     @checked
     def draw(self, path: str | Path, title: str = "") -> Path:

@@ -2,23 +2,34 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium_near, find_initial_equilibrium
 from viscorod.errors import SolveError
+from viscorod.results.modes_result import Modes
 from viscorod.solve.constraints.rigid_motions import many_parts
 from viscorod.solve.formulations.system import State
+from viscorod.solve.history import EnergyAccount, History, Snapshot
 from viscorod.solve.modes import vibrations
-from viscorod.solve.modes.vibrations import Modes
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.start import Start
 
 __all__ = ["modes"]
 
 
+_WORDS = {
+    "equilibrium": "the equilibrium just before t = 0",
+    "released": "the equilibrium just after t = 0",
+    "reference": "the reference shape, as if free of load",
+}
+
+
 def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
     """Find small vibrations, the slowest or those near a frequency; see ``Model.modes``."""
     discrete.require_independent()
     discrete.announce_modes()
+    before, scale, about = True, 1.0, "the equilibrium near an earlier state"
     if isinstance(settings.about, Start):
         state, _ = equilibrium_near(discrete, settings.about)
         linear = vibrations.linearise(discrete.static, state)
@@ -27,9 +38,10 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
         before, loaded = settings.about != "released", settings.about != "reference"
         if loaded:
             find_initial_equilibrium(discrete, state, before=before)
-        linear = vibrations.linearise(discrete.static, state, before=before, scale=1.0 if loaded else 0.0)
+        scale, about = float(loaded), _WORDS[settings.about]
+        linear = vibrations.linearise(discrete.static, state, before=before, scale=scale)
     try:
-        return vibrations.complex_modes(
+        found = vibrations.complex_modes(
             discrete.static,
             state,
             linear,
@@ -47,3 +59,37 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
             "one by one. Hold them (joints of kind universal or revolute, springs), or look at the equilibrium that "
             "loads keep (about = 'equilibrium')"
         ) from None
+    discrete.static.restore(state, 0.0, before=before, scale=scale)
+    return _result(discrete, state, found, about, scale)
+
+
+def _result(
+    discrete: DiscreteModel, state: State, found: vibrations.Modes, about: str, scale: float
+) -> Modes:
+    """Return modes with the state that they are about, whose forces the static solver holds."""
+    history = History()
+    snapshot = Snapshot.of(state, discrete.system, discrete.supports)
+    history.record(scale, snapshot, EnergyAccount(elastic=snapshot.elastic), 0.0, 0)
+    attributes = {
+        "outcome": "completed",
+        "mode_rigid": found.rigid,
+        "mode_certified": int(found.certified),
+        "mode_about": about,
+    }
+    data = discrete.data_set(Modes.kind, history, attributes)()
+    moving = ("small_motion", "part", "station", "axis")
+
+    def parts(values: np.ndarray) -> np.ndarray:
+        return np.stack([values.real, values.imag], axis=1)
+
+    return Modes(
+        data.assign(
+            mode_shape=(moving, parts(found.shapes)),
+            mode_rotation=(moving, parts(found.rotations)),
+            mode_name=("small_motion", np.array(found.names, dtype=str)),
+            mode_share=(("small_motion", "component"), found.shares),
+            mode_residual=("small_motion", found.residuals),
+            eigenvalue=(("small_motion", "part"), parts(found.eigenvalues)),
+            part=["real", "imaginary"],
+        )
+    )

@@ -18,6 +18,9 @@ from viscorod.solve.formulations.system import GaussPositions
 
 __all__ = ["material_record", "provenance", "section_record"]
 
+CAPACITIES = 65
+"""Stations at which the heat capacity of a rod is taken."""
+
 
 def provenance(model: ModelDescription, title: str, more: dict[str, str]) -> dict[str, str]:
     """Return the attributes that every result has: the model as a case, versions, and ``more`` that is given."""
@@ -41,11 +44,30 @@ def material_record(model: ModelDescription) -> dict[str, str]:
     ``damping_assumptions`` are sentences. ``damping_laws`` have ``times``, the retardation times [s] of the six strains
     at the start of the rod (None where it holds them or a Maxwell branch damps them); and, if it is known what a
     Kelvin-Voigt material stands for, ``extension`` and ``shear`` with ``modulus`` [Pa], ``viscosity`` [Pa s] and the
-    Prony series: ``equilibrium`` [Pa], ``moduli`` [Pa], ``times`` [s].
+    Prony series: ``equilibrium`` [Pa], ``moduli`` [Pa], ``times`` [s]. ``heat_capacities`` [J/(m K)] are there of rods
+    whose specific heat is known.
     """
     sentences = {name: list(rod.assumptions) for name, rod in model.rods.items() if rod.assumptions}
     laws = {name: _law(rod) for name, rod in model.rods.items()}
-    return {"damping_assumptions": json.dumps(sentences), "damping_laws": json.dumps(laws)}
+    record = {"damping_assumptions": json.dumps(sentences), "damping_laws": json.dumps(laws)}
+    capacities = {name: known for name, rod in model.rods.items() if (known := _heat_capacity(rod))}
+    return record | ({"heat_capacities": json.dumps(capacities)} if capacities else {})
+
+
+def _heat_capacity(rod: Rod) -> dict[str, list[float]]:
+    """Return the heat capacity per length over the arc length; empty where a specific heat is not known."""
+    if rod.heat_capacity_at(0.0) is None:
+        return {}
+    edge = 1e-9 * rod.length
+    ends = [0.0, rod.length, *(b + side for b in rod.section_breaks for side in (-edge, edge))]
+    stations = np.unique([*np.linspace(0.0, rod.length, CAPACITIES), *ends]).tolist()
+    found = [rod.heat_capacity_at(s) for s in stations]
+    if None in found:
+        return {}
+    values = [float(value or 0.0) for value in found]
+    if max(values) - min(values) <= 1e-12 * max(values):
+        return {"s": [0.0], "capacity": values[:1]}
+    return {"s": stations, "capacity": values}
 
 
 def section_record(model: ModelDescription, gauss: GaussPositions) -> dict[str, str]:

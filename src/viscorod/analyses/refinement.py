@@ -14,21 +14,33 @@ import numpy as np
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
 from viscorod.errors import InputError, SolveError, last_warnings
+from viscorod.results.buckling import Buckling
 from viscorod.results.files.folder_lock import claimed
 from viscorod.results.files.journal import FOLDER, about
+from viscorod.results.frequency_response import FrequencyResponse
+from viscorod.results.modes_result import Modes
 from viscorod.results.run import Run
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
-from viscorod.solve.modes.vibrations import Modes
+from viscorod.solve.modes.vibrations import linearise, natural_frequencies
 from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES
+from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.mesh import Meshed
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.steady import SteadySettings
 from viscorod.typing import Floats
 
-__all__ = ["frequency_errors", "refined", "refined_modes", "refined_motion"]
+__all__ = [
+    "frequency_errors",
+    "refined",
+    "refined_buckling",
+    "refined_modes",
+    "refined_motion",
+    "refined_response",
+]
 
 MOST_MESHES = 12
 """Meshes that are tried at most."""
@@ -40,6 +52,9 @@ MOST_INTRINSIC_NODES = 100
 """Nodes that steady rotations of the intrinsic formulation are refined to at most: it has full matrices."""
 GAIN = 0.7
 """Part of the error before that refinement leaves at most, where it is the mesh that makes the error."""
+
+MOST_COMPARED = 200
+"""Frequencies that are compared on two meshes at most."""
 
 S = TypeVar("S", bound=Meshed)
 R = TypeVar("R")
@@ -160,10 +175,46 @@ def refined_modes(
     discrete: DiscreteModel,
     settings: ModesSettings,
 ) -> Modes:
-    """Find modes on a mesh and on the one with all elements halved; their differences are the estimated errors.
+    """Find modes on a mesh that the program chooses, with the estimated errors of their frequencies."""
 
-    While a frequency differs by more than ``accuracy``, and the program may choose the mesh of a rod, the finer mesh
-    becomes the coarser one.
+    def compared(found: Modes, other: Modes) -> tuple[Modes, Floats]:
+        errors = frequency_errors(found, other)
+        return found.with_errors(errors), errors
+
+    return beside_finer(analysis, discrete, settings, compared)
+
+
+def refined_buckling(
+    analysis: Callable[[DiscreteModel, BucklingSettings], Buckling],
+    discrete: DiscreteModel,
+    settings: BucklingSettings,
+) -> Buckling:
+    """Find critical loads on a mesh that the program chooses, with the estimated errors of their factors."""
+
+    def compared(found: Buckling, other: Buckling) -> tuple[Buckling, Floats]:
+        paired = min(len(found.load_factors), len(other.load_factors))
+        mine, theirs = found.load_factors[:paired], other.load_factors[:paired]
+        errors = np.full(len(found.load_factors), np.inf)
+        errors[:paired] = np.abs(mine - theirs) / np.maximum(np.abs(theirs), np.finfo(float).tiny)
+        return replace(found, errors=errors), errors
+
+    return beside_finer(analysis, discrete, settings, compared)
+
+
+def beside_finer(
+    analysis: Callable[[DiscreteModel, S], R],
+    discrete: DiscreteModel,
+    settings: S,
+    compared: Callable[[R, R], tuple[R, Floats]],
+) -> R:
+    """Run an analysis on a mesh and on the one with all elements halved; their differences are the estimated errors.
+
+    While one is more than ``accuracy``, and the program may choose the mesh of a rod, the finer mesh becomes the
+    coarser one.
+
+    Args:
+        analysis: what is run; discrete, settings: its arguments.
+        compared: returns a result with its errors, and these, from it and that of the finer mesh.
     """
     found, before = analysis(discrete, settings), np.inf
     if not discrete.watch.feasible:
@@ -176,9 +227,8 @@ def refined_modes(
             other = analysis(finer, settings)
         except SolveError:
             return found
-        errors = frequency_errors(found, other)
+        found, errors = compared(found, other)
         worst = float(errors.max(initial=0.0))
-        found = replace(found, frequency_errors=errors)
         stuck, before = worst > GAIN * before, worst
         if worst <= settings.accuracy or not free or stuck or finer.problem.size > MOST_CHOSEN_NODES:
             return found
@@ -189,6 +239,51 @@ def refined_modes(
             discrete = discrete.on_mesh(halved)
             found = analysis(discrete, settings)
     return found
+
+
+def refined_response(
+    analysis: Callable[[DiscreteModel, ResponseSettings], FrequencyResponse],
+    discrete: DiscreteModel,
+    settings: ResponseSettings,
+) -> FrequencyResponse:
+    """Compute responses on a mesh that resolves the resonances up to the highest frequency.
+
+    While an undamped frequency in the band differs by more than ``accuracy`` from that of the mesh with all elements
+    halved, and the program may choose the mesh of a rod, the finer mesh is taken. The result keeps the difference.
+    """
+    highest = settings.band[1] if settings.band else (settings.frequencies or (0.0,))[-1]
+    free = {name for name, rod in discrete.model.rods.items() if rod.elements is None}
+    errors = 0.0
+    for _ in range(MOST_MESHES if discrete.watch.feasible else 0):
+        coarse = divisions_of(discrete.problem)
+        finer = discrete.on_mesh({name: division.halved() for name, division in coarse.items()})
+        errors = _differences(discrete, finer, highest)
+        if errors <= settings.accuracy or not free or finer.problem.size > MOST_CHOSEN_NODES:
+            break
+        discrete = discrete.on_mesh({n: d.halved() if n in free else d for n, d in coarse.items()})
+    found = analysis(discrete, settings)
+    found.data.attrs["frequency_error"] = errors
+    return found
+
+
+def _differences(discrete: DiscreteModel, finer: DiscreteModel, highest: float) -> float:
+    """Return the largest relative difference of the frequencies up to ``highest`` [Hz], undamped and unloaded."""
+    found: list[Floats] = []
+    for one in (discrete, finer):
+        linear = linearise(one.static, State.reference(one.problem), scale=0.0)
+        count = 8
+        while True:
+            omega = natural_frequencies(linear, min(count, linear.motions))
+            if omega[-1] > 2.0 * np.pi * highest or count >= min(linear.motions, MOST_COMPARED):
+                break
+            count *= 2
+        found.append(omega)
+    pairs = min(map(len, found))
+    mine, better = found[0][:pairs], found[1][:pairs]
+    kept = np.flatnonzero((mine > RIGID * mine[-1]) & (better <= 2.0 * np.pi * highest))
+    if not len(kept):
+        kept = np.flatnonzero(mine > RIGID * mine[-1])[:1]  # the next one shapes the response below it
+    return float((np.abs(mine[kept] - better[kept]) / better[kept]).max(initial=0.0))
 
 
 def frequency_errors(found: Modes, other: Modes) -> Floats:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -14,7 +14,7 @@ from viscorod.model.fields.definition import did_you_mean, show, some_of
 from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.statics.stage import Stage
 
-__all__ = ["stages_of"]
+__all__ = ["constant_stage", "stages_of"]
 
 REST = "rest_strains"
 
@@ -67,12 +67,30 @@ def stages_of(discrete: DiscreteModel, settings: EquilibriumSettings) -> list[St
     return found
 
 
+def constant_stage(discrete: DiscreteModel, names: Sequence[str]) -> Stage:
+    """Return the stage at whose end what is named acts in full, and nothing else.
+
+    Raises:
+        InputError: the model has none of such a name.
+    """
+    whole = Stage.whole(discrete.static, len(discrete.model.loads))
+    known = _loads(discrete, len(whole.loads)) | _motions(discrete)
+    stage = Stage(*(np.zeros_like(array) for array in (whole.loads, whole.supports, whole.motors)))
+    for index, name in enumerate(names):
+        for kind, k, component in _known(known, name, f"constant[{index}]"):
+            if kind == "supports":
+                stage.supports[k, component] = 1.0
+            else:
+                (stage.loads if kind == "loads" else stage.motors)[k] = 1.0
+    return stage
+
+
 def _loads(discrete: DiscreteModel, count: int) -> dict[str, set[Growing]]:
     """Return the loads by their names, or their kinds."""
     found: dict[str, set[Growing]] = {}
     for number, load in enumerate(discrete.model.loads):
         found.setdefault(load.name or load.word, set()).add(("loads", number, 0))
-    if discrete.problem.rest_strain:
+    if discrete.problem.rest_strains:
         found[REST] = {("loads", count - 1, 0)}
     return found
 

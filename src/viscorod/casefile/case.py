@@ -49,7 +49,7 @@ class Case:
 
     @property
     def kind(self) -> str:
-        """Return the analysis: "simulate", "equilibrium", "path" or "steady"."""
+        """Return the analysis: its table in a case file, such as "simulate"."""
         return next(word for word, settings in ANALYSES.items() if isinstance(self.settings, settings))
 
     def model(self, kind: type[M]) -> M:

@@ -11,9 +11,10 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from viscorod.errors import Fault, InputError, join_path
-from viscorod.model.actions.initial_strain import InitialStrain, RestStrain
+from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import load
+from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.bodies.body import one_body
 from viscorod.model.bodies.body_base import AnyBody
 from viscorod.model.connections.joint import joint
@@ -35,7 +36,9 @@ from viscorod.model.materials.material import Material
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.section_profile import Piecewise, Taper, one_section
 from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
@@ -48,6 +51,8 @@ ANALYSES: dict[str, type[AnySettings]] = {
     "equilibrium": EquilibriumSettings,
     "path": PathSettings,
     "steady": SteadySettings,
+    "modes": ModesSettings,
+    "response": ResponseSettings,
 }
 """The analyses by their table in a case file; exactly one of them stands in a file."""
 
@@ -56,7 +61,7 @@ LISTS = ("supports", "loads", "attachments", "joints", "springs", "velocities", 
 KEYS = ("title", *TABLES, *LISTS, *ANALYSES)
 
 SECTION_KEYS = ("section", "sections", "taper")
-PLAIN_KEYS = ("elements", "order", "d1", "twist", "constraints", "law", "curvature_correction")
+PLAIN_KEYS = ("elements", "order", "d1", "twist", "constraints", "law", "tilt", "curvature_correction")
 ROD_KEYS = (*SECTION_KEYS, "material", *PLAIN_KEYS)
 
 
@@ -168,7 +173,8 @@ class CaseReader:
                 given[0] if given else "simulate",
                 f"the tables {' and '.join(given)}" if given else "",
                 "a case asks for exactly one analysis",
-                "give one table: [simulate] with a duration, [equilibrium], [path], or [steady] with a spin",
+                "give one table: [simulate] with a duration, [equilibrium], [path], [steady] with a spin, [modes], "
+                "or [response] with inputs and outputs",
             )
         for key in given:
             parsed = self._parsed(key, ANALYSES[key].model_validate, self.data[key])

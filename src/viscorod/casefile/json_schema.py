@@ -10,9 +10,10 @@ from pydantic.fields import FieldInfo
 
 from viscorod.casefile.case_reader import ANALYSES, ROD_KEYS
 from viscorod.model.actions.event import EVENTS
-from viscorod.model.actions.initial_strain import InitialStrain, RestStrain
+from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import LOADS
+from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.actions.time_table import TIME_FUNCTIONS
 from viscorod.model.bodies.body import BODIES, Body
 from viscorod.model.connections.joint import JOINTS
@@ -25,6 +26,7 @@ from viscorod.model.fields.metadata import accepted, meaning, units_of
 from viscorod.model.fields.values import REQUIRED
 from viscorod.model.materials.complex_moduli import ModulusTable
 from viscorod.model.materials.material import DAMPINGS, KelvinVoigt, Material
+from viscorod.model.materials.temperature_shift import SHIFTS
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.composite import CompositeRegion
 from viscorod.model.sections.section_laws import SECTION_LAWS
@@ -42,6 +44,7 @@ DRAFT = "http://json-schema.org/draft-07/schema#"
 
 GROUPS: dict[str, tuple[str, Mapping[str, type[Definition]], type[Definition] | None]] = {
     "damping": ("damping", DAMPINGS, KelvinVoigt),
+    "shift": ("shifts", SHIFTS, None),
     "section": ("sections", SECTIONS, None),
     "law": ("laws", SECTION_LAWS, None),
     "body": ("bodies", BODIES, Body),

@@ -18,8 +18,10 @@ from viscorod.cli.check_command import check
 from viscorod.cli.damping_commands import app as damping
 from viscorod.cli.example_command import example
 from viscorod.cli.export_command import export
+from viscorod.cli.modes_command import modes
 from viscorod.cli.plot_command import plot
 from viscorod.cli.probe_command import probe
+from viscorod.cli.response_command import response
 from viscorod.cli.run_commands import resume, run
 from viscorod.cli.schema_command import schema
 from viscorod.cli.sweep_command import sweep
@@ -34,7 +36,22 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-for command in (example, check, run, resume, sweep, view, plot, probe, export, animate, schema, warmup):
+for command in (
+    example,
+    check,
+    run,
+    resume,
+    modes,
+    response,
+    sweep,
+    view,
+    plot,
+    probe,
+    export,
+    animate,
+    schema,
+    warmup,
+):
     app.command()(command)
 app.add_typer(damping, name="damping")
 

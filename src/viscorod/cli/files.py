@@ -10,6 +10,7 @@ from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
     from viscorod.model.rod import Rod
+    from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
 
@@ -62,16 +63,26 @@ def rod_of(case: Path, name: str | None) -> tuple[str, Rod]:
     raise InputError(Fault("--rod", name, "the case has no such rod", f"{advice}It has {names}"))
 
 
-def opened(path: Path) -> Run | Equilibrium | Steady:
+def opened(path: Path) -> Run | Equilibrium | Steady | Modes:
     """Return the result in a file.
 
     Raises:
-        InputError: no such file, or it holds a sweep.
+        InputError: no such file, or it holds a sweep or a frequency response.
     """
     from viscorod.results.files.storage import load
+    from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.sweep_result import Sweep
 
     found = load(path)
+    if isinstance(found, FrequencyResponse):
+        raise InputError(
+            Fault(
+                str(path),
+                "",
+                "this is a frequency response, which has no states of a model",
+                "viscorod response writes its pictures; in Python: viscorod.load(path).plot(...)",
+            )
+        )
     if isinstance(found, Sweep):
         raise InputError(
             Fault(

@@ -21,6 +21,8 @@ from viscorod.errors import InputError, SolveError
 if TYPE_CHECKING:
     from viscorod.analyses.discrete import DiscreteModel
     from viscorod.casefile.case import Case
+    from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
 
@@ -119,7 +121,7 @@ def _compute(
     settings = case.settings
     static = not isinstance(settings, SimulateSettings)
     total = settings.duration if isinstance(settings, SimulateSettings) else 1.0
-    result: Run | Equilibrium | Steady
+    result: Run | Equilibrium | Steady | Modes | FrequencyResponse
     with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
         try:
             with _polite_stop() as stop, reporting(total, static=static) as progress:
@@ -178,7 +180,9 @@ def _polite_stop() -> Iterator[Callable[[], str]]:
             signal.signal(number, handler)
 
 
-def _write(result: Run | Equilibrium | Steady, folder: Path, doubts: Sequence[str]) -> list[Path]:
+def _write(
+    result: Run | Equilibrium | Steady | Modes | FrequencyResponse, folder: Path, doubts: Sequence[str]
+) -> list[Path]:
     """Write pictures, and data with the doubts among its warnings unless it is there already; return the files."""
     from viscorod.results.run import Run
 
@@ -187,5 +191,6 @@ def _write(result: Run | Equilibrium | Steady, folder: Path, doubts: Sequence[st
         return [folder / "run.nc", *pictures]
     known: list[Any] = json.loads(result.data.attrs.get("warnings", "[]"))
     result.data.attrs["warnings"] = json.dumps([*doubts, *known])
-    picture = result.plot(folder / "shape.png")
+    word = {"modes": "modes", "response": "bode"}.get(result.kind, "shape")
+    picture = result.plot(folder / f"{word}.png")
     return [result.save(folder / "run.nc"), picture]

@@ -15,6 +15,8 @@ from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.centrelines.centreline import Centreline, Twist
 from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
 from viscorod.model.centrelines.parametric_lines import ParametricCurve, ThroughPoints
+from viscorod.model.centrelines.tilt import Tilt, tilts
+from viscorod.model.centrelines.tilt import tilt as as_tilt
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import named_or, quantity
 from viscorod.model.fields.metadata import Check, Key, accepts
@@ -138,6 +140,12 @@ class Rod(Definition):
     law: Annotated[AnySectionLaw | None, section_law] = Key(
         "law of the section forces beside those of stiffness and damping", default=None
     )
+    tilt: Annotated[Tilt, as_tilt] = Key(
+        "rotation of the sections from the frame whose d3 is the tangent, for oblique ones: a rotation vector along "
+        "d1, d2, d3; {}",
+        "rad",
+        default=(0.0, 0.0, 0.0),
+    )
     curvature_correction: Flag = Key(
         "count that fibres inside a curved reference shape are shorter than outside (J0), in stretch, bending and "
         "inertia; for sections of a known shape",
@@ -158,6 +166,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
+        tilt: Tilt = (0.0, 0.0, 0.0),
         curvature_correction: bool = False,
     ) -> Self:
         """Make a straight rod; see `Straight`."""
@@ -180,6 +189,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
+        tilt: Tilt = (0.0, 0.0, 0.0),
         curvature_correction: bool = False,
     ) -> Self:
         """Make a rod along a circular arc; see `Arc`."""
@@ -205,6 +215,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
+        tilt: Tilt = (0.0, 0.0, 0.0),
         curvature_correction: bool = False,
     ) -> Self:
         """Make a rod along a helix; see `Helix`."""
@@ -224,6 +235,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
+        tilt: Tilt = (0.0, 0.0, 0.0),
         curvature_correction: bool = False,
     ) -> Self:
         """Make a rod along a smooth curve through points; see `ThroughPoints`."""
@@ -242,6 +254,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
+        tilt: Tilt = (0.0, 0.0, 0.0),
         curvature_correction: bool = False,
     ) -> Self:
         """Make a rod along a curve given by a function; see `ParametricCurve`."""
@@ -276,6 +289,12 @@ class Rod(Definition):
     def constrained_strains(self) -> tuple[bool, ...]:
         """For shear 1, shear 2, stretch, bend 1, bend 2, twist: whether the strain keeps its reference value."""
         return constrained_strains(self.constraints)
+
+    @property
+    def viscous(self) -> bool:
+        """Whether any section has dashpots of Kelvin and Voigt, or will have."""
+        pending = self.material is not None and self.material.pending
+        return pending or any(self.matrices_at(s)[1].any() for s, _ in self._sections())
 
     @property
     def relaxing(self) -> bool:
@@ -355,6 +374,11 @@ class Rod(Definition):
         """Whether all its sections have the same matrices."""
         return isinstance(self.section, AnySection) and not self.curvature_correction
 
+    def heat_capacity_at(self, s: float) -> float | None:
+        """Return the heat capacity per length at the arc length `s`, J/(m K); None where it is not known."""
+        section = self.section_at(s)
+        return section.heat_capacity(self.material if section.needs_material else None)
+
     @property
     def assumptions(self) -> list[str]:
         """What is assumed of its sections and material, one sentence each."""
@@ -390,7 +414,15 @@ class Rod(Definition):
 
     def frames(self, s: Floats | Sequence[float]) -> tuple[Floats, Floats]:
         """Return positions (n, 3) and frames (n, 3, 3; columns d1, d2, d3) of the reference shape, global axes."""
-        return self.centreline.frames(s, self.d1, self.twist)
+        position, frames = self.centreline.frames(s, self.d1, self.twist)
+        if self.tilted:
+            frames = frames @ tilts(self.tilt, np.atleast_1d(np.asarray(s, dtype=float)))
+        return position, frames
+
+    @property
+    def tilted(self) -> bool:
+        """Whether sections are oblique: d3 is not the tangent, or they are turned about it."""
+        return callable(self.tilt) or any(self.tilt)
 
     def chosen_elements(self, start: float, end: float, order: int | None = None) -> int:
         """Return the number of elements chosen from `start` to `end` [m]: by nodes along the rod, and by its turns.
@@ -466,6 +498,13 @@ class Rod(Definition):
                     "describe the section by its shape, or leave curvature_correction out",
                     at=("curvature_correction",),
                 )
+        if self.curvature_correction and self.tilted:
+            raise RefusedError(
+                "the curvature of a rod with oblique sections cannot be counted",
+                "leave tilt or curvature_correction out",
+                found="true",
+                at=("curvature_correction",),
+            )
         if self.curvature_correction:
             self._inside_the_curve()
         return self

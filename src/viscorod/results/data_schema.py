@@ -2,7 +2,7 @@
 
 Everything a result says is derived from one ``xarray.Dataset`` with these variables, so a file read back does
 all that a fresh run does. States are stored along ``time`` (kind "simulate"), ``load_factor`` (kind "equilibrium") or
-``spin`` (kind "steady", one state).
+``spin`` (kind "steady", one state); modes have the one state that they are about along ``load_factor``.
 
 Stations are the nodes of the rods, by increasing arc length rod by rod, and after them the mass centres of rigid
 bodies, each followed by the body's named points: ``station_rod`` is the name of the body, or "plate.corner", with
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 AXES = ("x", "y", "z")
 """Global axes, in the order of every ``axis`` dimension."""
 
-DIMENSION = {"simulate": "time", "equilibrium": "load_factor", "steady": "spin"}
+DIMENSION = {"simulate": "time", "equilibrium": "load_factor", "steady": "spin", "modes": "load_factor"}
 """Kind of result -> the dimension along which its states are stored."""
 
 VARIABLES: dict[str, tuple[str, str]] = {
@@ -65,6 +65,7 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "viscous": ("J", "energy lost to viscosity, Maxwell branches and dampers so far"),
     "outside": ("J", "energy lost outside of the rods, to drag, so far"),
     "external": ("J", "work of loads, moving supports and motors so far"),
+    "actuator": ("J", "work of what changes rest strains so far"),
     "numerical": ("J", "numerical remainder of the energy account"),
     "reaction": ("N, N m", "force and moment of the support on the rod, global axes"),
     "joint": ("", "joint or spring of the coordinate"),
@@ -90,12 +91,13 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "joint_spin": ("rad/s", "angular velocity in the axes of the node at the joint, or of the first one"),
     "centre": ("m", "point on the axis of rotation"),
     "momentum": ("N m s", "angular momentum about the centre, global axes"),
-    "eigenvalue": ("1/s", "real and imaginary part of s, small motions exp(s t) about the rotation"),
+    "eigenvalue": ("1/s", "real and imaginary part of s, small motions exp(s t) about the state"),
     "mode_shape": ("1", "displacement in a small motion, largest component 1, real and imaginary part"),
     "mode_rotation": ("rad/m", "rotation in it, body axes, per displacement of 1 m"),
     "mode_name": ("", "what most of the strain energy of a small motion is in, and its number among these"),
     "mode_share": ("1", "part of the strain energy of a small motion in every strain"),
     "mode_residual": ("1", "what a small motion leaves of its equations, as a part of what adds up to them"),
+    "mode_error": ("1", "estimated error of the frequency by the mesh, as a part of it"),
     "negative_eigenvalues": (
         "1",
         "number of negative eigenvalues of the tangent stiffness, or of growing motions if it is not symmetric",
@@ -122,7 +124,9 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "relaxation_time": ("branch",),
     "branch_loss": (STATES, "branch"),
     "branch_strain": (STATES, "point", "branch", "component"),
-    **dict.fromkeys(("kinetic", "elastic", "viscous", "outside", "external", "numerical"), (STATES,)),
+    **dict.fromkeys(
+        ("kinetic", "elastic", "viscous", "outside", "external", "actuator", "numerical"), (STATES,)
+    ),
     "reaction": (STATES, "support", "motion"),
     **dict.fromkeys(("joint", "joint_motion", "joint_held"), ("joint_coordinate",)),
     **dict.fromkeys(("joint_value", "joint_rate", "joint_force"), (STATES, "joint_coordinate")),
@@ -134,7 +138,7 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("spin_vector", "joint_spin", "centre", "momentum"), ("axis",)),
     "eigenvalue": ("small_motion", "part"),
     **dict.fromkeys(("mode_shape", "mode_rotation"), ("small_motion", "part", "station", "axis")),
-    **dict.fromkeys(("mode_name", "mode_residual"), ("small_motion",)),
+    **dict.fromkeys(("mode_name", "mode_residual", "mode_error"), ("small_motion",)),
     "mode_share": ("small_motion", "component"),
 }
 """Name -> dimensions of every variable."""
@@ -238,6 +242,10 @@ _ALWAYS = (
 REQUIRED = {
     "simulate": (*_ALWAYS, "velocity", "kinetic", "viscous", "external", "numerical"),
     "equilibrium": _ALWAYS,
+    "modes": (
+        *_ALWAYS,
+        *("eigenvalue", "mode_shape", "mode_rotation", "mode_name", "mode_share", "mode_residual"),
+    ),
     "steady": (
         *_ALWAYS,
         *("velocity", "kinetic", "spin_vector", "joint_spin", "centre", "momentum", "eigenvalue"),
@@ -251,7 +259,7 @@ def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
 
     Args:
         data: the data set; it is not changed.
-        kind: "simulate", "equilibrium" or "steady".
+        kind: "simulate", "equilibrium", "steady" or "modes".
 
     Raises:
         InputError: the data set is of another kind, or variables are missing.

@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 def dataset(
     kind: str, problem: Problem, gauss: GaussPositions, history: History, attrs: dict[str, Any]
 ) -> xr.Dataset:
-    """Arrange a history as the data set of a run ("simulate"), an equilibrium or a steady rotation.
+    """Arrange a history as the data set of a run ("simulate"), an equilibrium, a steady rotation or modes.
 
     Args:
-        kind: "simulate", "equilibrium" or "steady".
+        kind: "simulate", "equilibrium", "steady" or "modes".
         problem: the solved one; gauss: positions of its Gauss points.
         history: recorded states.
         attrs: attributes of the whole data set (see ``schema``).
@@ -62,7 +62,7 @@ def dataset(
     }
     energy = np.array(history.energy)
     variables["elastic"] = (along, energy[:, 1])
-    if kind != "equilibrium":
+    if kind not in ("equilibrium", "modes"):
         variables |= {
             "velocity": ((*states, "axis"), velocity),
             "angular_velocity": ((*states, "axis"), spin),
@@ -86,6 +86,8 @@ def dataset(
                 variables["branch_strain"] = ((along, "point", "branch", "component"), np.array(springs))
         if problem.motion_loads:
             variables["outside"] = (along, energy[:, 5])
+        if any(strain.changes for _, strain in problem.rest_strains):
+            variables["actuator"] = (along, energy[:, 6])
         variables |= {
             "dissipation": (points, power),
             "viscous": (along, energy[:, 2]),

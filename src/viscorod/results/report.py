@@ -47,6 +47,7 @@ def run_report(run: Run) -> str:
         _events(run),
         _stress(run),
         _validity(run),
+        _heating(run),
         _drift(run),
         _effort(run),
         _warnings(run),
@@ -80,6 +81,12 @@ def _validity(result: Result) -> str:
     """Tell the conditions of a rod model, each with its number."""
     found = result.validity()
     return str(found) if found.conditions else ""
+
+
+def _heating(run: Run) -> str:
+    """Say how much the motion warms the rods whose specific heat is known."""
+    known = "heat_capacities" in run.data.attrs and "dissipation" in run.data and run.time.size > 1
+    return str(run.self_heating()) if known else ""
 
 
 def _formulation(run: Run) -> str:
@@ -213,15 +220,14 @@ def _decay(run: Run) -> str:
         )
     energy = run.energy
     since = energy.time >= decay.time[0]
-    late, drag = energy.external[since], float(np.ptp(energy.outside[since]))
+    late, drag = energy.supplied[since], float(np.ptp(energy.outside[since]))
     lines = [str(decay), f"  ({largest})"]
     if drag > _WORKING * energy.moved:
         share = drag / (drag + float(np.ptp(energy.viscous[since])))
         lines.append(f"  (drag takes {100.0 * share:.3g} % of what is lost meanwhile, the material the rest)")
     if float(np.ptp(late)) > _WORKING * energy.moved:
-        lines.append(
-            "  (loads or supports do work meanwhile: these ratios describe the motion, not only the material)"
-        )
+        who = "rest strains, loads or supports" if energy.actuator.any() else "loads or supports"
+        lines.append(f"  ({who} do work meanwhile: these ratios describe the motion, not only the material)")
     return "\n".join(lines)
 
 

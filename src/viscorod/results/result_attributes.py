@@ -35,6 +35,13 @@ class Law(BaseModel):
     shear: Series | None = None
 
 
+class HeatCapacity(BaseModel):
+    """Heat capacity per length of a rod, J/(m K), over its arc length, m."""
+
+    s: Annotated[list[Amount], Field(min_length=1)]
+    capacity: Annotated[list[Positive], Field(min_length=1)]
+
+
 class Event(BaseModel):
     """An event of a motion: time [s] and label."""
 
@@ -47,7 +54,7 @@ class ResultAttributes(BaseModel):
 
     model_config = ConfigDict(extra="allow")
 
-    kind: Literal["simulate", "equilibrium", "steady"]
+    kind: Literal["simulate", "equilibrium", "steady", "modes"]
     title: str = ""
     outcome: str = "completed"
     message: str = ""
@@ -69,6 +76,7 @@ class ResultAttributes(BaseModel):
     ended_by: str = ""
     damping_assumptions: Json[dict[str, list[str]]] | None = None
     damping_laws: Json[dict[str, Law]] | None = None
+    heat_capacities: Json[dict[str, HeatCapacity]] | None = None
     mesh_errors: Json[dict[str, Amount]] | None = None
     mesh_motion_error: Amount = 0.0
     mesh_force_error: Amount = 0.0
@@ -110,6 +118,9 @@ class ResultAttributes(BaseModel):
     unstable: Count | None = None
     neutral: Count | None = None
     growth_rate: FiniteFloat | None = None
+    mode_rigid: Count | None = None
+    mode_certified: Literal[0, 1] | None = None
+    mode_about: str = ""
 
 
 _TOGETHER = {
@@ -143,12 +154,17 @@ def faults_of_attributes(attrs: Mapping[Any, Any], states: int) -> Iterator[str]
             if series is not None and len(series.moduli) != len(series.times):
                 count = f"{len(series.moduli)} moduli with {len(series.times)} times"
                 yield f"the attribute damping_laws has {count} for {name}"
+    for name, known in (found.heat_capacities or {}).items():
+        if len(known.s) != len(known.capacity):
+            yield f"the attribute heat_capacities has {len(known.s)} stations with {len(known.capacity)} for {name}"
 
 
 def _missing(found: ResultAttributes, plain: Mapping[str, Any]) -> Iterator[str]:
     needed = {other: name for name, others in _TOGETHER.items() if plain.get(name) for other in others}
     if found.kind == "steady":
         needed |= dict.fromkeys(_STEADY, "kind")
+    if found.kind == "modes":
+        needed |= dict.fromkeys(("mode_rigid", "mode_certified"), "kind")
     if found.formulation == "intrinsic" and found.kind == "simulate":
         needed |= dict.fromkeys(("dynamics", "damping"), "formulation")
     if found.negative_eigenvalues is not None and found.stability != "tangent stiffness":

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from viscorod.results.damping_validity import DampingValidity
     from viscorod.results.element_points import Poses
     from viscorod.results.probe import Places
+    from viscorod.results.self_heating import SelfHeating
 
 _SPECIAL = ("limit_points", "bifurcations", "flutter_points")
 _STARTS_BELOW = 0.5  # a start this far below rest, as a part of the largest departure, makes minima count
@@ -217,6 +218,22 @@ class Run(Result):
         from viscorod.results.damping_validity import damping_validity
 
         return damping_validity(self, tolerance)
+
+    def self_heating(self) -> SelfHeating:
+        """Tell how much the energy that the motion lost warms its rods at most: over the run, and in one cycle.
+
+        It is the adiabatic bound, loss over heat capacity, as a mean over each section; see
+        ``viscorod.results.self_heating``.
+
+        Returns:
+            The rise of temperature [K] of every rod whose material has a specific heat; ``print`` shows sentences.
+
+        Raises:
+            InputError: no material has a specific heat.
+        """
+        from viscorod.results.self_heating import self_heating
+
+        return self_heating(self)
 
     def report(self) -> str:
         """Return a report: the start, every cycle of the decay, the energy account, the effort, warnings."""

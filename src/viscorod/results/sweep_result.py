@@ -17,6 +17,7 @@ from viscorod.errors import InputError
 from viscorod.results.data_schema import DIMENSION
 from viscorod.results.energy import Energy
 from viscorod.results.files.storage import read, result_of, write
+from viscorod.results.modes_result import Modes
 from viscorod.results.run import Equilibrium, Run
 from viscorod.results.steady_result import Steady
 from viscorod.results.text_table import table
@@ -51,7 +52,7 @@ class SweepRun:
 
     number: int
     values: Mapping[str, Any]
-    result: Run | Equilibrium | Steady | None
+    result: Run | Equilibrium | Steady | Modes | None
     message: str = ""
     outcome: str = COMPLETED
 

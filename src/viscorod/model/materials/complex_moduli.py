@@ -23,7 +23,13 @@ from viscorod.model.fields.values import (
     whole_number,
 )
 from viscorod.model.materials.column_units import FREQUENCY_UNITS, MODULUS_UNITS
-from viscorod.model.materials.damping_model import Behaviour, Damping, Elastic, bulk_time_of
+from viscorod.model.materials.damping_model import (
+    Behaviour,
+    Damping,
+    Elastic,
+    bulk_time_of,
+    maxwell_behaviour,
+)
 from viscorod.model.materials.dma_table import read_dma_table
 from viscorod.model.materials.nearest_kelvin_voigt import (
     Viscous,
@@ -31,7 +37,6 @@ from viscorod.model.materials.nearest_kelvin_voigt import (
     nearest_kelvin_voigt,
     nearest_maxwell,
 )
-from viscorod.model.materials.prony import maxwell_branches
 from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
 from viscorod.model.materials.sweeps import DmaTable, perhaps_percent, tidied
 from viscorod.typing import Floats
@@ -291,21 +296,7 @@ class ComplexModuli(ModulusTable, Damping):
             sentences.append(_CONSTANT)
         extension = fits["extension"] if "extension" in fits else fits["shear"].scaled(factor)
         shear = fits["shear"] if "shear" in fits else fits["extension"].scaled(1.0 / factor)
-        bulk_time = shear.retardation_time
-        if found.poissons_ratio != 0.5:
-            rest_time = 3.0 * extension.retardation_time - factor * shear.retardation_time
-            bulk_time = (
-                max(rest_time / (1.0 - 2.0 * found.poissons_ratio), 0.0) if len(fits) == 2 else bulk_time
-            )
-        return Behaviour(
-            *found,
-            shear.retardation_time,
-            bulk_time,
-            branches=maxwell_branches(extension, shear),
-            extension=extension,
-            shear=shear,
-            assumptions=tuple(sentences),
-        )
+        return maxwell_behaviour(found, extension, shear, tuple(sentences))
 
     def _known(
         self, strain: str, fit: Viscous | RelaxationModulus, given: Elastic, found: Elastic

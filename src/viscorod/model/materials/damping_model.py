@@ -10,7 +10,15 @@ from typing import NamedTuple
 from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus
 
-__all__ = ["Behaviour", "Branch", "Damping", "Elastic", "bulk_time_of"]
+__all__ = [
+    "Behaviour",
+    "Branch",
+    "Damping",
+    "Elastic",
+    "bulk_time_of",
+    "maxwell_behaviour",
+    "maxwell_branches",
+]
 
 
 class Branch(NamedTuple):
@@ -75,6 +83,18 @@ class Behaviour:
     assumptions: tuple[str, ...] = ()
     pending: bool = False
 
+    def shifted(self, factor: float) -> Behaviour:
+        """Return the same behaviour at another temperature: all times and viscosities times a positive factor."""
+        return replace(
+            self,
+            shear_time=self.shear_time * factor,
+            bulk_time=self.bulk_time * factor,
+            bulk_viscosity=None if self.bulk_viscosity is None else self.bulk_viscosity * factor,
+            branches=tuple(branch._replace(time=branch.time * factor) for branch in self.branches),
+            extension=None if self.extension is None else self.extension.shifted(factor),
+            shear=None if self.shear is None else self.shear.shifted(factor),
+        )
+
     def assuming(self, *sentences: str) -> Behaviour:
         """Return the same behaviour with more assumptions."""
         return replace(self, assumptions=self.assumptions + sentences)
@@ -90,6 +110,10 @@ class Damping(Definition):
         Raises:
             InputError: the two do not go together.
         """
+
+    def behaviour_at(self, elastic: Elastic, shift: float) -> Behaviour:
+        """Return the behaviour at a temperature where relaxation takes ``shift`` times as long as in the data."""
+        return self.behaviour(elastic).shifted(shift)
 
 
 def bulk_time_of(
@@ -130,3 +154,39 @@ def bulk_time_of(
             at=keys,
         )
     return max(bulk, 0.0)
+
+
+def maxwell_branches(extension: RelaxationModulus, shear: RelaxationModulus) -> tuple[Branch, ...]:
+    """Merge branches of extension and shear: the times of both, each with its contribution to E and to G."""
+    young = dict(zip(extension.times, extension.moduli, strict=True))
+    shearing = dict(zip(shear.times, shear.moduli, strict=True))
+    return tuple(
+        Branch(time, young.get(time, 0.0), shearing.get(time, 0.0)) for time in sorted(young | shearing)
+    )
+
+
+def maxwell_behaviour(
+    rest: Elastic, extension: RelaxationModulus, shear: RelaxationModulus, assumptions: tuple[str, ...]
+) -> Behaviour:
+    """Return the behaviour of a material whose moduli of extension and shear relax, each by itself.
+
+    Args:
+        rest: the elastic constants at rest.
+        extension, shear: the relaxation moduli.
+        assumptions: what was assumed.
+    """
+    young, nu = rest
+    times = extension.retardation_time, shear.retardation_time
+    bulk_time = times[1]
+    if nu != 0.5 and not math.isclose(*times, rel_tol=1e-12):
+        bulk_time = max((3.0 * times[0] - 2.0 * (1.0 + nu) * times[1]) / (1.0 - 2.0 * nu), 0.0)
+    return Behaviour(
+        young,
+        nu,
+        times[1],
+        bulk_time,
+        branches=maxwell_branches(extension, shear),
+        extension=extension,
+        shear=shear,
+        assumptions=assumptions,
+    )

@@ -12,7 +12,15 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import Definition, RefusedError, plain_value, show
 from viscorod.model.fields.forms import of_kind
 from viscorod.model.fields.metadata import Key, accepts
-from viscorod.model.fields.values import NOT_GIVEN, REQUIRED, PoissonsRatio, Positive, choose
+from viscorod.model.fields.values import (
+    NOT_GIVEN,
+    REQUIRED,
+    OptionalNumber,
+    OptionalPositive,
+    PoissonsRatio,
+    Positive,
+    choose,
+)
 from viscorod.model.materials.complex_moduli import ComplexModuli
 from viscorod.model.materials.damping_model import Behaviour, Branch, Damping, Elastic
 from viscorod.model.materials.kelvin_voigt import KelvinVoigt
@@ -20,6 +28,7 @@ from viscorod.model.materials.loss_factor import LossFactor
 from viscorod.model.materials.measured_damping import MeasuredDamping
 from viscorod.model.materials.prony import Prony
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus
+from viscorod.model.materials.temperature_shift import SHIFTS, OptionalTemperature, TemperatureShift
 
 __all__ = ["DAMPINGS", "Branch", "KelvinVoigt", "Material"]
 
@@ -32,12 +41,18 @@ DAMPINGS: dict[str, type[Definition]] = {
 }
 """The kinds of damping by their word in a case file; a new one is one class and one line here."""
 
+_one_shift = choose("kind", SHIFTS)
 _one_damping = choose("kind", DAMPINGS, "kelvin_voigt")
 
 
 @accepts(of_kind("damping"), "table, see below")
 def _damping(value: Any) -> Damping | None:
     return None if value is None else cast(Damping, _one_damping(value))
+
+
+@accepts(of_kind("shift"), "table, see below")
+def _shift(value: Any) -> TemperatureShift | None:
+    return None if value is None else cast(TemperatureShift, _one_shift(value))
 
 
 class Material(Definition):
@@ -57,6 +72,16 @@ class Material(Definition):
         "`KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `MeasuredDamping`; left out, an elastic material",
         default=None,
     )
+    temperature: OptionalTemperature = Key("of the motion, degrees C, with shift", default=None)
+    shift: Annotated[TemperatureShift | None, _shift] = Key(
+        "how relaxation times depend on temperature, `WLF`, `Arrhenius` or `ShiftTable`", default=None
+    )
+    specific_heat: OptionalPositive = Key(
+        "heat capacity per mass, {}, to tell how much a motion warms the rod", "J/(kg K)", default=None
+    )
+    thermal_expansion: OptionalNumber = Key(
+        "strain per temperature, for rest strains by temperature", "1/K", default=None
+    )
 
     _behaviour: Behaviour = PrivateAttr()
     _given: dict[str, float] = PrivateAttr(default_factory=dict)
@@ -68,6 +93,7 @@ class Material(Definition):
                 "this key is required and missing", "add density (kg/m^3)", found="", at=("density",)
             )
         young, nu, shear = self.youngs_modulus, self.poissons_ratio, self.shear_modulus
+        self._require_temperature()
         if math.isnan(young) and not isinstance(self.damping, ComplexModuli):
             raise RefusedError(
                 "this key is required and missing",
@@ -104,6 +130,39 @@ class Material(Definition):
             self.__dict__["shear_modulus"] = found.youngs_modulus / (2.0 * (1.0 + found.poissons_ratio))
         return self
 
+    def _require_temperature(self) -> None:
+        """Refuse a shift without a temperature, and what no shift applies to."""
+        if (self.shift is None) != (self.temperature is None):
+            missing = "temperature" if self.shift is not None else "shift"
+            raise RefusedError(
+                "a temperature and a shift of relaxation times go together",
+                "give temperature (degrees C) and shift, or neither",
+                found="",
+                at=(missing,),
+            )
+        if self.shift is not None and (self.damping is None or isinstance(self.damping, MeasuredDamping)):
+            why = (
+                "nothing relaxes in an elastic material"
+                if self.damping is None
+                else "a damping ratio measured on the rod is that at the temperature of the measurement"
+            )
+            raise RefusedError(why, "leave out shift and temperature", found="", at=("shift",))
+
+    @property
+    def shift_factor(self) -> float:
+        """Relaxation times over those of the data of the damping, a_T; 1 without a shift.
+
+        The data are those of the reference temperature of the shift, a table of complex moduli with a temperature
+        those of that temperature.
+        """
+        if self.shift is None or self.temperature is None:
+            return 1.0
+        return self.shift.factor(self.temperature, self._data_temperature)
+
+    @property
+    def _data_temperature(self) -> float | None:
+        return self.damping.temperature if isinstance(self.damping, ComplexModuli) else None
+
     @staticmethod
     def _ratio(young: float, shear: float) -> float:
         """Return Poisson's ratio from the two moduli."""
@@ -122,8 +181,16 @@ class Material(Definition):
         if self.damping is None:
             return Behaviour(*elastic)
         try:
+            shift = self.shift_factor
+        except RefusedError as error:
+            raise RefusedError(error.why, error.instead, found=error.found, at=("temperature",)) from None
+        try:
             with np.errstate(all="ignore"):
-                found = self.damping.behaviour(elastic)
+                found = (
+                    self.damping.behaviour_at(elastic, shift)
+                    if self.shift
+                    else self.damping.behaviour(elastic)
+                )
         except RefusedError as error:
             raise RefusedError(
                 error.why, error.instead, found=error.found, at=("damping", *error.at)
@@ -141,7 +208,17 @@ class Material(Definition):
                 found="",
                 at=("damping",),
             )
-        return found
+        return found.assuming(*self._told_of_temperature(shift))
+
+    def _told_of_temperature(self, shift: float) -> list[str]:
+        if self.shift is None:
+            return []
+        data = self.shift.origin if self._data_temperature is None else self._data_temperature
+        words = f"at {self.temperature:.6g} degrees C all relaxation and retardation times are {shift:.4g} times those"
+        return [
+            f"{words} of the data at {data:.6g} degrees C; the elastic constants are taken as those at "
+            f"{self.temperature:.6g} degrees C"
+        ]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the material as it was given, in the words of the case file."""
@@ -172,7 +249,13 @@ class Material(Definition):
         Raises:
             InputError: the damping does not go with the elastic constants.
         """
-        other = Material.model_validate({**self._given, "density": self.density, "damping": damping})
+        more = {name: getattr(self, name) for name in ("temperature", "shift", "specific_heat")}
+        kept = {
+            name: value
+            for name, value in more.items()
+            if value is not None and (damping is not None or name == "specific_heat")
+        }
+        other = Material.model_validate({**self._given, "density": self.density, "damping": damping, **kept})
         other._behaviour = other._behaviour.assuming(*assumptions)
         return other
 
@@ -192,6 +275,14 @@ class Material(Definition):
         """The assumptions about the damping, one sentence each."""
         return self._behaviour.assumptions
 
+    @property
+    def loss_band(self) -> tuple[float, float] | None:
+        """The band over which a loss factor holds (`LossFactor`), Hz; None of any other damping."""
+        if not isinstance(self.damping, LossFactor) or self.damping.holds is None:
+            return None
+        low, high = self.damping.holds
+        return low / self.shift_factor, high / self.shift_factor
+
     def relaxation(self, strain: str) -> RelaxationModulus | None:
         """Return the relaxation modulus of "extension" or "shear"; None where only times are known."""
         return self._behaviour.extension if strain == "extension" else self._behaviour.shear
@@ -205,6 +296,22 @@ class Material(Definition):
     def bulk_time(self) -> float:
         """Retardation time in volume change, tau_B = zeta/K, s; of a Maxwell material that of slow motion."""
         return self._known.bulk_time
+
+    @property
+    def expansion(self) -> float:
+        """Thermal expansion, 1/K.
+
+        Raises:
+            RefusedError: it was not given.
+        """
+        if self.thermal_expansion is None:
+            raise RefusedError(
+                "a temperature strains it by the thermal expansion of its material",
+                "give the material thermal_expansion (1/K)",
+                found="",
+                at=("temperature",),
+            )
+        return self.thermal_expansion
 
     @property
     def shear_viscosity(self) -> float:

@@ -15,11 +15,11 @@ from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, POSITIVE, Form, listed, quantity
 from viscorod.model.fields.metadata import Check, Key, accepts, optional
 from viscorod.model.fields.values import frequency_band, numbers, one_of
-from viscorod.model.materials.damping_model import Behaviour, Branch, Damping, Elastic
+from viscorod.model.materials.damping_model import Behaviour, Damping, Elastic, maxwell_branches
 from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, errors, nearest_kelvin_voigt
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus, extension_of
 
-__all__ = ["Prony", "maxwell_branches"]
+__all__ = ["Prony"]
 
 MOST_BRANCHES = 200
 STRAINS = ("shear", "bulk", "extension")
@@ -177,6 +177,14 @@ class Prony(Damping):
             at=("constant",),
         )
 
+    def behaviour_at(self, elastic: Elastic, shift: float) -> Behaviour:
+        """Return the behaviour at another temperature; the band of the motion remains what it is."""
+        times = {
+            f"{strain}_times": tuple(time * shift for time in getattr(self, f"{strain}_times") or ()) or None
+            for strain in STRAINS
+        }
+        return self.model_copy(update=times).behaviour(elastic)
+
     def behaviour(self, elastic: Elastic) -> Behaviour:
         """Return branches of extension and shear: E* = 9 K* G*/(3 K* + G*) by the correspondence principle."""
         extension, shear, bulk, nu = self._relaxations(elastic)
@@ -300,13 +308,4 @@ def _extensional_viscosity(found: Behaviour) -> float:
         found.youngs_modulus
         * ((1.0 - 2.0 * nu) * found.bulk_time + 2.0 * (1.0 + nu) * found.shear_time)
         / 3.0
-    )
-
-
-def maxwell_branches(extension: RelaxationModulus, shear: RelaxationModulus) -> tuple[Branch, ...]:
-    """Merge branches of extension and shear: the times of both, each with its contribution to E and to G."""
-    young = dict(zip(extension.times, extension.moduli, strict=True))
-    shearing = dict(zip(shear.times, shear.moduli, strict=True))
-    return tuple(
-        Branch(time, young.get(time, 0.0), shearing.get(time, 0.0)) for time in sorted(young | shearing)
     )

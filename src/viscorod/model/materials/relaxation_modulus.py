@@ -134,6 +134,10 @@ class RelaxationModulus:
         weight = np.sum(np.array(self.moduli) * product**2 / np.sqrt(1.0 + product**2), axis=1)
         return float(np.trapezoid(spectrum * weight, omega)) / math.pi
 
+    def shifted(self, factor: float) -> RelaxationModulus:
+        """Return the same relaxation at another temperature: all times times a positive factor."""
+        return RelaxationModulus(self.equilibrium, self.moduli, tuple(t * factor for t in self.times))
+
     def scaled(self, factor: float) -> RelaxationModulus:
         """Return the same relaxation of another modulus: all moduli times a positive factor."""
         return RelaxationModulus(

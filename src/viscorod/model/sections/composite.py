@@ -40,6 +40,7 @@ from viscorod.model.sections.section_base import SECTION, AnySection, Branches, 
 from viscorod.model.sections.section_mesh import refuse_misfits
 from viscorod.model.sections.section_shapes import SHAPES, Shape
 from viscorod.model.sections.stress_field import StressField
+from viscorod.typing import Floats
 
 __all__ = ["Composite", "CompositeRegion"]
 
@@ -251,6 +252,27 @@ class Composite(AnySection):
         damping = np.tensordot(extension, found.extensional, 1) + np.tensordot(shearing, found.shearing, 1)
         density = [m.density for m in self._materials]
         return stiffness, damping, np.tensordot(density, found.inertia, 1)
+
+    def thermal_strain(self, rise: Floats, material: Material | None) -> Floats:
+        """See `AnySection.thermal_strain`: its regions hinder each other's expansion along the rod.
+
+        ``C eps = sum E_m alpha_m C_E,m rise``; across it they expand freely, as in all of this theory.
+        """
+        del material
+        stress = sum(
+            m.youngs_modulus * m.expansion * part
+            for m, part in zip(self._materials, self._parts.extensional, strict=True)
+        )
+        return np.asarray(np.linalg.solve(self.matrices()[0], stress @ rise))
+
+    def heat_capacity(self, material: Material | None) -> float | None:
+        """Return the heat capacity per length, J/(m K); None where a region's specific heat is not known."""
+        del material
+        heats = [(m.density, m.specific_heat) for m in self._materials]
+        known = [density * heat for density, heat in heats if heat is not None]
+        if len(known) < len(heats):
+            return None
+        return float(np.tensordot(known, self._parts.inertia, 1)[0, 0])
 
     def branch_matrices(self, material: Material | None = None) -> Branches:
         """Return Maxwell branches: times (n,), s, and E_j C_E,m + G_j C_G,m (n, 6, 6) of every material's branches.

@@ -7,7 +7,7 @@ from abc import abstractmethod
 from typing import ClassVar, TypeAlias
 
 from viscorod.errors import Fault, InputError
-from viscorod.model.fields.definition import Definition
+from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.polygons import Extent, Polygon
 from viscorod.model.sections.stress_field import StressField
@@ -86,6 +86,31 @@ class AnySection(Definition):
                 "describe it by its shape (circle, rectangle, ..., outline or composite) for stresses",
             )
         )
+
+    def thermal_strain(self, rise: Floats, material: Material | None) -> Floats:
+        """Return the strains (6,) of a free section that is warmer, here by one material's expansion.
+
+        Args:
+            rise: of the temperature as ``(0, 0, T, dT/dxi2, -dT/dxi1, 0)`` (6,), in K and K/m: a linear field.
+            material: of the section, if it needs one.
+
+        Raises:
+            RefusedError: its thermal expansion is not known.
+        """
+        if material is None:
+            raise RefusedError(
+                f"{type(self).__name__} has no material, so that its thermal expansion is not known",
+                "give value",
+                found="",
+                at=("temperature",),
+            )
+        return material.expansion * rise
+
+    def heat_capacity(self, material: Material | None) -> float | None:
+        """Return the heat capacity per length, J/(m K); None where a specific heat is not known."""
+        if material is None or material.specific_heat is None:
+            return None
+        return float(self.matrices(material)[2][0, 0]) * material.specific_heat
 
     @abstractmethod
     def matrices(self, material: Material | None = None) -> Matrices:

@@ -13,15 +13,16 @@ from viscorod.pictures.style import BLUE, GREY, SKY, SMALL, titled
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from viscorod.results.modes_result import Modes
     from viscorod.results.result import Result
-    from viscorod.solve.modes.vibrations import Modes
+    from viscorod.solve.modes import vibrations
 
 _SIZE = 0.15  # of the largest displacement, as a part of the model
 _COLUMNS = 3
 _WIDTH = 44  # letters of a title
 
 
-def draw_modes(result: Result, modes: Modes, count: int | None = None) -> Figure:
+def draw_modes(result: Result, modes: Modes | vibrations.Modes, count: int | None = None) -> Figure:
     """Return the figure of modes, each in the plane of its motion or in space, in both directions of the swing.
 
     Args:
@@ -69,7 +70,7 @@ def draw_modes(result: Result, modes: Modes, count: int | None = None) -> Figure
     return picture
 
 
-def _name(k: int, modes: Modes, view: View) -> str:
+def _name(k: int, modes: Modes | vibrations.Modes, view: View) -> str:
     eigenvalue, ratio, name = modes.eigenvalues[k], modes.damping_ratios[k], modes.names[k]
     title = f"{fill(f'{k + 1}: {name}', _WIDTH)}\n"
     if k < modes.rigid:

@@ -33,6 +33,7 @@ from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
+    from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.sweep_result import Sweep
 
 __all__ = ["FRAMES", "MEGABYTES", "view"]
@@ -47,7 +48,11 @@ _TRIES = 6
 
 @checked
 def view(
-    result: Result | Sweep, path: str | Path, *, frames: int = FRAMES, megabytes: float = MEGABYTES
+    result: Result | FrequencyResponse | Sweep,
+    path: str | Path,
+    *,
+    frames: int = FRAMES,
+    megabytes: float = MEGABYTES,
 ) -> Path:
     """Write a result as one HTML file that shows it moving; it needs no server and no network.
 
@@ -68,8 +73,12 @@ def view(
         InputError: the result is of another kind, a number is out of range, or the place cannot be written.
     """
     if not isinstance(result, Run | Equilibrium):
-        what = {"Steady": "a steady rotation", "Sweep": "a sweep"}.get(type(result).__name__, "this")
-        instead = "give one of its members" if what == "a sweep" else "give a run, an equilibrium or a path"
+        what, instead = {
+            "Steady": ("a steady rotation", "give a run, an equilibrium or a path"),
+            "Modes": ("a list of modes", "draw them with plot"),
+            "FrequencyResponse": ("a frequency response", "draw it with plot"),
+            "Sweep": ("a sweep", "give one of its members"),
+        }.get(type(result).__name__, ("this", "give a run, an equilibrium or a path"))
         raise InputError(
             f"{what} has no states that follow each other, so there is nothing to play; {instead}"
         )

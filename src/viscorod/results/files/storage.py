@@ -23,6 +23,8 @@ from viscorod.whole_files import replacing
 if TYPE_CHECKING:
     import xarray as xr
 
+    from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
     from viscorod.results.sweep_result import Sweep
@@ -195,8 +197,10 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
 
 
 @checked
-def load(path: str | Path) -> Run | Equilibrium | Steady | Sweep:
-    """Open a saved run, equilibrium, steady rotation or sweep; it answers everything that a fresh one does.
+def load(path: str | Path) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Sweep:
+    """Open a saved run, equilibrium, steady rotation, modes, frequency response or sweep.
+
+    It answers everything that a fresh one does.
 
     Args:
         path: a file written by ``save``, by ``viscorod run`` or by ``viscorod sweep``, or the folder of a run. While
@@ -213,6 +217,10 @@ def load(path: str | Path) -> Run | Equilibrium | Steady | Sweep:
         if path.is_dir():
             return Run(stopped_run(path))
     data = read(path)
+    if str(data.attrs.get("kind")) == "response":
+        from viscorod.results.frequency_response import FrequencyResponse
+
+        return FrequencyResponse(data)
     if str(data.attrs.get("kind")) == "sweep":  # a damaged one may be an array
         from viscorod.results.sweep_result import Sweep
 
@@ -220,23 +228,24 @@ def load(path: str | Path) -> Run | Equilibrium | Steady | Sweep:
     return result_of(data, Path(path))
 
 
-def result_of(data: xr.Dataset, path: Path) -> Run | Equilibrium | Steady:
+def result_of(data: xr.Dataset, path: Path) -> Run | Equilibrium | Steady | Modes:
     """Return the result whose data set was read from a file, after looking at all of it.
 
     Raises:
         InputError: it is no result, or a damaged one.
     """
+    from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.soundness import require_sound
     from viscorod.results.steady_result import Steady
 
-    kinds: dict[Any, type[Run | Equilibrium | Steady]] = {
-        kind.kind: kind for kind in (Run, Equilibrium, Steady)
+    kinds: dict[Any, type[Run | Equilibrium | Steady | Modes]] = {
+        kind.kind: kind for kind in (Run, Equilibrium, Steady, Modes)
     }
     found = str(data.attrs.get("kind", ""))
     if found not in kinds:
         raise InputError(
-            f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, sweep)"
+            f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, response, sweep)"
         )
     require_sound(data, path)
     return kinds[found](data)

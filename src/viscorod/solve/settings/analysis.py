@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
 __all__ = ["AnySettings"]
 
 
-AnySettings: TypeAlias = SimulateSettings | EquilibriumSettings | PathSettings | SteadySettings
+AnySettings: TypeAlias = (
+    SimulateSettings | EquilibriumSettings | PathSettings | SteadySettings | ModesSettings | ResponseSettings
+)
 """Settings of one of the analyses."""

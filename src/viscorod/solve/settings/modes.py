@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
+from viscorod.model.fields.forms import of_kind
 from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import (
     Flag,
@@ -14,13 +15,17 @@ from viscorod.model.fields.values import (
 from viscorod.solve.settings.mesh import Meshed
 from viscorod.solve.start import Start, as_start
 
-__all__ = ["ModesSettings"]
+__all__ = ["AboutField", "ModesSettings"]
 
 
 ABOUT = ("equilibrium", "released", "reference")
 
 
-@accepts(None, '"equilibrium", "released" or "reference"', "a result, or one with a time: `(run, 1.5)`")
+@accepts(
+    {"anyOf": [{"enum": list(ABOUT)}, of_kind("start")]},
+    '`"equilibrium"`, `"released"` or `"reference"`, or a table, see `start`',
+    "a result, or one with a time: `(run, 1.5)`",
+)
 def _about(value: Any) -> str | Start:
     if isinstance(value, str) and (value in ABOUT or not value.endswith(".nc")):
         return one_of(*ABOUT)(value)
@@ -29,11 +34,14 @@ def _about(value: Any) -> str | Start:
     return found
 
 
+AboutField = Annotated[str | Start, _about]
+
+
 class ModesSettings(Meshed):
     """Which small vibrations are sought."""
 
     count: Annotated[int, whole_number(1, 100_000)] = Key("number of modes, 1 to 100 000", default=6)
-    about: Annotated[str | Start, _about] = Key(
+    about: AboutField = Key(
         '"equilibrium" under the loads at t = 0- (just before t = 0), the equilibrium once "released", under those '
         'just after t = 0, or the "reference" shape (as if free of load); a state of an earlier result: about the '
         "equilibrium under the loads at t = 0- that is found from there",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,12 +12,14 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.statics.arc_length import ArcLength
 from viscorod.solve.statics.newton import NewtonReport, Outcome, SingularMatrixError, interruption
 from viscorod.solve.statics.special_points import Direction, PathPoint, SpecialPoint, special_points
-from viscorod.solve.statics.tangent import null_vector
+from viscorod.solve.statics.tangent import softest
 
 SMALLEST = 1e-6
 """Smallest distance between points, as a part of the largest."""
 MOVED = 1.0
 """Displacement of the reference shape, in its length, whose load is the unit of the load factor at most."""
+STILL = 1e-12
+"""Displacement under the unit of the load factor that is round-off."""
 FINE = 1e-3
 """Part of the largest distance below which steps are not taken anew because the path bends."""
 BENT, FLAT = 0.35, 0.1
@@ -60,6 +63,23 @@ class Path:
     report: NewtonReport | None = None
     reason: str = ""
 
+    @property
+    def vanished(self) -> int:
+        """Number of stiffnesses that have vanished on the way, at limit points and bifurcations."""
+        return len(self.limit_points) + sum(self.multiplicity)
+
+
+class _Ends(NamedTuple):
+    """Where a path ends, and what is looked for on the way; see :meth:`PathFollower.follow`."""
+
+    load_factor: float | None
+    endings: Sequence[Ending]
+    wanted: Sequence[float]
+    points: int
+    limit_point: int | None
+    branch: int | None
+    critical: int | None
+
 
 class PathFollower(ArcLength):
     """Follows the equilibria of a model from the unloaded one on, while loads grow or shrink.
@@ -85,6 +105,7 @@ class PathFollower(ArcLength):
         points: int = 200,
         limit_point: int | None = None,
         branch: int | None = None,
+        critical: int | None = None,
         on_point: Callable[[PathPoint], None],
     ) -> Path:
         """Follow the path from an equilibrium, by default the one without loads.
@@ -98,21 +119,25 @@ class PathFollower(ArcLength):
             points: number of points at most.
             limit_point: number of the one at which to end, 1 for the first.
             branch: number of the bifurcation at which to go over to the other branch, negative for its other side.
+            critical: number of stiffnesses that have vanished, at limit points and bifurcations, at which to end.
             on_point: called after every point, with the system in that state.
         """
         path, self._parted = Path(), 0
         self.path = path
         self.iterations, self.report = 0, None
         try:
-            self._begin(state, first, load_factor, largest)
-            self._follow(state, first, load_factor, endings, wanted, points, limit_point, branch, on_point)
+            self.prepare(state, first, load_factor, largest)
+            ends = _Ends(load_factor, endings, wanted, points, limit_point, branch, critical)
+            self._follow(state, first, ends, on_point)
         except KeyboardInterrupt as asked:
             path.outcome, path.reason = Outcome.INTERRUPTED, interruption(asked)
         path.iterations, path.report = self.iterations, self.report
         return path
 
-    def _begin(self, state: State, first: float, load_factor: float | None, largest: float | None) -> None:
-        """Choose the unit of the load factor and the largest distance."""
+    def prepare(
+        self, state: State, first: float, load_factor: float | None = None, largest: float | None = None
+    ) -> None:
+        """Choose the unit of the load factor and the largest distance of a path; see :meth:`follow`."""
         supports, constraints = self.supports, self.system.constraints
         supports.update(self.t, self.before)
         constraints.update(self.t, self.before)
@@ -140,14 +165,10 @@ class PathFollower(ArcLength):
         self,
         state: State,
         first: float,
-        load_factor: float | None,
-        endings: Sequence[Ending],
-        wanted: Sequence[float],
-        points: int,
-        limit_point: int | None,
-        branch: int | None,
+        ends: _Ends,
         on_point: Callable[[PathPoint], None],
     ) -> None:
+        load_factor, endings, wanted, points, limit_point, branch, critical = ends
         path, largest = self.path, self.largest
         if load_factor is not None:
             endings = [*endings, lambda point: point.factor - load_factor]
@@ -199,6 +220,8 @@ class PathFollower(ArcLength):
                 self._record(point, on_point)
                 if limit_point is not None and len(path.limit_points) >= limit_point:
                     return
+                if critical is not None and path.vanished >= critical:
+                    return
                 leaves = branch is not None and event is not None and event.branches > 0
                 if leaves and len(path.bifurcations) >= abs(branch or 0):
                     switched, branch = self._switch(point, float(np.sign(branch or 0))), None
@@ -243,7 +266,9 @@ class PathFollower(ArcLength):
     def _measured(self, at: PathPoint, most: float) -> PathPoint:
         """Return a point with its direction in a new unit of the load factor, if the structure has become stiffer."""
         moved = np.sqrt(self.shape(at.forward.increment)) / max(abs(at.forward.factor), 1e-300)
-        unit = min(MOVED / max(moved, 1e-300), most)
+        if moved * self.unit < STILL:
+            return at
+        unit = min(MOVED / moved, most)
         if not self.unit < unit < np.inf or not np.isfinite(moved):
             return at
         self.unit = unit
@@ -264,7 +289,7 @@ class PathFollower(ArcLength):
     def _switch(self, point: PathPoint, side: float) -> PathPoint | None:
         """Return a point on the branch that crosses the path at a bifurcation, in the direction without stiffness."""
         tangent = self.static.tangent(point.state, self.t, before=self.before, scale=point.factor)
-        increment = side * null_vector(tangent).reshape(-1, 6)
+        increment = side * softest(tangent)[:, 0].reshape(-1, 6)
         forward = Direction(increment / np.sqrt(self.shape(increment)), 0.0)
         leaving = point._replace(forward=forward)
         distance = 0.25 * self.largest

@@ -16,7 +16,7 @@ from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.statics.work import Work
 from viscorod.typing import Floats
 
-__all__ = ["Tangent", "negative_eigenvalues", "null_vector"]
+__all__ = ["Tangent", "negative_eigenvalues", "softest"]
 
 ROUND_OFF = 32.0 * float(np.finfo(float).eps)
 """Rounding of the entries of a stiffness and of its pivots, as a part of the sum of a row's entries."""
@@ -24,6 +24,8 @@ NEAR, EXACT = 40, 16.0 * float(np.finfo(float).eps)
 """Motions at most whose stiffness is told apart from this round-off, and their own, as a part of what adds up to it."""
 FULL = 10_000
 """Size up to which all eigenvalues are found where pivots vanish: a full matrix of it takes almost a gigabyte."""
+ITERATIONS = 8
+"""Inverse iterations, next to where stiffness vanishes."""
 NEUTRAL = 1e-13
 """Stiffness, as a part of the mean, that a direction without any is given where it would make a pivot vanish."""
 
@@ -134,17 +136,18 @@ class Inverse:
         return np.asarray(self._factor.solve(right)[: self.size])
 
 
-def null_vector(tangent: Tangent) -> Floats:
-    """Return the nodal body increments ``(6 n,)`` of the direction with the least stiffness, by inverse iteration.
+def softest(tangent: Tangent, count: int = 1) -> Floats:
+    """Return the nodal body increments ``(6 n, count)`` of the directions with the least stiffness.
 
-    Next to a bifurcation it is that of the branch.
+    They are found by inverse iteration. Next to a bifurcation they are those of the branches.
     """
     inverse = Inverse(tangent)
-    x = np.random.default_rng(1).standard_normal(inverse.size)
-    for _ in range(8):
-        x = inverse.apply(x / np.linalg.norm(x))
+    x = np.random.default_rng(1).standard_normal((inverse.size, count))
+    for _ in range(ITERATIONS):
+        x = inverse.apply(np.linalg.qr(x)[0])
     increments: Floats = np.asarray(tangent.basis @ x)
-    increments *= np.sign(increments[np.argmax(np.abs(increments))])
+    largest = np.argmax(np.abs(increments), axis=0)
+    increments *= np.sign(increments[largest, np.arange(count)])
     return increments
 
 

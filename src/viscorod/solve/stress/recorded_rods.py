@@ -20,7 +20,7 @@ __all__ = ["RecordedRod", "RecordedRods", "SectionHere"]
 
 _KEYS = (
     *("section", "sections", "taper", "stations", "sampled", "bent"),
-    *("material", "constraints", "law", "curvature_correction"),
+    *("material", "constraints", "law", "tilt", "curvature_correction"),
 )
 """What a table of a rod says of its sections."""
 
@@ -110,6 +110,15 @@ class RecordedRod:
                     name,
                     "its sections have a law beside their stiffness, and how it is spread over them is not known",
                     "leave the law out for stresses; strains and section forces are in probe",
+                )
+            )
+        if rod.get("tilt"):
+            raise InputError(
+                Fault(
+                    "place",
+                    name,
+                    "its sections are oblique (tilt), and stresses are known in normal ones only",
+                    "leave tilt out for stresses; strains and section forces are in probe",
                 )
             )
         material = None if rod.get("material") is None else Material.model_validate(rod["material"])

@@ -1,0 +1,141 @@
+"""Critical loads of a model, with what acts in full throughout as prestress."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.equilibrium import require_no_initial_strain
+from viscorod.analyses.equilibrium_search import Search
+from viscorod.analyses.static_stages import constant_stage
+from viscorod.errors import InputError, SolveError
+from viscorod.results.buckling import Buckling
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import StationReader
+from viscorod.solve.linear.singular import SingularMatrixError
+from viscorod.solve.modes.vibrations import station_shapes
+from viscorod.solve.settings.buckling import BucklingSettings
+from viscorod.solve.statics.critical_loads import CriticalPoint, CriticalSearch
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.statics.path_follower import PathFollower
+from viscorod.solve.statics.stage import Stage, begin_stage
+from viscorod.typing import Floats
+
+__all__ = ["buckling"]
+
+
+def buckling(discrete: DiscreteModel, settings: BucklingSettings) -> Buckling:
+    """Find critical loads; see ``Model.buckling``."""
+    discrete.require_independent()
+    require_no_initial_strain(discrete)
+    state = _begin(discrete, settings)
+    search = CriticalSearch(PathFollower(discrete.static), state, settings.about)
+    try:
+        linear, increments = search.linear(settings.count)
+    except SingularMatrixError:
+        raise SolveError(
+            f"The equilibrium at the load factor {settings.about:g} has no stiffness against some motion: it is "
+            "critical itself, or something moves freely. What to try: add supports, or another `about`"
+        ) from None
+    if not settings.exact:
+        points = [
+            CriticalPoint(float(factor), state, increments[:, k : k + 1], False)
+            for k, factor in enumerate(linear)
+        ]
+        return _found(discrete, settings, linear, points)
+    points, course = search.exact(settings.count, linear)
+    if course.outcome not in (Outcome.COMPLETED, Outcome.POINTS):
+        reached = f"{points[-1].factor:.6g}" if points else "the beginning"
+        raise SolveError(
+            f"The equilibria could not be followed to {settings.count} critical loads: {course.outcome.value} "
+            f"beyond {reached}. What to try: a smaller count, or exact = false"
+        )
+    return _found(discrete, settings, linear, points)
+
+
+def _begin(discrete: DiscreteModel, settings: BucklingSettings) -> State:
+    """Return the equilibrium about which the linear problem is solved, with the stage of the loads that grow begun."""
+    static = discrete.static
+    state = State.reference(discrete.problem)
+    whole = Stage.whole(static, len(discrete.model.loads))
+    last = None
+    if settings.constant:
+        last = constant_stage(discrete, settings.constant)
+        begin_stage(static, last, None, 0.0, True)
+        discrete.require_held(static.loads.at(0.0, True, 1.0), searching=True)
+        _move(discrete, state, 1.0, "the prestress")
+        whole = Stage(
+            np.where(last.loads > 0.0, last.loads, whole.loads),
+            np.where(last.supports > 0.0, last.supports, whole.supports),
+            np.where(last.motors > 0.0, last.motors, whole.motors),
+        )
+    begin_stage(static, whole, last, 0.0, True)
+    growing = static.loads.at(0.0, True, 1.0)
+    if last is None:
+        discrete.require_held(growing)
+    if not _grows(whole, last, discrete):
+        raise InputError(
+            "no critical loads: no load or prescribed motion grows at t = 0; add one, or leave it out of constant"
+        )
+    if settings.about:
+        _move(discrete, state, settings.about, f"the load factor {settings.about:g}")
+    static.restore(state, 0.0, before=True, scale=settings.about)
+    return state
+
+
+def _grows(whole: Stage, last: Stage | None, discrete: DiscreteModel) -> bool:
+    """Return whether anything acts that is not there from the beginning."""
+    static, supports = discrete.static, discrete.supports
+    before = static.loads.at(0.0, True, 0.0)
+    after = static.loads.at(0.0, True, 1.0)
+    same = (
+        np.array_equal(before.dead, after.dead)
+        and np.array_equal(before.following, after.following)
+        and np.array_equal(before.gravity, after.gravity)
+        and len(before.stations) == len(after.stations)
+        and before.pushes == after.pushes
+        and (before.rest == after.rest or not discrete.problem.rest_strains)
+    )
+    supports.update(0.0, True, 1.0)
+    moving = supports.target.any() and (last is None or not np.array_equal(whole.supports, last.supports))
+    return bool(not same or moving or discrete.problem.joints.motions)
+
+
+def _move(discrete: DiscreteModel, state: State, factor: float, where: str) -> None:
+    """Move ``state`` to an equilibrium.
+
+    Raises:
+        SolveError: there is none.
+    """
+    search = Search(discrete, factor, allowed=factor == 1.0)
+    if not search.run(state):
+        raise SolveError(f"No equilibrium was found under {where}. {search.failure()}")
+
+
+def _found(
+    discrete: DiscreteModel, settings: BucklingSettings, linear: Floats, points: list[CriticalPoint]
+) -> Buckling:
+    problem = discrete.problem
+    reader = StationReader(problem)
+    shapes, rotations, positions, factors, limits = [], [], [], [], []
+    for point in points:
+        still = np.zeros((problem.size, 6))
+        place = reader.read(point.state.r, point.state.q, still)[0]
+        own, turned = station_shapes(problem, point.state, point.increments)
+        for k in range(len(own)):
+            shapes.append(own[k].real)
+            rotations.append(turned[k].real)
+            positions.append(place)
+            factors.append(point.factor)
+            limits.append(point.limit)
+    return Buckling(
+        np.array(factors),
+        linear,
+        np.array(limits, dtype=bool),
+        np.array(shapes),
+        np.array(rotations),
+        np.array(positions),
+        settings.about,
+        settings.exact,
+        len(factors) >= settings.count,
+    )

@@ -1,0 +1,136 @@
+"""Frequency responses: small harmonic motions about a state, from inputs to outputs."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.linear_about import LinearAbout, linear_about, with_input_loads
+from viscorod.errors import Fault, InputError, SolveError
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.results.frequency_response import FrequencyResponse
+from viscorod.solve.linear_systems.adaptive_frequencies import MOST, followed
+from viscorod.solve.linear_systems.harmonic_response import HarmonicResponse
+from viscorod.solve.linear_systems.poles import Poles, poles_below
+from viscorod.solve.settings.response import ResponseSettings
+from viscorod.solve.settings.signals import MotionInput
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["frequency_response", "with_inputs"]
+
+
+def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> FrequencyResponse:
+    """Compute frequency responses; see ``Model.frequency_response``."""
+    about = linear_about(discrete, settings, measured=settings.moduli == "measured")
+    given = np.array(settings.frequencies or settings.band, dtype=float)
+    low, high = float(given[0]), float(given[-1])
+    _require_known(about, low, high)
+    _require_moving(settings, low)
+    linear = about.linearisation()
+    if low == 0.0 and linear.rigid:
+        raise SolveError(
+            f"There is no response at 0 Hz: nothing holds the model against {', '.join(linear.texts)}; add supports, "
+            "or give frequencies > 0"
+        )
+    response = HarmonicResponse(about.small, about.inputs, about.readings)
+    poles = poles_below(discrete.static, about.state, linear, about.small, high)
+    notes = list(about.notes)
+    if not poles.complete:
+        notes.append("not all resonances of this band were sought: narrow peaks may be missing")
+    attributes: dict[str, float] = {}
+    if settings.band is None:
+        hertz, values = given, response.over(given)
+    else:
+        found = followed(response.at, (low, high), list(poles.roots), settings.tolerance)
+        hertz, values = found.hertz, found.responses
+        attributes["line_error"] = found.error
+        if len(hertz) >= MOST:
+            notes.append(f"lines between {MOST} frequencies do not follow all responses to the tolerance")
+    attributes["systems"] = response.solved
+    return FrequencyResponse(_data_set(discrete, settings, (hertz, values), poles, notes, attributes))
+
+
+def with_inputs(model: ModelDescription, settings: object) -> ModelDescription:
+    """Return the model with the loads of the inputs, if the settings have some."""
+    return with_input_loads(model, settings) if isinstance(settings, ResponseSettings) else model
+
+
+def _require_known(about: LinearAbout, low: float, high: float) -> None:
+    """Refuse frequencies at which a modulus was not measured."""
+    band, slack = about.small.band, 1e-9
+    if band is not None and not (band[0] * (1.0 - slack) <= low and high <= band[1] * (1.0 + slack)):
+        raise InputError(
+            Fault(
+                "frequencies",
+                f"{low:.6g} to {high:.6g} Hz",
+                f"the moduli of the materials were measured from {band[0]:.6g} to {band[1]:.6g} Hz only",
+                "stay within, or take the fitted law: moduli = 'law'",
+            )
+        )
+
+
+def _require_moving(settings: ResponseSettings, low: float) -> None:
+    """Refuse the response to a constant velocity or acceleration."""
+    for k, one in enumerate(settings.inputs):
+        if low == 0.0 and isinstance(one, MotionInput) and one.derivative:
+            raise InputError(
+                Fault(
+                    f"inputs[{k}]",
+                    repr(one.label),
+                    "at 0 Hz a velocity or an acceleration moves everything without end",
+                    "give a displacement, or frequencies > 0",
+                )
+            )
+
+
+def _data_set(
+    discrete: DiscreteModel,
+    settings: ResponseSettings,
+    response: tuple[Floats, np.ndarray],
+    poles: Poles,
+    notes: list[str],
+    attributes: dict[str, float],
+) -> xr.Dataset:
+    """Return the data set of responses ``(frequencies, outputs, inputs)`` at their frequencies [Hz]."""
+    import xarray as xr
+
+    hertz, values = response
+    earlier = json.loads(discrete.attributes.get("warnings", "[]"))
+    attrs = discrete.complete(
+        {
+            "kind": FrequencyResponse.kind,
+            "outcome": "completed",
+            "about": settings.about
+            if isinstance(settings.about, str)
+            else "the equilibrium near an earlier state",
+            "moduli": settings.moduli,
+            "nodes": discrete.problem.size,
+            "warnings": json.dumps([*earlier, *notes]),
+            **attributes,
+        }
+    )
+    return xr.Dataset(
+        {
+            "response": (
+                ("frequency", "output", "input", "part"),
+                np.stack([values.real, values.imag], axis=-1),
+            ),
+            "input_unit": ("input", np.array([one.unit for one in settings.inputs], dtype=str)),
+            "output_unit": ("output", np.array([one.unit for one in settings.outputs], dtype=str)),
+            "pole": (("mode", "part"), np.column_stack([poles.roots.real, poles.roots.imag])),
+            "pole_name": ("mode", np.array(poles.names, dtype=str)),
+        },
+        {
+            "frequency": hertz,
+            "output": [one.label for one in settings.outputs],
+            "input": [one.label for one in settings.inputs],
+            "part": ["real", "imaginary"],
+        },
+        attrs,
+    )

@@ -1,0 +1,40 @@
+"""``viscorod response``: harmonic responses of a case over frequency."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import typer
+
+from viscorod.cli.files import existing, writable
+from viscorod.cli.options import CaseFile, ResultFolder
+from viscorod.cli.terminal import readable_errors
+from viscorod.errors import Fault, InputError
+
+__all__ = ["response"]
+
+
+def response(case: CaseFile, output: ResultFolder = None) -> None:
+    """Compute the frequency response of a case with a table [response]: a report, data and pictures."""
+    with readable_errors():
+        from viscorod.analyses.case_run import discretised_case, run_case
+        from viscorod.casefile.case import load_case
+        from viscorod.results.frequency_response import FrequencyResponse
+
+        loaded = load_case(existing(case))
+        if loaded.kind != "response":
+            raise InputError(
+                Fault(
+                    loaded.kind,
+                    "",
+                    "the case asks for another analysis",
+                    "give a table [response] in its place, with inputs, outputs and a band",
+                )
+            )
+        folder = writable(output or Path("out") / case.stem)
+        result = run_case(loaded, discretised_case(loaded))
+        assert isinstance(result, FrequencyResponse)
+        written = [result.save(folder / "response.nc")]
+        written += [result.plot(folder / f"{kind}.png", kind) for kind in ("bode", "nyquist")]
+        typer.echo(result.report())
+        typer.echo(f"\nWritten: {', '.join(map(str, written))}")

@@ -1,0 +1,233 @@
+"""The result of a frequency response: complex responses over frequency, their peaks, the poles."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from viscorod.checks import checked
+from viscorod.errors import InputError
+from viscorod.results.resonances import Resonance, resonances_of
+from viscorod.results.text_table import table
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["FrequencyResponse"]
+
+VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "frequency": (("frequency",), "Hz", "frequency of the harmonic motion"),
+    "input": (("input",), "", "what drives the model"),
+    "output": (("output",), "", "what is read"),
+    "part": (("part",), "", "real and imaginary"),
+    "input_unit": (("input",), "", "unit of the input"),
+    "output_unit": (("output",), "", "unit of the output"),
+    "response": (("frequency", "output", "input", "part"), "", "output over input, exp(i omega t)"),
+    "pole": (("mode", "part"), "1/s", "s of the free motion exp(s t)"),
+    "pole_name": (
+        ("mode",),
+        "",
+        "what most of the strain energy of the motion is in, and its number among these",
+    ),
+}
+"""Name -> dimensions, unit and long name of every variable; all are always there."""
+
+
+class FrequencyResponse:
+    """Responses of a model to harmonic inputs about a state: output over input at every frequency.
+
+    ``data`` is an ``xarray.Dataset`` with the real and imaginary parts of ``response`` by ``frequency`` [Hz],
+    ``output`` and ``input``, in the units of output over input (SI), and the poles.
+    """
+
+    kind: ClassVar[str] = "response"
+
+    def __init__(self, data: xr.Dataset) -> None:
+        missing = [name for name in VARIABLES if name not in data.variables]
+        if data.attrs.get("kind") != self.kind or missing:
+            raise InputError(
+                f"this data set is no frequency response of viscorod: {', '.join(missing) or 'it is of another kind'}"
+            )
+        for name, (dims, unit, text) in VARIABLES.items():
+            if data[name].dims != dims:
+                raise InputError(
+                    f"this data set is no frequency response of viscorod: {name} has other dimensions"
+                )
+            data[name].attrs.update({"units": unit, "long_name": text} if unit else {"long_name": text})
+        for name in ("frequency", "response", "pole"):
+            if not np.isfinite(data[name].values).all():
+                raise InputError(f"this data set is no frequency response of viscorod: {name} is not finite")
+        self.data = data
+
+    @property
+    def title(self) -> str:
+        """Title of the case, empty if it has none."""
+        return str(self.data.attrs.get("title", ""))
+
+    @property
+    def frequencies(self) -> Floats:
+        """Frequencies [Hz], shape (n,)."""
+        return np.asarray(self.data["frequency"].values, dtype=float)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The inputs, in words."""
+        return tuple(str(name) for name in self.data["input"].values)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """The outputs, in words."""
+        return tuple(str(name) for name in self.data["output"].values)
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        """All responses ``(frequencies, outputs, inputs)``, complex, SI units of output over input."""
+        parts = np.asarray(self.data["response"].values, dtype=float)
+        found: np.ndarray = parts[..., 0] + 1j * parts[..., 1]
+        return found
+
+    @property
+    def poles(self) -> np.ndarray:
+        """Poles ``s`` [1/s] of the free motions ``exp(s t)`` within the band and the next one, Im > 0.
+
+        They are those of the whole model. Where moduli come from a table they are taken at the frequency of each pole.
+        """
+        real, imaginary = np.asarray(self.data["pole"].values, dtype=float).reshape(-1, 2).T
+        found: np.ndarray = real + 1j * imaginary
+        return found
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the result says against itself, in sentences."""
+        return [str(text) for text in json.loads(self.data.attrs.get("warnings", "[]"))]
+
+    @checked
+    def response(self, output: str | int = 0, source: str | int = 0) -> np.ndarray:
+        """Return one response ``(frequencies,)``, complex.
+
+        Args:
+            output, source: the words of the output and of the input, or their numbers from 0.
+
+        Raises:
+            InputError: there is no such output or input.
+        """
+        k, j = self._number("output", output, self.outputs), self._number("source", source, self.inputs)
+        found: np.ndarray = self.values[:, k, j]
+        return found
+
+    def unit(self, output: str | int = 0, source: str | int = 0) -> str:
+        """Return the unit of a response: "m/N", "1" of a transmissibility."""
+        k, j = self._number("output", output, self.outputs), self._number("source", source, self.inputs)
+        over, under = (
+            str(self.data[name].values[at]) for name, at in (("output_unit", k), ("input_unit", j))
+        )
+        if over == under:
+            return "1"
+        if under == "1":
+            return over
+        left, right = (f"({text})" if any(c in text for c in " /") else text for text in (over, under))
+        return f"{left}/{right}"
+
+    @checked
+    def amplification(self, output: str | int = 0, source: str | int = 0) -> Floats:
+        """Return the size of a response ``(frequencies,)``."""
+        return np.asarray(np.abs(self.response(output, source)))
+
+    def resonances(self, output: str | int = 0, source: str | int = 0) -> list[Resonance]:
+        """Return the peaks of a response, with the damping ratios that are read off them beside those of the poles."""
+        return resonances_of(
+            self.frequencies,
+            self.response(output, source),
+            self.poles,
+            [str(name) for name in self.data["pole_name"].values],
+        )
+
+    def report(self) -> str:
+        """Return a report: band, peaks of every response with their damping, poles, warnings."""
+        hertz = self.frequencies
+        heading = f"{self.title + chr(10) if self.title else ''}Frequency response, {len(hertz)} frequencies"
+        heading += (
+            f" from {hertz[0]:.6g} to {hertz[-1]:.6g} Hz, about {self.data.attrs.get('about', 'a state')}"
+        )
+        if "line_error" in self.data.attrs:
+            heading += (
+                f"\nLines between them follow every response to {100.0 * self.data.attrs['line_error']:.2g} % "
+                "(estimated)"
+            )
+        blocks = [heading]
+        for j, source in enumerate(self.inputs):
+            for k, target in enumerate(self.outputs):
+                blocks.append(self._peaks(k, j, f"{target} over {source}, {self.unit(k, j)}"))
+        rows = [
+            [str(name), f"{abs(s) / (2.0 * np.pi):.6g}", f"{-s.real / abs(s):.5g}"]
+            for name, s in zip(self.data["pole_name"].values, self.poles, strict=True)
+        ]
+        if rows:
+            blocks.append(table("Poles", ["mode", "frequency [Hz]", "damping ratio"], rows))
+        if self.warnings:
+            blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]))
+        return "\n\n".join(blocks)
+
+    def _peaks(self, k: int, j: int, title: str) -> str:
+        found = self.resonances(k, j)
+        if not found:
+            size = self.amplification(k, j)
+            return f"{title}: no peak; from {size.min():.5g} to {size.max():.5g}"
+        header = ["peak of", "at [Hz]", "size", "half power", "circle", "pole"]
+        rows = [
+            [
+                one.name or "-",
+                f"{one.frequency:.6g}",
+                f"{one.amplitude:.5g}",
+                *(
+                    "-" if ratio is None else f"{ratio:.4g}"
+                    for ratio in (one.half_power, one.circle, one.pole)
+                ),
+            ]
+            for one in found
+        ]
+        return table(f"{title}: peaks, and damping ratios by three ways", header, rows)
+
+    @checked
+    def save(self, path: str | Path) -> Path:
+        """Write it to a netCDF4 file, which ``viscorod.load`` reads; returns the path."""
+        from viscorod.results.files.storage import write
+
+        return write(self.data, path)
+
+    @checked
+    def plot(self, path: str | Path, kind: str = "bode") -> Path:
+        """Draw the responses.
+
+        Args:
+            path: picture to write; the suffix gives the format.
+            kind: "bode" (size and phase over frequency), "nyquist" (in the complex plane) or "space" (both over
+                frequency, in three dimensions).
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: there is no such kind, or the picture cannot be written.
+        """
+        from viscorod.pictures.plots.plot_response import draw_response
+        from viscorod.pictures.style import write
+
+        return write(draw_response(self, kind), path)
+
+    @staticmethod
+    def _number(what: str, given: str | int, known: tuple[str, ...]) -> int:
+        if isinstance(given, str) and given in known:
+            return known.index(given)
+        if isinstance(given, int | np.integer) and -len(known) <= given < len(known):
+            return int(given) % len(known)
+        raise InputError(f"{what} = {given!r}: this response has {', '.join(map(repr, known))}")
+
+    def __reduce__(self) -> tuple[Callable[[xr.Dataset], FrequencyResponse], tuple[xr.Dataset]]:
+        return type(self), (self.data,)

@@ -1,0 +1,164 @@
+"""The result of a search for small vibrations."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from pathlib import Path
+from typing import ClassVar, Self
+
+import numpy as np
+
+from viscorod.checks import checked
+from viscorod.results.result import Result
+from viscorod.results.text_table import table
+from viscorod.typing import Floats
+
+__all__ = ["Modes"]
+
+
+class Modes(Result):
+    """Small vibrations about a state in order of natural frequency, rigid motions first.
+
+    Each rigid motion (and mechanism) is listed once, with the frequency and the damping ratio 0; geometry tells how
+    many there are. An overdamped mode gives two real eigenvalues, listed beside each other at the natural frequency
+    that it has without damping, so that creeping motions whose rates crowd near one over the retardation time of the
+    material do not come before slow vibrations. The real roots by which Maxwell branches creep are left out.
+
+    ``data`` holds the state that they are about along the dimension ``load_factor``, and the modes along
+    ``small_motion``.
+    """
+
+    kind: ClassVar[str] = "modes"
+
+    @cached_property
+    def eigenvalues(self) -> np.ndarray:
+        """``s`` in ``exp(s t)`` [1/s], one of each conjugate pair (Im >= 0); overdamped modes give two real ones."""
+        real, imaginary = self._values("eigenvalue").reshape(-1, 2).T
+        found: np.ndarray = real + 1j * imaginary
+        return found
+
+    @cached_property
+    def frequencies(self) -> Floats:
+        """``|s|/2 pi`` [Hz] (for an underdamped mode the undamped natural frequency)."""
+        return np.asarray(np.abs(self.eigenvalues) / (2.0 * np.pi))
+
+    @cached_property
+    def damping_ratios(self) -> Floats:
+        """``-Re s/|s|``; 0 of rigid motions."""
+        s = self.eigenvalues
+        return np.asarray(np.divide(-s.real, np.abs(s), out=np.zeros(len(s)), where=np.abs(s) > 0.0) + 0.0)
+
+    @cached_property
+    def shapes(self) -> np.ndarray:
+        """Displacement of every station ``(modes, stations, 3)``, global axes, complex, largest component 1.
+
+        Of a pure twist it is the largest rotation that is 1.
+        """
+        return self._complex("mode_shape")
+
+    @cached_property
+    def rotations(self) -> np.ndarray:
+        """Rotation of every station ``(modes, stations, 3)``, body axes, same scaling."""
+        return self._complex("mode_rotation")
+
+    @property
+    def positions(self) -> Floats:
+        """Positions of the stations about which they swing ``(stations, 3)`` [m]."""
+        return self.field("position", states=-1)
+
+    @property
+    def residuals(self) -> Floats:
+        """The forces that an eigenvalue and its shape leave unbalanced, as a part of the largest of those that balance.
+
+        All are measured by the displacements (or accelerations) that they would cause; without damping it is a bound
+        of the relative error of the squared frequency of this mesh.
+        """
+        return self._values("mode_residual")
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What each is: ``"bend_1 2"`` is the second mode whose elastic energy is mostly that of bending about d1.
+
+        The words are those of the strains, ``"spring"`` for springs, ``"swing"`` for parts that move like rigid ones
+        under loads that turn them back, ``"damper"`` for what dampers alone resist; rigid motions are described. Modes
+        near a frequency have no number where there are too many below them to be counted by kind.
+        """
+        return tuple(str(name) for name in self.data["mode_name"].values)
+
+    @property
+    def shares(self) -> Floats:
+        """Parts of the elastic energy of the rods in every strain ``(modes, 6)``; zeros of rigid motions."""
+        return self._values("mode_share")
+
+    @property
+    def rigid(self) -> int:
+        """Number of rigid motions in the list."""
+        return int(self.data.attrs["mode_rigid"])
+
+    @property
+    def certified(self) -> bool:
+        """True if it is proven that none is missing up to the highest one.
+
+        Or between the lowest and the highest of those near a frequency; but for others with just its frequency where
+        there are more than 30 of them, as in many equal rods. The proof is an inertia count of the undamped modes
+        (Sylvester), each of which is one of the damped ones here, or that these are all modes. False where damping
+        couples the modes of a large model, or where following loads make its stiffness unsymmetric: residuals hold,
+        but nothing proves that there are no others.
+        """
+        return bool(self.data.attrs["mode_certified"])
+
+    @property
+    def frequency_errors(self) -> Floats:
+        """Estimated errors of the frequencies by the mesh, in parts of them; none where not estimated."""
+        return self._values("mode_error") if "mode_error" in self.data else np.zeros(0)
+
+    def with_errors(self, errors: Floats) -> Self:
+        """Return the same with estimated errors of the frequencies ``(modes,)``."""
+        return type(self)(self.data.assign(mode_error=("small_motion", errors)))
+
+    def report(self) -> str:
+        """Return a report: a table of the modes, how sure they are, warnings."""
+        errors = self.frequency_errors
+        header = ["mode", "frequency [Hz]", "damping ratio"] + (["mesh error"] if len(errors) else [])
+        rows = []
+        for k, (name, s) in enumerate(zip(self.names, self.eigenvalues, strict=True)):
+            over = k >= self.rigid and abs(s.imag) <= 1e-9 * abs(s)
+            ratio = "overdamped" if over else f"{self.damping_ratios[k]:.5g}"
+            row = [f"{k + 1}: {name}", f"{self.frequencies[k]:.6g}", ratio]
+            rows.append(row + ([f"{errors[k]:.1g}"] if len(errors) else []))
+        heading = f"{self.title + chr(10) if self.title else ''}Small vibrations about {self.about}"
+        sure = (
+            "It is proven that none is missing among them"
+            if self.certified
+            else "It is not proven that none is missing among them"
+        )
+        sure += f"; largest residual {self.residuals.max(initial=0.0):.1g}"
+        blocks = [
+            heading,
+            table("Modes", header, rows),
+            sure,
+        ]
+        if self.warnings:
+            blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]))
+        return "\n\n".join(blocks)
+
+    @property
+    def about(self) -> str:
+        """What they are about, in words."""
+        return str(self.data.attrs.get("mode_about", "a state"))
+
+    @checked
+    def plot(self, path: str | Path, count: int | None = None) -> Path:
+        """Draw the modes, or the first ``count`` of them; returns the path."""
+        from viscorod.pictures.plots.plot_modes import draw_modes
+        from viscorod.pictures.style import write
+
+        return write(draw_modes(self, self, count), path)
+
+    def _values(self, name: str) -> Floats:
+        return np.asarray(self.data[name].values, dtype=float)
+
+    def _complex(self, name: str) -> np.ndarray:
+        parts = self._values(name)
+        found: np.ndarray = parts[:, 0] + 1j * parts[:, 1]
+        return found

@@ -1,0 +1,149 @@
+"""Damping ratios read off the peaks of a frequency response, as one does with measured ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from viscorod.typing import Floats
+
+__all__ = ["Resonance", "resonances_of"]
+
+PROMINENT = 1.2
+"""Size of a peak over that of the valleys beside it at least."""
+ON_CIRCLE = 4
+"""Frequencies within the half-power band from which a circle is fitted."""
+
+
+@dataclass(frozen=True)
+class Resonance:
+    """A peak of a response.
+
+    Attributes:
+        frequency: of the peak [Hz]; amplitude: its size.
+        half_power: damping ratio by the frequencies at which the size is that of the peak over root 2; None where the
+            response does not fall so far on both sides.
+        circle: damping ratio by the circle through the responses within that band, in the complex plane (Kennedy and
+            Pancu 1947, in the form of Ewins, Modal Testing, section 4.3); None where there are too few.
+        pole: damping ratio of the nearest pole, and name: of its motion; None and empty where there is none near by.
+    """
+
+    frequency: float
+    amplitude: float
+    half_power: float | None
+    circle: float | None
+    pole: float | None
+    name: str
+
+
+def resonances_of(
+    hertz: Floats, response: np.ndarray, poles: np.ndarray, names: Sequence[str]
+) -> list[Resonance]:
+    """Return the peaks of a response.
+
+    Args:
+        hertz: increasing frequencies ``(n,)``; response: there ``(n,)``.
+        poles: ``s`` [1/s]; names: of their motions.
+    """
+    size = np.abs(response)
+    found = []
+    for k in _peaks(size):
+        f, top = _summit(hertz[k - 1 : k + 2], size[k - 1 : k + 2])
+        low, high = _crossing(hertz, size, k, top, -1), _crossing(hertz, size, k, top, 1)
+        half = circle = None
+        if low is not None and high is not None:
+            half = (high**2 - low**2) / (4.0 * f**2)
+            inside = np.flatnonzero((hertz >= low) & (hertz <= high))
+            if len(inside) >= ON_CIRCLE:
+                circle = _circle(hertz[inside], response[inside])
+        nearest = int(np.argmin(np.abs(poles.imag / (2.0 * np.pi) - f))) if len(poles) else -1
+        s = poles[nearest] if nearest >= 0 else None
+        width = 0.0 if s is None else max(abs(s.real), 1e-2 * abs(s)) / np.pi
+        close = s is not None and abs(s.imag / (2.0 * np.pi) - f) <= 2.0 * width
+        found.append(
+            Resonance(
+                f,
+                top,
+                half,
+                circle,
+                float(-s.real / abs(s)) if close and s is not None else None,
+                str(names[nearest]) if close else "",
+            )
+        )
+    return found
+
+
+def _peaks(size: Floats) -> list[int]:
+    """Return the places of maxima that stand out from the valleys on both sides."""
+    inner = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
+    found: list[int] = []
+    for k in inner:
+        left, right = size[:k], size[k + 1 :]
+        above = np.flatnonzero(left > size[k])
+        valley = left[above[-1] if len(above) else 0 :].min()
+        above = np.flatnonzero(right > size[k])
+        other = right[: above[0] + 1 if len(above) else len(right)].min()
+        if size[k] > PROMINENT * max(valley, other):
+            found.append(int(k))
+    return found
+
+
+def _summit(hertz: Floats, size: Floats) -> tuple[float, float]:
+    """Return the top of the parabola through 1/size^2 of three frequencies, which is exact for one mode alone."""
+    x = hertz - hertz[1]
+    y = 1.0 / size**2
+    a, b, c = np.polyfit(x, y, 2)
+    if a <= 0.0:
+        return float(hertz[1]), float(size[1])
+    at = float(np.clip(-0.5 * b / a, x[0], x[2]))
+    low = a * at**2 + b * at + c
+    return float(hertz[1] + at), float(1.0 / np.sqrt(low)) if low > 0.0 else float(size[1])
+
+
+def _crossing(hertz: Floats, size: Floats, k: int, top: float, step: int) -> float | None:
+    """Return the frequency beside a peak at which the size is that of the top over root 2; None if there is none."""
+    wanted = top / np.sqrt(2.0)
+    last = k
+    while 0 <= last + step < len(size):
+        here = last + step
+        if size[here] <= wanted:
+            x, y = hertz[[last, here]], 1.0 / size[[last, here]] ** 2
+            part = (1.0 / wanted**2 - y[0]) / (y[1] - y[0])
+            return float(x[0] + part * (x[1] - x[0]))
+        if size[here] > top:
+            return None
+        last = here
+    return None
+
+
+def _circle(hertz: Floats, response: np.ndarray) -> float | None:
+    """Return the damping ratio by the angles that the response sweeps on its circle."""
+    x, y = response.real, response.imag
+    scale = float(np.abs(response).max())
+    matrix = np.column_stack([x, y, np.full(len(x), scale)]) / scale
+    (a, b, _), *_ = np.linalg.lstsq(matrix, (x * x + y * y) / scale, rcond=None)
+    centre = 0.5 * complex(a, b)
+    angle = np.unwrap(np.angle(response - centre))
+    squared = hertz**2
+
+    def line(middle: float) -> tuple[Floats, float]:
+        """Return slope, start and misfit of tan(theta/2), which is linear in omega^2 where one mode is alone."""
+        half = np.tan(0.5 * (angle - middle))
+        found, misfit, *_ = np.polyfit(squared / squared[0] - 1.0, half, 1, full=True)
+        return found, float(misfit[0]) if len(misfit) else 0.0
+
+    centre_angle = 0.5 * (angle[0] + angle[-1])
+    reach = 0.4 * abs(angle[-1] - angle[0])
+    best = minimize_scalar(
+        lambda m: line(m)[1], bounds=(centre_angle - reach, centre_angle + reach), method="bounded"
+    )
+    slope, start = line(float(best.x))[0]
+    if slope == 0.0:
+        return None
+    # tan(theta/2) = (omega_r^2 - omega^2)/(eta omega_r^2)
+    resonance = 1.0 - start / slope
+    ratio = float(0.5 / (abs(slope) * resonance))
+    return ratio if np.isfinite(ratio) and ratio > 0.0 else None

@@ -1,0 +1,79 @@
+"""The response of small motions to harmonic inputs: the dynamic stiffness solved at every frequency."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import sparse
+
+from viscorod.solve.linear_systems.dynamic_stiffness import DynamicStiffness
+from viscorod.solve.linear_systems.ports import Inputs
+from viscorod.solve.linear_systems.readings import Readings
+from viscorod.solve.linear_systems.small_motions import SmallMotions
+from viscorod.typing import Floats
+
+__all__ = ["HarmonicResponse"]
+
+
+@dataclass
+class HarmonicResponse:
+    """Transfer functions from inputs to outputs, at any frequency.
+
+    Attributes:
+        small: the motions; inputs, readings: what goes in and comes out.
+        solved: number of systems that were solved so far.
+    """
+
+    small: SmallMotions
+    inputs: Inputs
+    readings: Readings
+    solved: int = field(default=0)
+
+    def __post_init__(self) -> None:
+        small, inputs, readings = self.small, self.inputs, self.readings
+        free, held = small.free, small.held
+        parts = [sparse.csr_array(rows @ free) for rows in small.balance]
+        units = np.where(small.free_places % 6 < 3, small.problem.length, 1.0)
+        gradients = None if small.gradients is None else sparse.csr_array(small.gradients @ free)
+        self._solver = DynamicStiffness(parts, gradients, units)
+        self._moving = bool(inputs.held.any() or inputs.targets.any())
+        moved = np.asarray(held @ inputs.held)
+        self._force = np.asarray(free.T @ inputs.force)
+        self._pushed = [np.asarray(rows @ moved) for rows in small.balance]
+        gaps = inputs.targets if small.gradients is None else inputs.targets - small.gradients @ moved
+        self._gaps = np.asarray(gaps)
+        self._read = [sparse.csr_array(rows @ free) for rows in readings.rows]
+        self._carried = [np.asarray(rows @ moved) for rows in readings.rows]
+        self._parts = [k for k, rows in enumerate(readings.rows) if rows.nnz]
+
+    def at(self, hertz: float) -> np.ndarray:
+        """Return the responses ``(outputs, inputs)`` at a frequency [Hz]; SI units of output over input.
+
+        Raises:
+            SolveError: an undamped resonance.
+        """
+        s = 2j * np.pi * hertz
+        c = self.small.at(s)
+        size = self._solver.size
+        right, gaps = self._force.astype(complex), self._gaps.astype(complex)
+        times = self.inputs.motions_at(s) if self._moving else np.ones(right.shape[1])
+        if self._moving:
+            gaps = gaps * times
+            for k, pushed in zip(c, self._pushed, strict=True):
+                right = right - (k * times) * pushed
+        found = self._solver.solve(c, right, gaps)
+        self.solved += 1
+        x, multipliers = found[:size], found[size:]
+        out = self.readings.direct + self.readings.multipliers @ multipliers
+        for k in self._parts:
+            out = out + c[k] * (self._read[k] @ x)
+            if self._moving:
+                out = out + (c[k] * times) * self._carried[k]
+        return np.asarray(out)
+
+    def over(self, hertz: Floats) -> np.ndarray:
+        """Return the responses ``(frequencies, outputs, inputs)``."""
+        return np.array([self.at(float(f)) for f in hertz]).reshape(
+            len(hertz), len(self.readings.outputs), len(self.inputs.signals)
+        )

@@ -1,0 +1,113 @@
+"""Settings of linear systems and of frequency responses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Any, Self
+
+from pydantic import model_validator
+
+from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.forms import NOT_NEGATIVE, POSITIVE, listed, quantity
+from viscorod.model.fields.metadata import Key, accepts, optional
+from viscorod.model.fields.values import frequency_band, number, numbers, one_of
+from viscorod.solve.settings.mesh import Meshed
+from viscorod.solve.settings.modes import AboutField
+from viscorod.solve.settings.signals import InputsField, LoadInput, OutputsField
+
+__all__ = ["LinearSettings", "ResponseSettings"]
+
+MOST = 200_000
+"""Frequencies at most."""
+
+
+@accepts(listed(quantity(bounds=NOT_NEGATIVE), 1), "list of numbers >= 0, increasing")
+def _frequencies(value: Any) -> tuple[float, ...]:
+    found = numbers(value)
+    if len(found) > MOST:
+        raise RefusedError("too many frequencies", f"give {MOST} at most", found=f"{len(found)}")
+    for index, (low, high) in enumerate(zip((-1.0, *found), found, strict=False)):
+        if high < 0.0 or high <= low:
+            raise RefusedError(
+                "frequencies are >= 0 and increase", "sort them, each once", found=show(high), at=(index,)
+            )
+    return found
+
+
+@accepts(quantity(bounds=POSITIVE), "number from 1e-5 to 0.2")
+def _tolerance(value: Any) -> float:
+    found = number(value)
+    if not 1e-5 <= found <= 0.2:
+        raise RefusedError("out of reach", "give 1e-5 to 0.2")
+    return found
+
+
+Frequencies = Annotated[Sequence[float] | None, optional(_frequencies)]
+Band = Annotated[tuple[float, float] | None, optional(frequency_band)]
+
+
+class _Ported(Meshed):
+    """What goes into a linear system, what comes out, and about what it is."""
+
+    inputs: InputsField = Key(
+        "what drives the model: places with fx, fy, fz (force, N) or mx, my, mz (moment, N m); `base` (all "
+        "supports), a supported place or a joint with ux, uy, uz (motion, m), rx, ry, rz (rad), or its velocity (vx, "
+        "wx) or acceleration (ax, dwx); or loads, of whose factor the response is"
+    )
+    outputs: OutputsField = Key(
+        "what is read: places with ux, uy, uz, rx, ry, rz (displacement, rotation), vx, wx (velocities), ax, dwx "
+        "(accelerations), global axes; with `strain` or `section_force` and a strain's name; supported places with "
+        "`reaction` and fx to mz"
+    )
+    about: AboutField = Key(
+        '"equilibrium" under the loads at t = 0- (just before t = 0), the equilibrium once "released", under those '
+        'just after t = 0, or the "reference" shape (as if free of load); a state of an earlier result: about the '
+        "equilibrium under the loads at t = 0- that is found from there",
+        default="equilibrium",
+    )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the settings as plain data in the words of the case file."""
+        plain = super().to_dict()
+        plain["inputs"] = [
+            one.load.to_dict() if isinstance(one, LoadInput) and one.given else one.label
+            for one in self.inputs
+        ]
+        plain["outputs"] = [one.label for one in self.outputs]
+        return plain
+
+
+class LinearSettings(_Ported):
+    """Which linear system is wanted."""
+
+
+class ResponseSettings(_Ported):
+    """Which frequency responses are wanted.
+
+    Exactly one of `frequencies` and `band` is given.
+    """
+
+    frequencies: Frequencies = Key("at which the response is computed, {}", "Hz", default=None)
+    band: Band = Key(
+        "lowest and highest frequency, {}, between which they are chosen so that straight lines between them follow "
+        "every response to `tolerance`",
+        "Hz",
+        default=None,
+    )
+    tolerance: Annotated[float, _tolerance] = Key("of these lines, as a part of the response", default=0.01)
+    moduli: Annotated[str, one_of("measured", "law")] = Key(
+        '"measured": where a material has a table over frequency (complex_moduli) its complex modulus is taken from '
+        'there, without a fit; "law": the fitted law, with which motions are computed too',
+        default="measured",
+    )
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        if (self.frequencies is None) == (self.band is None):
+            raise RefusedError(
+                "frequencies are given, or chosen within a band",
+                "give frequencies = [..] or band = [low, high], Hz",
+                found="none" if self.band is None else "both",
+                at=("band",),
+            )
+        return self

@@ -1,0 +1,131 @@
+"""Linear buckling: load factors at which the stiffness vanishes if it changed as it does at one state.
+
+With the tangent ``K`` at an equilibrium and its derivative ``K'`` by the load factor along the path, critical factors
+``f`` and shapes solve ``(K + (f - f_0) K') x = 0``. The derivative contains what section forces of the linear solution
+and the turning of loads make, and the displacements of that solution too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy.linalg
+from scipy import sparse
+
+from viscorod.mechanics.rotations.rotation import retract
+from viscorod.solve.formulations.system import State
+from viscorod.solve.linear.singular import SingularMatrixError
+from viscorod.solve.linear.sparse_lu import SparseLU
+from viscorod.solve.statics.arc_length import ArcLength
+from viscorod.solve.statics.tangent import Tangent
+from viscorod.typing import Floats
+
+__all__ = ["critical_factors"]
+
+MOVED = 1e-3
+"""Displacement (over the model's length) or rotation [rad] by which the tangent is differenced, to both sides."""
+CRUSHED = -0.5
+"""Strain of stretch beyond which a linear solution means nothing."""
+FULL = 400
+"""Motions up to which all factors are computed."""
+REAL = 1e-6
+"""Imaginary part of a factor, as a part of its size, that is round-off."""
+
+
+def critical_factors(path: ArcLength, state: State, factor: float, count: int) -> tuple[Floats, Floats]:
+    """Return critical load factors beyond ``factor``, the nearest first, and their shapes.
+
+    Args:
+        path: the equations of equilibrium, with the unit of the load factor.
+        state: the equilibrium at ``factor``.
+        count: of factors at most.
+
+    Returns:
+        factors ``(k,)``; body increments of the nodes ``(6 n, k)``.
+
+    Raises:
+        SingularMatrixError: the state is critical itself.
+    """
+    tangent = path.static.tangent(state, path.t, before=path.before, scale=factor)
+    solve, size = _solver(tangent), int(tangent.stiffness.shape[0])
+    slope, per_factor = _slope(path, state, factor)
+
+    def apply(x: Floats) -> Floats:
+        return -solve(np.asarray(slope @ x))
+
+    values, motions = _largest(apply, size, 2 * count + 4)
+    # values are 1/(f - f_0): complex ones belong to loads that may only bring about flutter
+    real = (np.abs(values.imag) <= REAL * np.abs(values)) & (values.real > 0.0)
+    above = np.flatnonzero(real & (values.real > 1e-12 * np.abs(values).max(initial=0.0)))
+    order = above[np.argsort(-values[above].real, kind="stable")][:count]
+    beyond = [float(value) for value in 1.0 / values[order].real]
+    order = order[[not _crushes(path, state, distance * per_factor) for distance in beyond]]
+    return factor + 1.0 / values[order].real, np.asarray(tangent.basis @ motions[:, order].real)
+
+
+def _crushes(path: ArcLength, state: State, gone: Floats) -> bool:
+    """Return whether increments press rods together so much that no law of elasticity is meant for it."""
+    system, there = path.static.system, state.copy()
+    retract(there.r, there.q, gone, there.r, there.q)
+    path.static.restore(there, path.t, before=path.before, scale=0.0)
+    return bool(system.gauss_points().strain[:, 2].min() < CRUSHED)
+
+
+def _slope(path: ArcLength, state: State, factor: float) -> tuple[sparse.csr_array, Floats]:
+    """Return the derivative of the tangent stiffness by the load factor, along the linear solution; and this solution.
+
+    Section forces are carried along linearly: those of the moved nodes would be off by the large stiffness against
+    stretching times the square of the way.
+    """
+    static, system = path.static, path.static.system
+    _, per_factor = path.solve(state, factor)
+    multiplier = system.multiplier_change(per_factor)  # in units of this assembly
+    moved = np.sqrt(path.shape(per_factor[: system.problem.size]))
+    change = min(path.unit, MOVED / max(moved, 1e-300))
+
+    def tangent_at(distance: float) -> Tangent:
+        static.restore(state, path.t, before=path.before, scale=factor)
+        gone, there = distance * per_factor, state.copy()
+        retract(there.r, there.q, gone, there.r, there.q)
+        system.carry_stress(gone)
+        there.multiplier += distance * multiplier
+        return static.tangent_here(there, path.t, before=path.before, scale=factor + distance)
+
+    after, before = tangent_at(change), tangent_at(-change)
+    return sparse.csr_array((after.stiffness - before.stiffness) / (2.0 * change)), per_factor
+
+
+def _solver(tangent: Tangent) -> Callable[[Floats], Floats]:
+    """Return what solves for motions under forces ``(size, ...)``, within the conditions.
+
+    Raises:
+        SingularMatrixError: nothing resists some of them.
+    """
+    matrix, size = tangent.stiffness, int(tangent.stiffness.shape[0])
+    rows = 0
+    if tangent.gradients is not None:
+        held = float(np.abs(matrix.diagonal()).mean()) * tangent.gradients
+        rows = int(held.shape[0])
+        matrix = sparse.block_array([[matrix, held.T], [held, None]])
+    try:
+        factor = SparseLU(matrix)
+    except RuntimeError as error:
+        raise SingularMatrixError(0) from error
+    return lambda b: np.asarray(factor.solve(np.concatenate([b, np.zeros((rows, *b.shape[1:]))]))[:size])
+
+
+def _largest(apply: Callable[[Floats], Floats], size: int, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the largest eigenvalues of an operator and their vectors."""
+    import scipy.sparse.linalg as spla
+
+    if size <= FULL or count >= size - 2:
+        values, motions = scipy.linalg.eig(apply(np.eye(size)))
+        return np.asarray(values), np.asarray(motions)
+    operator = spla.LinearOperator((size, size), matvec=apply, dtype=float)
+    start = apply(np.random.default_rng(1).standard_normal(size))
+    try:
+        values, motions = spla.eigs(operator, count, v0=start, tol=1e-10)
+    except spla.ArpackNoConvergence as error:
+        values, motions = error.eigenvalues, error.eigenvectors
+    return np.asarray(values), np.asarray(motions)

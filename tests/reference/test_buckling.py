@@ -1,0 +1,173 @@
+"""Critical loads: linear and exact, with prestress."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import airy
+
+import viscorod as vr
+
+INERTIA = [1, 1, 1, 1e-3, 1e-3, 2e-3]
+
+
+def column(stiff=1e7):
+    """A clamped column of length 1 with bending stiffness 1 in xz, 5 across."""
+    section = vr.StiffnessSection([stiff, stiff, stiff, 5.0, 1.0, 1.0], INERTIA)
+    model = vr.Model()
+    model.add(
+        "column", vr.Rod.straight((0, 0, 0), (1, 0, 0), d1=(0, 0, 1), section=section, elements=4, order=5)
+    )
+    return model
+
+
+def hinged_column(**kinds):
+    section = vr.StiffnessSection([1.0, 1.0, 1.0, 5.0, 1.0, 1.0], INERTIA)
+    model = vr.Model()
+    rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), d1=(0, 0, 1), section=section, elements=4, order=5, **kinds)
+    model.add("column", rod)
+    model.support("column.start", ("ux", "uy", "uz", "rx"))
+    model.support("column.end", ("uy", "uz"))
+    model.force("column.end", (-(np.pi**2), 0, 0))
+    return model
+
+
+def test_euler_loads_in_both_planes():
+    """A7: a Kirchhoff column between hinges buckles at 1, 4, 9 and, stiffer across, at 5 times pi^2 EI/L^2."""
+    found = hinged_column(constraints="kirchhoff").buckling(count=4)
+    assert found.load_factors == pytest.approx([1.0, 4.0, 5.0, 9.0], rel=2e-6)
+    assert found.linear == pytest.approx([1.0, 4.0, 5.0, 9.0], rel=1e-5)
+    assert not found.limit.any()
+    assert found.complete
+    assert found.errors.max() < 1e-5
+    s = found.positions[0][:, 0]
+    first, across = found.shapes[0], found.shapes[2]
+    assert first[:, 2] == pytest.approx(np.sin(np.pi * s) * first[len(s) // 2, 2], abs=1e-5)
+    assert np.abs(first[:, 1]).max() < 1e-6
+    assert across[:, 1] == pytest.approx(np.sin(np.pi * s) * across[len(s) // 2, 1], abs=1e-5)
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_a_column_as_stiff_both_ways_loses_both_stiffnesses_at_once(exact):
+    section = vr.StiffnessSection([1e7, 1e7, 1e7, 1.0, 1.0, 1.0], INERTIA)
+    model = vr.Model()
+    model.add("column", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=3, order=5))
+    model.clamp("column.start")
+    model.force("column.end", (-1.0, 0, 0))
+    found = model.buckling(count=2, exact=exact)
+    assert found.load_factors == pytest.approx([np.pi**2 / 4] * 2, rel=2e-6)
+    across = found.shapes[:, -1, 1:]
+    assert abs(np.linalg.det(across)) > 0.1
+
+
+def test_weight_as_prestress():
+    """EI theta'' + (P + q (L - s)) theta = 0 with theta(0) = 0 and theta'(L) = 0: Airy functions; q = 0 is Euler's."""
+    weight = 3.0
+
+    def open_end(load):
+        # with z = -(P + q (1 - s))/q^(2/3) the equation is theta'' = z theta
+        root = weight ** (1.0 / 3.0)
+        foot, top = -(load + weight) / root**2, -load / root**2
+        ai, _, bi, _ = airy(foot)
+        _, dai, _, dbi = airy(top)
+        return ai * dbi - bi * dai
+
+    model = column()
+    model.clamp("column.start")
+    model.distributed_force("column", (-weight, 0, 0), name="weight")
+    model.force("column.end", (-1.0, 0, 0))
+    expected = brentq(open_end, 1.0, 2.0, xtol=1e-12)
+    found = model.buckling(count=1, constant=["weight"])
+    assert found.load_factors == pytest.approx([expected], rel=2e-6)
+    assert found.linear == pytest.approx([expected], rel=2e-6)
+    alone = model.buckling(count=1, constant=["force"])
+    assert expected < np.pi**2 / 4
+    assert alone.load_factors[0] < 7.8373474 / weight  # Greenhill's load without the force
+
+
+@pytest.mark.parametrize(("force", "expected"), [(1.0, 1.084089), (-1.0, 0.678929)])
+def test_lateral_buckling_of_a_right_angle_frame(force, expected):
+    """B2 (Argyris 1979), exact prebuckling state and torsion constant: zero of its 2 x 2 Jacobian out of the plane."""
+    model = angle_frame((0.24, 0, 0), (0.24, -0.24, 0))
+    model.clamp("first.start")
+    model.force("second.end", (force, 0, 0))
+    found = model.buckling(count=1)
+    assert found.load_factors == pytest.approx([expected], rel=2e-6)
+    assert abs(found.linear[0] / expected - 1.0) > 5e-3  # the frame bends before it buckles
+    assert np.abs(found.shapes[0][:, 2]).max() == 1.0
+
+
+@pytest.mark.parametrize("couple", [1.0, -1.0])
+def test_hinged_right_angle_frame_under_end_couples(couple):
+    """Argyris 1979: 622.21 N mm with the torsion constant h t^3/3; critical couples of both signs are equal.
+
+    The couple goes with the root of the torsional stiffness, of which a strip of these sides has 1 - 0.63 t/h.
+    """
+    half = 0.24 * np.sqrt(0.5)
+    model = angle_frame((half, half, 0), (2 * half, 0, 0))
+    model.support("first.start", ("ux", "uy", "uz", "rx", "ry"))
+    model.support("second.end", ("uy", "uz", "rx", "ry"))
+    model.moment("first.start", (0, 0, couple))
+    model.moment("second.end", (0, 0, -couple))
+    found = model.buckling(count=1)
+    expected = 0.62221 * np.sqrt(1.0 - 0.63025 * 0.0006 / 0.030)
+    assert found.load_factors == pytest.approx([expected], rel=1e-4)
+
+
+def angle_frame(corner, end):
+    material = vr.Material(71240e6, 0.31, 2700.0)
+    section = vr.Rectangle(0.0006, 0.030)
+    model = vr.Model()
+    for name, ends in (("first", ((0, 0, 0), corner)), ("second", (corner, end))):
+        rod = vr.Rod.straight(*ends, d1=(0, 0, 1), section=section, material=material, elements=4)
+        model.add(name, rod)
+    model.attach("second.start", "first.end")
+    return model
+
+
+def test_an_arch_snaps_after_it_has_branched_off():
+    """DaDeppo and Schmidt 1975: the limit load of the clamped and hinged arch is 8.97 EI/R^2."""
+    angle = np.radians(215.0)
+    half = angle / 2
+    ends = (
+        (-np.sin(half), np.cos(half), 0),
+        (np.cos(half), np.sin(half), 0),
+        (np.sin(half), -np.cos(half), 0),
+    )
+    section = vr.StiffnessSection([1.0] * 6, [1.0] * 6)
+    rod = vr.Rod.arc(*ends, 1.0, angle, section=section, elements=6, order=5, constraints="kirchhoff")
+    model = vr.Model()
+    model.add("arch", rod)
+    model.support("arch.start", ("ux", "uy", "uz", "rx", "ry"))
+    model.clamp("arch.end")
+    model.force(f"arch@{half}", (0, -1.0, 0))
+    found = model.buckling(count=2)
+    assert found.limit.tolist() == [False, True]
+    assert found.load_factors[1] == pytest.approx(8.97, abs=0.005)
+
+
+def test_fewer_than_asked_for_are_told():
+    """Beck's column has no other equilibrium (Beck 1952)."""
+    model = column()
+    model.clamp("column.start")
+    model.force("column.end", (0, 0, -1.0), following=True)
+    found = model.buckling(count=2)
+    assert found.load_factors.size == found.linear.size == 0
+    assert not found.complete
+
+
+def test_refusals():
+    model = column()
+    model.clamp("column.start")
+    with pytest.raises(vr.InputError, match="no load or prescribed motion grows"):
+        model.buckling()
+    model.force("column.end", (-1.0, 0, 0), name="thrust")
+    with pytest.raises(vr.InputError, match=r"constant\[0\].*'thrsut'.*did you mean 'thrust'"):
+        model.buckling(constant=["thrsut"])
+    with pytest.raises(vr.InputError, match="no load or prescribed motion grows"):
+        model.buckling(constant=["thrust"])
+    loose = column()
+    loose.force("column.end", (-1.0, 0, 0))
+    with pytest.raises(vr.InputError, match="nothing holds the model"):
+        loose.buckling()
