@@ -51,7 +51,7 @@ from viscorod.solve.transient.integrators.constraint_arrays import (
     move_multipliers,
 )
 from viscorod.solve.transient.integrators.iteration_verdict import CONVERGED, GOING, SLOW, judge
-from viscorod.solve.transient.integrators.midpoint_end import hold_ends, place_end
+from viscorod.solve.transient.integrators.midpoint_end import hold_ends, place_end, strains_at_end
 from viscorod.solve.transient.integrators.stage_data import (
     Discretisation,
     Ends,
@@ -252,6 +252,8 @@ def respond(
     if ends is not None and strains is None:
         conserve(elements, h, points, work, ends, branches)
     if links is not None:
+        if ends is not None and strains is not None:
+            strains_at_end(strains.start, points.strain, ends.strain)
         keep_stress(links.held, points.stress, points.section_force)
 
 
