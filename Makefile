@@ -14,7 +14,7 @@ COMPILATION := tests/unit/test_warmup.py
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help demo quick test coverage search fuzz honest check docs figures bench peers clean
+.PHONY: help demo quick test coverage search fuzz honest check types pages docs figures bench peers clean
 
 help:
 	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
@@ -47,11 +47,17 @@ $(VENV)/.stamp-test: pyproject.toml | $(BIN)/python
 demo: $(VENV)/.stamp-run
 	$(BIN)/viscorod run examples/cantilever_swing.toml -o out/cantilever_swing
 
+# Types and documentation take a minute each: they are checked beside each other.
 check: $(VENV)/.stamp-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(MAKE) --no-print-directory --jobs=$(WORKERS) --output-sync=target types pages
+
+types: $(VENV)/.stamp-test
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+pages: $(VENV)/.stamp-test
 	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
 
 quick: $(VENV)/.stamp-test
@@ -82,8 +88,7 @@ fuzz: $(VENV)/.stamp-test
 honest: $(VENV)/.stamp-test
 	PYTHONPATH=tests $(BIN)/python -m honesty --workers $(WORKERS)
 
-docs: $(VENV)/.stamp-test
-	$(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
+docs: pages
 	@echo "docs/_build/html/index.html"
 
 figures: $(VENV)/.stamp-test

@@ -13,6 +13,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 import viscorod as vr
+from viscorod.analyses.case_run import as_model
+from viscorod.casefile.case import load_case
+from viscorod.casefile.shipped import shipped_cases
 
 TARGET = Path(__file__).parents[1] / "images" / "one_element.png"
 COLOURS = {1: "#222222", 2: "#E69F00", 3: "#009E73", 5: "#0072B2", 8: "#D55E00"}
@@ -28,6 +31,9 @@ EA = 16.0 * 4.0 * SLENDERNESS**2 / 4.0  # EI = L = 1
 GA = 0.9 * EA / 2.6
 LOAD = 10.0
 KINDS = {"shearable": (), "kirchhoff": ("kirchhoff",)}
+MEMBERS = [(1, 1), (1, 4), (1, 16), (1, 64), (2, 1), (3, 1), (5, 1), (8, 1)]  # order, elements of each member
+PULL = 4.0e-5  # N, eight times that of the shipped comb
+CRANK = -1.14  # rad, where the shipped mechanism is at 2.4 s
 
 
 def cantilever(
@@ -180,6 +186,52 @@ def costs() -> None:
         print(f"| {name} | {static['iterations']} | {1e3 * statics[k]:.1f} | {counts} | {motions[k]:.2f} |")
 
 
+def divided(case: str, order: int, elements: int) -> vr.Model:
+    """Return a shipped case whose rods shear, and have elements of one order and number."""
+    model = as_model(load_case(shipped_cases()[case]).description)
+    for name, rod in model.rods.items():
+        model.rods[name] = vr.Rod.model_validate(
+            dict(rod) | {"order": order, "elements": elements, "constraints": ()}
+        )
+    return model
+
+
+def comb(order: int, elements: int) -> np.ndarray:
+    """Return the first frequency of the comb resonator [Hz], and how far the combs pull its shuttle [m]."""
+    model = divided("comb_resonator", order, elements)
+    frequency = model.modes(1, about="reference").frequencies[0]
+    model.loads.clear()
+    model.force("shuttle", (PULL, 0, 0))
+    return np.array([frequency, model.equilibrium().displacement("shuttle")[0]])
+
+
+def mechanism(order: int, elements: int) -> np.ndarray:
+    """Return where the elbow of the four-bar mechanism is [m] and the moment of its motor [N m], the crank turned."""
+    model = divided("four_bar", order, elements)
+    motor = model.joints[0]
+    model.joints[0] = type(motor).model_validate(dict(motor) | {"motion": {"rz": CRANK}})
+    found = model.equilibrium()
+    held = found.data["joint_force"].values[-1]
+    at = list(zip(found.data["joint"].values, found.data["joint_motion"].values, strict=True)).index(
+        ("motor", "rz")
+    )
+    return np.array([*found.position("coupler.start"), held[at]])
+
+
+def members() -> None:
+    """Print errors of structures of many members, by elements per member; parts of the largest value."""
+    print("\n| order | elements | comb: frequency | comb: pull | mechanism: elbow | mechanism: moment |")
+    print("|---|---|---|---|---|---|")
+    exact_comb, exact = comb(10, 4), mechanism(10, 4)
+    for order, elements in MEMBERS:
+        by_comb = np.abs(comb(order, elements) / exact_comb - 1.0)
+        found = mechanism(order, elements)
+        place = np.linalg.norm(found[:3] - exact[:3]) / 0.24
+        errors = [*by_comb, place, abs(found[3] / exact[3] - 1.0)]
+        print(f"| {order} | {elements} | " + " | ".join(f"{e:.1e}" for e in errors) + " |")
+    print(f"exact: {exact_comb[0]:.2f} Hz, {exact_comb[1]:.4e} m; {exact[:3]} m, {exact[3]:.4f} N m")
+
+
 def describe() -> None:
     for name, load in (("bent", LOAD), ("swung: let go", 1.0)):
         model = cantilever(4, 10, ())
@@ -198,6 +250,7 @@ def main() -> None:
     print_errors(table)
     equal_accuracy(table)
     costs()
+    members()
     draw(table)
 
 

@@ -15,7 +15,6 @@ from .model.actions.event import Crossing as Crossing
 from .model.actions.event import Decayed as Decayed
 from .model.actions.event import SteadyState as SteadyState
 from .model.actions.initial_strain import InitialStrain as InitialStrain
-from .model.actions.initial_strain import RestStrain as RestStrain
 from .model.actions.initial_velocity import InitialVelocity as InitialVelocity
 from .model.actions.load import DistributedForce as DistributedForce
 from .model.actions.load import DistributedMoment as DistributedMoment
@@ -23,6 +22,7 @@ from .model.actions.load import Force as Force
 from .model.actions.load import Gravity as Gravity
 from .model.actions.load import Moment as Moment
 from .model.actions.load import MovingForce as MovingForce
+from .model.actions.rest_strain import RestStrain as RestStrain
 from .model.actions.time_function import Constant as Constant
 from .model.actions.time_function import Ramp as Ramp
 from .model.actions.time_function import Sine as Sine
@@ -82,10 +82,14 @@ from .model.sections.section_shapes import SquareTube as SquareTube
 from .model.sections.stiffness_section import MaxwellBranch as MaxwellBranch
 from .model.sections.stiffness_section import StiffnessSection as StiffnessSection
 from .pictures.viewer import view as view
+from .results.buckling import Buckling as Buckling
 from .results.decrement import Decrement as Decrement
 from .results.energy import Energy as Energy
 from .results.files.storage import load as load
 from .results.frequency_response import FrequencyResponse as FrequencyResponse
+from .results.linear_system import LinearSystem as LinearSystem
+from .results.linear_system import ReducedSystem as ReducedSystem
+from .results.linear_system import StateMatrices as StateMatrices
 from .results.modes_result import Modes as Modes
 from .results.resonances import Resonance as Resonance
 from .results.run import Equilibrium as Equilibrium

@@ -9,12 +9,13 @@ from viscorod.analyses.equilibrium import require_no_initial_strain
 from viscorod.analyses.equilibrium_search import Search
 from viscorod.analyses.static_stages import constant_stage
 from viscorod.errors import InputError, SolveError
+from viscorod.results.buckling import Buckling
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import StationReader
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.modes.vibrations import station_shapes
 from viscorod.solve.settings.buckling import BucklingSettings
-from viscorod.solve.statics.critical_loads import Buckling, CriticalPoint, CriticalSearch
+from viscorod.solve.statics.critical_loads import CriticalPoint, CriticalSearch
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.path_follower import PathFollower
 from viscorod.solve.statics.stage import Stage, begin_stage
@@ -93,7 +94,7 @@ def _grows(whole: Stage, last: Stage | None, discrete: DiscreteModel) -> bool:
         and np.array_equal(before.gravity, after.gravity)
         and len(before.stations) == len(after.stations)
         and before.pushes == after.pushes
-        and (before.rest == after.rest or not discrete.problem.rest_strain)
+        and (before.rest == after.rest or not discrete.problem.rest_strains)
     )
     supports.update(0.0, True, 1.0)
     moving = supports.target.any() and (last is None or not np.array_equal(whole.supports, last.supports))

@@ -21,7 +21,7 @@ from viscorod.mechanics.elements import geometric_element as geometric
 from viscorod.mechanics.elements.held_strains import add_held_strains
 from viscorod.mechanics.elements.maxwell_branches import remember
 from viscorod.mechanics.joints.joint_forces import joint_forces
-from viscorod.model.actions.initial_strain import RestStrain
+from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
 from viscorod.results.result_places import ResultPlace, ResultPlaces
@@ -102,7 +102,7 @@ def with_strains_at_rest(model: ModelDescription) -> ModelDescription:
     ]
     if faults:
         raise InputError(faults)
-    rest = [*model.rest_strains, *(RestStrain(strain.rod, strain.value) for strain in model.strains)]
+    rest = [*model.rest_strains, *(RestStrain(strain.rod, value=strain.value) for strain in model.strains)]
     parts: dict[str, Any] = model.parts() | {"strains": [], "rest_strains": rest}
     return type(model).of(**parts)
 

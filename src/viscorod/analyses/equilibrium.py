@@ -237,7 +237,7 @@ def find_initial_equilibrium(discrete: DiscreteModel, state: State, *, before: b
     discrete.supports.update(0.0, before)
     loads = discrete.static.loads.at(0.0, before)
     strained = discrete.system.constraints.is_strained(state, 0.0, before=before)
-    resting = not discrete.problem.rest_strain
+    resting = not discrete.problem.rest_strains
     if resting and loads.none and not discrete.supports.target.any() and not strained:
         return None
     search = Search(discrete, before=before)

@@ -31,7 +31,7 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
     loads = discrete.static.loads.at(0.0, True, 1.0)
     discrete.supports.update(0.0, True)
     reference = State.reference(discrete.problem)
-    strained = discrete.problem.rest_strain or discrete.system.constraints.is_strained(reference, 0.0)
+    strained = discrete.problem.rest_strains or discrete.system.constraints.is_strained(reference, 0.0)
     if loads.none and not discrete.supports.target.any() and not strained:
         raise InputError(
             "no path to follow: no load, prescribed motion or rest strain acts at t = 0; add a load without until"

@@ -14,6 +14,7 @@ import numpy as np
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
 from viscorod.errors import InputError, SolveError, last_warnings
+from viscorod.results.buckling import Buckling
 from viscorod.results.files.folder_lock import claimed
 from viscorod.results.files.journal import FOLDER, about
 from viscorod.results.frequency_response import FrequencyResponse
@@ -30,7 +31,6 @@ from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.steady import SteadySettings
-from viscorod.solve.statics.critical_loads import Buckling
 from viscorod.typing import Floats
 
 __all__ = [

@@ -90,7 +90,7 @@ def _loads(discrete: DiscreteModel, count: int) -> dict[str, set[Growing]]:
     found: dict[str, set[Growing]] = {}
     for number, load in enumerate(discrete.model.loads):
         found.setdefault(load.name or load.word, set()).add(("loads", number, 0))
-    if discrete.problem.rest_strain:
+    if discrete.problem.rest_strains:
         found[REST] = {("loads", count - 1, 0)}
     return found
 

@@ -11,9 +11,10 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from viscorod.errors import Fault, InputError, join_path
-from viscorod.model.actions.initial_strain import InitialStrain, RestStrain
+from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import load
+from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.bodies.body import one_body
 from viscorod.model.bodies.body_base import AnyBody
 from viscorod.model.connections.joint import joint
@@ -60,7 +61,7 @@ LISTS = ("supports", "loads", "attachments", "joints", "springs", "velocities", 
 KEYS = ("title", *TABLES, *LISTS, *ANALYSES)
 
 SECTION_KEYS = ("section", "sections", "taper")
-PLAIN_KEYS = ("elements", "order", "d1", "twist", "constraints", "law")
+PLAIN_KEYS = ("elements", "order", "d1", "twist", "constraints", "law", "tilt")
 ROD_KEYS = (*SECTION_KEYS, "material", *PLAIN_KEYS)
 
 

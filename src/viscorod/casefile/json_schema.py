@@ -10,9 +10,10 @@ from pydantic.fields import FieldInfo
 
 from viscorod.casefile.case_reader import ANALYSES, ROD_KEYS
 from viscorod.model.actions.event import EVENTS
-from viscorod.model.actions.initial_strain import InitialStrain, RestStrain
+from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import LOADS
+from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.actions.time_table import TIME_FUNCTIONS
 from viscorod.model.bodies.body import BODIES, Body
 from viscorod.model.connections.joint import JOINTS

@@ -15,6 +15,8 @@ from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.centrelines.centreline import Centreline, Twist
 from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
 from viscorod.model.centrelines.parametric_lines import ParametricCurve, ThroughPoints
+from viscorod.model.centrelines.tilt import Tilt, tilts
+from viscorod.model.centrelines.tilt import tilt as as_tilt
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import named_or, quantity
 from viscorod.model.fields.metadata import Check, Key, accepts
@@ -137,6 +139,12 @@ class Rod(Definition):
     law: Annotated[AnySectionLaw | None, section_law] = Key(
         "law of the section forces beside those of stiffness and damping", default=None
     )
+    tilt: Annotated[Tilt, as_tilt] = Key(
+        "rotation of the sections from the frame whose d3 is the tangent, for oblique ones: a rotation vector along "
+        "d1, d2, d3; {}",
+        "rad",
+        default=(0.0, 0.0, 0.0),
+    )
 
     @classmethod
     def straight(
@@ -152,6 +160,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
+        tilt: Tilt = (0.0, 0.0, 0.0),
     ) -> Self:
         """Make a straight rod; see `Straight`."""
         return cls._along(Straight, {"start": start, "end": end}, locals())
@@ -173,6 +182,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
+        tilt: Tilt = (0.0, 0.0, 0.0),
     ) -> Self:
         """Make a rod along a circular arc; see `Arc`."""
         given = {"start": start, "tangent": tangent, "normal": normal, "radius": radius, "angle": angle}
@@ -197,6 +207,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
+        tilt: Tilt = (0.0, 0.0, 0.0),
     ) -> Self:
         """Make a rod along a helix; see `Helix`."""
         given = {"radius": radius, "pitch": pitch, "turns": turns, "centre": centre, "axis": axis}
@@ -215,6 +226,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
+        tilt: Tilt = (0.0, 0.0, 0.0),
     ) -> Self:
         """Make a rod along a smooth curve through points; see `ThroughPoints`."""
         return cls._along(ThroughPoints, {"points": points}, locals())
@@ -232,6 +244,7 @@ class Rod(Definition):
         twist: Twist = 0.0,
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
+        tilt: Tilt = (0.0, 0.0, 0.0),
     ) -> Self:
         """Make a rod along a curve given by a function; see `ParametricCurve`."""
         return cls._along(ParametricCurve, {"function": function}, locals())
@@ -265,6 +278,12 @@ class Rod(Definition):
     def constrained_strains(self) -> tuple[bool, ...]:
         """For shear 1, shear 2, stretch, bend 1, bend 2, twist: whether the strain keeps its reference value."""
         return constrained_strains(self.constraints)
+
+    @property
+    def viscous(self) -> bool:
+        """Whether any section has dashpots of Kelvin and Voigt, or will have."""
+        pending = self.material is not None and self.material.pending
+        return pending or any(self.matrices_at(s)[1].any() for s, _ in self._sections())
 
     @property
     def relaxing(self) -> bool:
@@ -368,7 +387,15 @@ class Rod(Definition):
 
     def frames(self, s: Floats | Sequence[float]) -> tuple[Floats, Floats]:
         """Return positions (n, 3) and frames (n, 3, 3; columns d1, d2, d3) of the reference shape, global axes."""
-        return self.centreline.frames(s, self.d1, self.twist)
+        position, frames = self.centreline.frames(s, self.d1, self.twist)
+        if self.tilted:
+            frames = frames @ tilts(self.tilt, np.atleast_1d(np.asarray(s, dtype=float)))
+        return position, frames
+
+    @property
+    def tilted(self) -> bool:
+        """Whether sections are oblique: d3 is not the tangent, or they are turned about it."""
+        return callable(self.tilt) or any(self.tilt)
 
     def chosen_elements(self, start: float, end: float, order: int | None = None) -> int:
         """Return the number of elements chosen from `start` to `end` [m]: by nodes along the rod, and by its turns.

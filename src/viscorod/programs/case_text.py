@@ -11,6 +11,7 @@ from viscorod.model.centrelines.parametric_lines import ThroughPoints
 from viscorod.model.rod import Rod
 from viscorod.programs.blades.gxbeam_assembly import section_turn
 from viscorod.programs.matrices import symmetric_part
+from viscorod.programs.own_laws import refuse_tilt
 from viscorod.typing import Floats
 
 __all__ = ["case_text"]
@@ -37,6 +38,7 @@ def case_text(rod: Rod, pieces: int = 40, *, title: str = "Blade") -> str:
             "its sections have Maxwell branches" if rod.relaxing else "its sections have a law of their own"
         )
         raise InputError(Fault("rod", "", what, "write the case by hand, with its material and law"))
+    refuse_tilt(rod)
     ends = np.linspace(0.0, rod.length, pieces + 1)
     middles = (ends[1:] + ends[:-1]) / 2.0
     points, start = rod.frames(ends)

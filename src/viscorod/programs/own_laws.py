@@ -8,15 +8,29 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.rod import Rod
 from viscorod.typing import Floats
 
-__all__ = ["refuse_own_laws"]
+__all__ = ["refuse_own_laws", "refuse_tilt"]
+
+
+def refuse_tilt(rod: Rod) -> None:
+    """Refuse a rod whose sections are oblique.
+
+    Raises:
+        InputError: they are.
+    """
+    if rod.tilted:
+        why = "the sections of other programs are normal to the reference line"
+        raise InputError(Fault("rod.tilt", "", why, "leave it out"))
 
 
 def refuse_own_laws(rod: Rod, stations: Floats | Sequence[float]) -> None:
     """Refuse a rod with a law of its section beside stiffness and damping, or Maxwell branches at `stations`, m.
 
+    So are rods whose sections are oblique.
+
     Raises:
-        InputError: the rod has a law, or a section has branches.
+        InputError: the rod has a law or tilted sections, or a section has branches.
     """
+    refuse_tilt(rod)
     if rod.law is not None:
         raise InputError(
             Fault(

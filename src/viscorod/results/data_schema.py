@@ -64,6 +64,7 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "viscous": ("J", "energy lost to viscosity, Maxwell branches and dampers so far"),
     "outside": ("J", "energy lost outside of the rods, to drag, so far"),
     "external": ("J", "work of loads, moving supports and motors so far"),
+    "actuator": ("J", "work of what changes rest strains so far"),
     "numerical": ("J", "numerical remainder of the energy account"),
     "reaction": ("N, N m", "force and moment of the support on the rod, global axes"),
     "joint": ("", "joint or spring of the coordinate"),
@@ -121,7 +122,9 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "dissipation": (STATES, "point"),
     "relaxation_time": ("branch",),
     "branch_loss": (STATES, "branch"),
-    **dict.fromkeys(("kinetic", "elastic", "viscous", "outside", "external", "numerical"), (STATES,)),
+    **dict.fromkeys(
+        ("kinetic", "elastic", "viscous", "outside", "external", "actuator", "numerical"), (STATES,)
+    ),
     "reaction": (STATES, "support", "motion"),
     **dict.fromkeys(("joint", "joint_motion", "joint_held"), ("joint_coordinate",)),
     **dict.fromkeys(("joint_value", "joint_rate", "joint_force"), (STATES, "joint_coordinate")),

@@ -83,6 +83,8 @@ def dataset(
             variables["branch_loss"] = ((along, "branch"), np.array(history.branches))
         if problem.motion_loads:
             variables["outside"] = (along, energy[:, 5])
+        if any(strain.changes for _, strain in problem.rest_strains):
+            variables["actuator"] = (along, energy[:, 6])
         variables |= {
             "dissipation": (points, power),
             "viscous": (along, energy[:, 2]),

@@ -20,8 +20,8 @@ _SQUARED_ROUND_OFF = 1e-24
 class Energy:
     """Energies over time [J], arrays of the length of ``time`` [s].
 
-    At every time ``kinetic + elastic + viscous + outside - external - numerical`` is what ``kinetic + elastic`` was at
-    the start.
+    At every time ``kinetic + elastic + viscous + outside - external - actuator - numerical`` is what ``kinetic +
+    elastic`` was at the start.
 
     Attributes:
         time: times of the account [s].
@@ -31,6 +31,7 @@ class Energy:
         external: work of loads (gravity among them), moving supports and motors so far. Of drag it has what the moving
             medium would do to sections at rest.
         outside: energy lost outside of the rods so far: what drag takes beyond that because they move; zero without.
+        actuator: work of what changes rest strains so far; zero without.
         numerical: remainder that the integration made or lost, positive where it made energy.
         scale: elastic energy at a strain of one: round-off of the shape is its 1e-24th part.
         branches: energy that each Maxwell branch lost so far, parts of ``viscous`` ``(times, branches)``;
@@ -47,16 +48,16 @@ class Energy:
     branches: Floats = field(default_factory=lambda: np.zeros((0, 0)))
     relaxation_times: Floats = field(default_factory=lambda: np.zeros(0))
     outside: Floats = field(default_factory=lambda: np.zeros(1))
+    actuator: Floats = field(default_factory=lambda: np.zeros(1))
 
     @classmethod
     def of(cls, data: xr.Dataset) -> Energy:
         """Read the account from the data set of a run."""
         names = ("time", "kinetic", "elastic", "viscous", "external", "numerical")
         columns = {name: np.asarray(data[name].values, dtype=float) for name in names}
-        if "outside" in data:
-            columns["outside"] = np.asarray(data["outside"].values, dtype=float)
-        else:
-            columns["outside"] = np.zeros_like(columns["time"])
+        for name in ("outside", "actuator"):
+            found = data[name].values if name in data else np.zeros_like(columns["time"])
+            columns[name] = np.asarray(found, dtype=float)
         if "branch_loss" in data:
             columns["branches"] = np.asarray(data["branch_loss"].values, dtype=float)
             columns["relaxation_times"] = np.asarray(data["relaxation_time"].values, dtype=float)
@@ -68,11 +69,17 @@ class Energy:
         return self.kinetic + self.elastic
 
     @property
+    def supplied(self) -> Floats:
+        """Energy at the start and all work since: of loads and supports, and of what changes rest strains."""
+        return np.asarray(self.total[0] + self.external + self.actuator)
+
+    @property
     def moved(self) -> float:
         """Exchanged energy [J], the scale of the account.
 
         The largest of: range of the kinetic energy, range of the elastic energy, viscous loss, loss to
-        drag, and largest amount of work done by or against the loads and supports. Zero if all of it is round-off.
+        drag, and largest amount of work done by or against the loads and supports, and by what changes rest strains.
+        Zero if all of it is round-off.
         """
         moved = max(
             float(np.ptp(self.kinetic)),
@@ -80,6 +87,7 @@ class Energy:
             float(np.max(self.viscous)),
             float(np.max(np.abs(self.outside))),
             float(np.max(np.abs(self.external))),
+            float(np.max(np.abs(self.actuator))),
         )
         floor = max(_ROUND_OFF * float(np.max(self.total)), _SQUARED_ROUND_OFF * self.scale)
         return moved if moved > floor else 0.0
@@ -102,6 +110,7 @@ class Energy:
             ),
             *([("lost to drag, outside", self.outside[-1])] if self.outside.any() else []),
             ("work of loads and supports", self.external[-1]),
+            *([("work of rest strains", self.actuator[-1])] if self.actuator.any() else []),
             ("numerical remainder", self.numerical[-1]),
         ]
         start = f"kinetic and elastic at the start: {self.total[0]:.6g} J"

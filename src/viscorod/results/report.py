@@ -222,15 +222,14 @@ def _decay(run: Run) -> str:
         )
     energy = run.energy
     since = energy.time >= decay.time[0]
-    late, drag = energy.external[since], float(np.ptp(energy.outside[since]))
+    late, drag = energy.supplied[since], float(np.ptp(energy.outside[since]))
     lines = [str(decay), f"  ({largest})"]
     if drag > _WORKING * energy.moved:
         share = drag / (drag + float(np.ptp(energy.viscous[since])))
         lines.append(f"  (drag takes {100.0 * share:.3g} % of what is lost meanwhile, the material the rest)")
     if float(np.ptp(late)) > _WORKING * energy.moved:
-        lines.append(
-            "  (loads or supports do work meanwhile: these ratios describe the motion, not only the material)"
-        )
+        who = "rest strains, loads or supports" if energy.actuator.any() else "loads or supports"
+        lines.append(f"  ({who} do work meanwhile: these ratios describe the motion, not only the material)")
     return "\n".join(lines)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -80,6 +80,7 @@ class Progressing(Protocol):
     work: float
     loss: float
     outside: float
+    actuator: float
 
     @property
     def branch_loss(self) -> Floats:
@@ -87,18 +88,20 @@ class Progressing(Protocol):
 
 
 class StepShare(NamedTuple):
-    """What happened in a part of a step [J]: work, viscous loss, and what loads dissipated outside."""
+    """What happened in a part of a step [J]: work, viscous loss, loss of loads outside, work of rest strains."""
 
     work: float
     loss: float
     outside: float
+    actuator: float
 
 
 @dataclass
 class EnergyAccount:
     """Energies so far [J].
 
-    ``outside`` is what loads dissipated; ``numerical`` closes the balance;
+    ``outside`` is what loads dissipated; ``actuator`` the work of what changes rest strains; ``numerical`` closes the
+    balance;
     ``branches`` are dissipated by each Maxwell branch, parts of ``viscous``.
     """
 
@@ -108,16 +111,27 @@ class EnergyAccount:
     external: float = 0.0
     start: float = 0.0
     outside: float = 0.0
+    actuator: float = 0.0
     branches: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
     def numerical(self) -> float:
         """T + W + D - P - (T + W)_0: energy that the time integration produced (negative: lost)."""
-        return self.kinetic + self.elastic + self.viscous + self.outside - self.external - self.start
+        given = self.external + self.actuator + self.start
+        return self.kinetic + self.elastic + self.viscous + self.outside - given
 
     def copy(self) -> EnergyAccount:
         """Return an independent copy."""
-        return replace(self)
+        return EnergyAccount(
+            self.kinetic,
+            self.elastic,
+            self.viscous,
+            self.external,
+            self.start,
+            self.outside,
+            self.actuator,
+            self.branches,
+        )
 
     def add(self, step: Progressing) -> None:
         """Add a step."""
@@ -125,6 +139,7 @@ class EnergyAccount:
         self.external += step.work
         self.viscous += step.loss
         self.outside += step.outside
+        self.actuator += step.actuator
         self.branches = self.branches + step.branch_loss
 
     def between(
@@ -135,15 +150,17 @@ class EnergyAccount:
         The remainder is known at the ends of steps only, and linear between; the elastic energy is what the balance
         leaves.
         """
-        viscous, external, outside = (
+        viscous, external, outside, actuator = (
             self.viscous + step.loss,
             self.external + step.work,
             self.outside + step.outside,
+            self.actuator + step.actuator,
         )
         remainder = (1.0 - part) * self.numerical + part * end.numerical
-        elastic = max(remainder - (kinetic + viscous + outside - external - self.start), 0.0)
+        given = external + actuator + self.start
+        elastic = max(remainder - (kinetic + viscous + outside - given), 0.0)
         branches = self.branches + branch_loss
-        return EnergyAccount(kinetic, elastic, viscous, external, self.start, outside, branches)
+        return EnergyAccount(kinetic, elastic, viscous, external, self.start, outside, actuator, branches)
 
 
 class Snapshot(NamedTuple):
@@ -219,7 +236,7 @@ class History:
 
     instant: list[float] = field(default_factory=list)
     snapshots: list[Snapshot] = field(default_factory=list)
-    energy: list[tuple[float, float, float, float, float, float]] = field(default_factory=list)
+    energy: list[tuple[float, float, float, float, float, float, float]] = field(default_factory=list)
     step_size: list[float] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
     branches: list[Floats] = field(default_factory=list)  # energy lost by each Maxwell branch so far
@@ -249,6 +266,7 @@ class History:
                 account.external,
                 account.numerical,
                 account.outside,
+                account.actuator,
             )
         )
         self.branches.append(account.branches)
@@ -269,8 +287,8 @@ class History:
         ):
             del values[count:]
 
-    def sample(self, most: int) -> list[Snapshot]:
-        """Return at most about so many of the recorded states, evenly."""
+    def sample(self, most: int) -> list[tuple[float, Snapshot]]:
+        """Return at most about so many of the recorded states, evenly, each with its instant."""
         count = len(self.snapshots)
         chosen = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
-        return [self.snapshots[k] for k in chosen]
+        return [(self.instant[k], self.snapshots[k]) for k in chosen]

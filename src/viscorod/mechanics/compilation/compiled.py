@@ -120,6 +120,7 @@ def part(function: Kernel) -> Kernel:
 def kernel(function: Kernel) -> Kernel:
     """Compile ``function`` with Numba at its first call and keep the machine code on disk.
 
+    It runs without Python's lock, so that other threads run meanwhile; Python functions that it calls take it.
     A kernel that makes arrays names one of the constructors above itself; the others return no arrays, not even views.
     Copy rows entry by entry: one assignment of an array to a slice compiles, for the message of its error, two to
     three seconds of text formatting.
@@ -133,6 +134,7 @@ def kernel(function: Kernel) -> Kernel:
         error_model="numpy",
         fastmath={"contract", "nsz"},
         no_cfunc_wrapper=True,
+        nogil=True,
         pipeline_class=kernel_compiler(),
         _nrt=_allocates(function),
     )(function)

@@ -21,7 +21,7 @@ import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, lane_kernel, part
 from viscorod.mechanics.elements.internal_force import Elements, GaussStates, scatter
-from viscorod.mechanics.elements.section_laws import add_law_force
+from viscorod.mechanics.elements.rest_strains import section_forces, shift
 from viscorod.mechanics.nodes.attached_poses import attached_twist
 from viscorod.mechanics.rotations.vectors import (
     Vector,
@@ -46,6 +46,8 @@ class StrainMotion(NamedTuple):
         twist: body twists at the Gauss points of the stages ``(s, e, points, 6)``.
         linear_rate: ``b``, the strain rate of the unstrained rod, likewise.
         nodes, forces: scratch of one element ``(m, 6)``; matrix: ``(3 s, 3 s)``; right: ``(3 s,)``.
+        rest, rest_rate: rest strains that change with time, of the stages ``(s, e, points, 6)``; no stages if there
+            are none. The strains of the other arrays contain them, those of Gauss points do not.
     """
 
     linearised: bool
@@ -56,10 +58,12 @@ class StrainMotion(NamedTuple):
     forces: Floats
     matrix: Floats
     right: Floats
+    rest: Floats
+    rest_rate: Floats
 
     @classmethod
     def of(cls, elements: Elements, stages: int, *, linearised: bool) -> StrainMotion:
-        """Allocate the arrays for a number of stages."""
+        """Allocate the arrays for a number of stages, without rest strains that change."""
         points, m = elements.reference.shape, elements.nodes.shape[1]
         return cls(
             linearised,
@@ -70,6 +74,8 @@ class StrainMotion(NamedTuple):
             np.zeros((m, 6)),
             np.zeros((3 * stages, 3 * stages)),
             np.zeros(3 * stages),
+            np.zeros((0, *points)),
+            np.zeros((0, *points)),
         )
 
 
@@ -233,27 +239,6 @@ def advance_strains(
 
 
 @part
-def section_forces(elements: Elements, strain: Floats, strain_rate: Floats, S: Floats) -> None:
-    """Write ``C eps + D eps_t`` (or ``D b``) and the forces of laws at all Gauss points ``(s, e, points, 6)``."""
-    laws = elements.laws
-    orders, section, C, D, damped = elements[0], elements[9], elements[10], elements[11], elements[12]
-    for s in range(S.shape[0]):
-        for e in range(orders.shape[0]):
-            for g in range(orders[e]):
-                of = section[e, g]
-                for i in range(6):
-                    total = 0.0
-                    for j in range(6):
-                        total += C[of, i, j] * strain[s, e, g, j]
-                    if damped:
-                        for j in range(6):
-                            total += D[of, i, j] * strain_rate[s, e, g, j]
-                    S[s, e, g, i] = total
-                if laws.present:
-                    add_law_force(laws, of, strain[s, e, g], strain_rate[s, e, g], S[s, e, g])
-
-
-@part
 def nodal_forces(
     elements: Elements,
     linearised: bool,
@@ -324,15 +309,20 @@ def forces_at(
             ``(e, points, 6)``.
         section_force: output like the strain; force: output ``(1, n, 6)``.
     """
-    linearised, _, at_points, linear_rate, T, F, _, _ = motion
+    linearised, _, at_points, linear_rate, T, F, _, _, rest, rest_rate = motion
     interpolate_twists(elements, twist, T, at_points, linear_rate)
+    shift(1.0, rest, strain)
     viscous_rates(linearised, strain, at_points, linear_rate, strain_rate)
+    shift(-1.0, rest, strain)
+    shift(-1.0, rest_rate, strain_rate)
     section_forces(elements, strain, strain_rate, section_force)
     for e in range(prestress.shape[0]):
         for g in range(prestress.shape[1]):
             for a in range(6):
                 section_force[0, e, g, a] += prestress[e, g, a]
+    shift(1.0, rest, strain)
     nodal_forces(elements, linearised, strain, strain_rate, section_force, F, force)
+    shift(-1.0, rest, strain)
 
 
 @part
@@ -351,10 +341,12 @@ def stage_forces(
         D: derivatives from stage values ``(s, s)``; h: step [s]; twist: of all nodes ``(s, n, 6)``.
         points: outputs ``(s, e, points, 6)``, but for the stress; force: output ``(s, n, 6)``.
     """
-    linearised, start, at_points, linear_rate, T, F, matrix, right = motion
+    linearised, start, at_points, linear_rate, T, F, matrix, right, rest, rest_rate = motion
     strain, strain_rate, section_force, sigma = points
     interpolate_twists(elements, twist, T, at_points, linear_rate)
     advance_strains(elements, D, h, start, at_points, linear_rate, matrix, right, strain)
     viscous_rates(linearised, strain, at_points, linear_rate, strain_rate)
-    section_forces(elements, strain, strain_rate, section_force)
     nodal_forces(elements, linearised, strain, strain_rate, sigma, F, force)
+    shift(-1.0, rest, strain)
+    shift(-1.0, rest_rate, strain_rate)
+    section_forces(elements, strain, strain_rate, section_force)

@@ -184,6 +184,13 @@ def coordinates(r0: Floats, q0: Floats, r: Floats, q: Floats, split: bool, X: Fl
     put_pair(X, coordinates_of(entries(r0, 0), quaternion_of(q0), entries(r, 0), quaternion_of(q), split))
 
 
+@kernel
+def pose_differences(r0: Floats, q0: Floats, r: Floats, q: Floats, out: Floats) -> None:
+    """Write displacements and rotations in body axes ``(n, 6)`` that lead from poses ``(r0, q0)`` to ``(r, q)``."""
+    for k in range(out.shape[0]):
+        coordinates(r0[k], q0[k], r[k], q[k], True, out[k])
+
+
 @part
 def extrapolate(
     r0: Floats,

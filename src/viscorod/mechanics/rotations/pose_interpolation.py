@@ -42,8 +42,8 @@ class MovingPoses(NamedTuple):
     rate: Floats
 
 
-@kernel
-def interpolate(
+@part
+def interpolate_poses(
     parts: Floats,
     h: float,
     start: MovingPoses,
@@ -104,3 +104,20 @@ def interpolate(
                     smooth,
                 )
             place(start.r[k], start.q[k], at, at_rate, apart, r[j, k], q[j, k], twist[j, k])
+
+
+@kernel
+def interpolate(
+    parts: Floats,
+    h: float,
+    start: MovingPoses,
+    end: MovingPoses,
+    split: Floats,
+    smooth: bool,
+    r: Floats,
+    q: Floats,
+    twist: Floats,
+    scratch: Floats,
+) -> None:
+    """Do what :func:`interpolate_poses` does."""
+    interpolate_poses(parts, h, start, end, split, smooth, r, q, twist, scratch)

@@ -48,9 +48,15 @@ def conjugate(q: Floats) -> Floats:
 
 def product(p: Floats, q: Floats) -> Floats:
     """Return the quaternion product ``p q``, shapes ``(..., 4)``."""
-    vector = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
-    scalar = p[..., :1] * q[..., :1] - np.sum(p[..., 1:] * q[..., 1:], axis=-1, keepdims=True)
-    return np.concatenate([scalar, vector], axis=-1)
+    p0, p1, p2, p3 = (p[..., i] for i in range(4))
+    q0, q1, q2, q3 = (q[..., i] for i in range(4))
+    parts = [
+        p0 * q0 - (p1 * q1 + p2 * q2 + p3 * q3),
+        p0 * q1 + q0 * p1 + (p2 * q3 - p3 * q2),
+        p0 * q2 + q0 * p2 + (p3 * q1 - p1 * q3),
+        p0 * q3 + q0 * p3 + (p1 * q2 - p2 * q1),
+    ]
+    return np.stack(parts, axis=-1)
 
 
 def mean(q: Floats, weights: Floats) -> Floats:

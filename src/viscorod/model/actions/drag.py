@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 import numpy as np
@@ -63,6 +64,17 @@ class Drag(AlongRod):
         "diameter, or width across the flow, {}; with coefficients", "m", default=None, kw_only=True
     )
     velocity: Vector = Key("of the medium, {}, global axes", "m/s", default=(0.0, 0.0, 0.0), kw_only=True)
+
+    def misfits(self, model: ModelDescription) -> Iterator[RefusedError]:
+        """Yield why there is no such rod, or no such part of it, or its axis is not d3."""
+        yield from super().misfits(model)
+        if self.rod in model.rods and model.rods[self.rod].tilted:
+            yield RefusedError(
+                "drag takes the normals of the sections as the axis of the rod, and these are tilted",
+                "leave tilt out",
+                found=show(self.rod),
+                at=("rod",),
+            )
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

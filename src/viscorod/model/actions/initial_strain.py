@@ -1,9 +1,9 @@
-"""Strains given to rods: the initial one of a motion, and the one at rest, without stress."""
+"""The strain that a rod has when a motion begins."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, ClassVar, TypeAlias
+from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 
@@ -13,12 +13,13 @@ from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import Name, number, sequence
 from viscorod.typing import Floats
 
-__all__ = ["InitialStrain", "RestStrain"]
+__all__ = ["InitialStrain", "StrainField", "six_strains", "strain_field"]
 
 StrainField: TypeAlias = tuple[float, ...] | Callable[[float], Sequence[float]]
 
 
-def _six(value: Any) -> tuple[float, ...]:
+def six_strains(value: Any) -> tuple[float, ...]:
+    """Return `value` as six finite floats."""
     items = sequence(value)
     if len(items) != 6:
         raise RefusedError(
@@ -30,15 +31,20 @@ def _six(value: Any) -> tuple[float, ...]:
 
 
 @accepts(row([quantity(unit=k // 3) for k in range(6)]), "6 numbers", "or a function of the arc length")
-def _strain(value: Any) -> StrainField:
-    return value if callable(value) else _six(value)
+def strain_field(value: Any) -> StrainField:
+    """Return `value` as six finite floats, or as the function that it is."""
+    return value if callable(value) else six_strains(value)
 
 
-class _Strain(Definition):
-    """A strain of a whole rod."""
+class InitialStrain(Definition):
+    """The strain of a rod at t = 0, instead of the equilibrium; the start of the rod has its reference pose.
+
+    In statics, where nothing but the rod itself can keep a strain, it is imposed as a `RestStrain`, and the result says
+    so.
+    """
 
     rod: Name = Key("name of the rod")
-    value: Annotated[StrainField, _strain] = Key(
+    value: Annotated[StrainField, strain_field] = Key(
         "shear 1, shear 2, stretch ({}), bend 1, bend 2, twist ({})", "1", "1/m"
     )
 
@@ -48,33 +54,11 @@ class _Strain(Definition):
             return np.array(self.value)
         result = self.value(s)
         try:
-            return np.array(_six(result))
+            return np.array(six_strains(result))
         except ValueError as error:
             raise RefusedError(
-                f"the function of the {self._noun} strain gave this at s = {s:.6g}: {error}",
+                f"the function of the initial strain gave this at s = {s:.6g}: {error}",
                 "return six numbers",
                 found=show(result),
                 at=("value",),
             ) from None
-
-    _noun: ClassVar[str]
-
-
-class InitialStrain(_Strain):
-    """The strain of a rod at t = 0, instead of the equilibrium; the start of the rod has its reference pose.
-
-    In statics, where nothing but the rod itself can keep a strain, it is imposed as a `RestStrain`, and the result says
-    so.
-    """
-
-    _noun: ClassVar[str] = "initial"
-
-
-class RestStrain(_Strain):
-    """The strain at which a rod is free of stress: a heated side, a muscle, a rest curvature, a prestress.
-
-    Section forces follow from the strain less this one. Without supports that resist it the rod takes it without any
-    force. It is constant in time; a load factor multiplies it like a load.
-    """
-
-    _noun: ClassVar[str] = "rest"

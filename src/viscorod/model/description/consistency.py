@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from viscorod.errors import Fault
+from viscorod.model.actions.initial_strain import InitialStrain
+from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.connections import joint_checks, support_checks
 from viscorod.model.connections.place import GROUND, Place, find_rod, no_part
 from viscorod.model.connections.resolved_places import find
@@ -86,11 +88,12 @@ def _wrong_velocities(model: ModelDescription) -> Iterator[Fault]:
 
 
 def _wrong_strains(model: ModelDescription) -> Iterator[Fault]:
-    """Find initial and rest strains of unknown rods, or given twice."""
-    for key, strains, noun in (
-        ("strains", model.strains, "initial strain"),
-        ("rest_strains", model.rest_strains, "rest strain"),
-    ):
+    """Find initial and rest strains of unknown rods, initial ones given twice, and tables that leave their rods."""
+    both: dict[str, Sequence[InitialStrain | RestStrain]] = {
+        "strains": model.strains,
+        "rest_strains": model.rest_strains,
+    }
+    for key, strains in both.items():
         first: dict[str, int] = {}
         for index, given in enumerate(strains):
             try:
@@ -98,7 +101,12 @@ def _wrong_strains(model: ModelDescription) -> Iterator[Fault]:
             except RefusedError as error:
                 yield Fault(f"{key}[{index}].rod", error.found or "", error.why, error.instead)
                 continue
-            yield from _twice(first, given.rod, index, model, key, noun)
+            if isinstance(given, RestStrain):  # several add up
+                for misfit in given.misfits(model.rods[given.rod]):
+                    where = path_text((key, index, *misfit.at))
+                    yield Fault(where, misfit.found or "", misfit.why, misfit.instead)
+            else:
+                yield from _twice(first, given.rod, index, model, key, "initial strain")
 
 
 def _twice(

@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Self
 
 from viscorod.errors import Fault, InputError
-from viscorod.model.actions.initial_strain import InitialStrain, RestStrain
+from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import AnyLoad
+from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.bodies.body_base import AnyBody
 from viscorod.model.connections import resolved_places as connections
 from viscorod.model.connections.joint_base import AnyJoint, ResolvedJoint
@@ -20,7 +21,7 @@ from viscorod.model.description import consistency as checks
 from viscorod.model.description.connection_methods import Joined
 from viscorod.model.description.load_methods import Loaded
 from viscorod.model.description.support_methods import Held
-from viscorod.model.fields.arguments import Vector, given
+from viscorod.model.fields.arguments import Time, Vector, given
 from viscorod.model.fields.definition import RefusedError, plain_value, show
 from viscorod.model.fields.values import name_of_part
 from viscorod.model.rod import Rod
@@ -114,9 +115,23 @@ class ModelDescription(Held, Loaded, Joined):
         fields: dict[str, Any] = {"value": value}
         self.strains.append(InitialStrain(rod, **fields))
 
-    def rest_strain(self, rod: str, value: Sequence[float] | Callable[[float], Sequence[float]]) -> None:
-        """Give a rod the strain at which it is free of stress; see `RestStrain`."""
-        fields: dict[str, Any] = {"value": value}
+    def rest_strain(
+        self,
+        rod: str,
+        value: Sequence[float]
+        | Callable[[float], Sequence[float]]
+        | Callable[[float, float], Sequence[float]]
+        | None = None,
+        time: Time = None,
+        *,
+        stations: Sequence[float] | None = None,
+        values: Sequence[Sequence[float]] | None = None,
+        temperature: float | None = None,
+        gradient: Sequence[float] | None = None,
+    ) -> None:
+        """Give a rod the strain at which it is free of stress, in time; see `RestStrain`."""
+        fields = given(value=value, time=time, stations=stations, values=values)
+        fields |= given(temperature=temperature, gradient=gradient)
         self.rest_strains.append(RestStrain(rod, **fields))
 
     def validate(self) -> None:

@@ -15,6 +15,7 @@ from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import (
     NOT_GIVEN,
     REQUIRED,
+    OptionalNumber,
     OptionalPositive,
     PoissonsRatio,
     Positive,
@@ -77,6 +78,9 @@ class Material(Definition):
     )
     specific_heat: OptionalPositive = Key(
         "heat capacity per mass, {}, to tell how much a motion warms the rod", "J/(kg K)", default=None
+    )
+    thermal_expansion: OptionalNumber = Key(
+        "strain per temperature, for rest strains by temperature", "1/K", default=None
     )
 
     _behaviour: Behaviour = PrivateAttr()
@@ -245,11 +249,14 @@ class Material(Definition):
         Raises:
             InputError: the damping does not go with the elastic constants.
         """
-        more = {name: getattr(self, name) for name in ("temperature", "shift", "specific_heat")}
+        more = {
+            name: getattr(self, name)
+            for name in ("temperature", "shift", "specific_heat", "thermal_expansion")
+        }
         kept = {
             name: value
             for name, value in more.items()
-            if value is not None and (damping is not None or name == "specific_heat")
+            if value is not None and (damping is not None or name not in ("temperature", "shift"))
         }
         other = Material.model_validate({**self._given, "density": self.density, "damping": damping, **kept})
         other._behaviour = other._behaviour.assuming(*assumptions)
@@ -292,6 +299,22 @@ class Material(Definition):
     def bulk_time(self) -> float:
         """Retardation time in volume change, tau_B = zeta/K, s; of a Maxwell material that of slow motion."""
         return self._known.bulk_time
+
+    @property
+    def expansion(self) -> float:
+        """Thermal expansion, 1/K.
+
+        Raises:
+            RefusedError: it was not given.
+        """
+        if self.thermal_expansion is None:
+            raise RefusedError(
+                "a temperature strains it by the thermal expansion of its material",
+                "give the material thermal_expansion (1/K)",
+                found="",
+                at=("temperature",),
+            )
+        return self.thermal_expansion
 
     @property
     def shear_viscosity(self) -> float:

@@ -38,6 +38,7 @@ from viscorod.model.sections.saint_venant import SectionAnalysis, analysed
 from viscorod.model.sections.section_base import SECTION, AnySection, Branches, Matrices
 from viscorod.model.sections.section_mesh import refuse_misfits
 from viscorod.model.sections.section_shapes import SHAPES, Shape
+from viscorod.typing import Floats
 
 __all__ = ["Composite", "CompositeRegion"]
 
@@ -251,6 +252,18 @@ class Composite(AnySection):
     def materials(self) -> tuple[Material, ...]:
         """The materials of its regions."""
         return tuple(self._materials)
+
+    def thermal_strain(self, rise: Floats, material: Material | None) -> Floats:
+        """See `AnySection.thermal_strain`: its regions hinder each other's expansion along the rod.
+
+        ``C eps = sum E_m alpha_m C_E,m rise``; across it they expand freely, as in all of this theory.
+        """
+        del material
+        stress = sum(
+            m.youngs_modulus * m.expansion * part
+            for m, part in zip(self._materials, self._parts.extensional, strict=True)
+        )
+        return np.asarray(np.linalg.solve(self.matrices()[0], stress @ rise))
 
     def heat_capacity(self, material: Material | None) -> float | None:
         """Return the heat capacity per length, J/(m K); None where a region's specific heat is not known."""

@@ -7,7 +7,7 @@ from abc import abstractmethod
 from typing import ClassVar, TypeAlias
 
 from viscorod.errors import Fault, InputError
-from viscorod.model.fields.definition import Definition
+from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.polygons import Extent, Polygon
 from viscorod.typing import Floats
@@ -74,6 +74,25 @@ class AnySection(Definition):
     def materials(self) -> tuple[Material, ...]:
         """Materials of its own, beside that of its rod."""
         return ()
+
+    def thermal_strain(self, rise: Floats, material: Material | None) -> Floats:
+        """Return the strains (6,) of a free section that is warmer, here by one material's expansion.
+
+        Args:
+            rise: of the temperature as ``(0, 0, T, dT/dxi2, -dT/dxi1, 0)`` (6,), in K and K/m: a linear field.
+            material: of the section, if it needs one.
+
+        Raises:
+            RefusedError: its thermal expansion is not known.
+        """
+        if material is None:
+            raise RefusedError(
+                f"{type(self).__name__} has no material, so that its thermal expansion is not known",
+                "give value",
+                found="",
+                at=("temperature",),
+            )
+        return material.expansion * rise
 
     def heat_capacity(self, material: Material | None) -> float | None:
         """Return the heat capacity per length, J/(m K); None where a specific heat is not known."""

@@ -43,7 +43,7 @@ def draw_energy(run: Run) -> Figure:
     if energy.outside.any():
         names, parts, colours = ["lost to drag", *names], [energy.outside, *parts], [GREEN, *colours]
     top = np.sum(parts, axis=0)
-    supplied = energy.total[0] + energy.external
+    supplied = energy.supplied
     scale, unit = scaled("J", np.maximum(top, supplied))
     picture = figure(10.0, 6.8)
     if run.title:

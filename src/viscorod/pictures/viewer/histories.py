@@ -113,7 +113,7 @@ def energy_of(result: Result, samples: Integers, pack: Pack) -> dict[str, Any]:
         if account.outside.any():
             stacked.insert(0, ("lost to drag", account.outside))
         stacked.append(("kinetic", account.kinetic))
-        supplied = account.total[0] + account.external
+        supplied = account.supplied
         factor, unit = scaled("J", np.maximum(np.sum([v for _, v in stacked], axis=0), supplied))
         rows = np.stack([*(values for _, values in stacked), supplied, account.numerical])
         pack.plain("energy", factor * rows[:, samples])

@@ -21,6 +21,7 @@ from viscorod.model.centrelines.line_shapes import Straight
 from viscorod.model.centrelines.parametric_lines import ThroughPoints
 from viscorod.model.rod import Rod
 from viscorod.programs.blades.blade_text import Lines
+from viscorod.programs.own_laws import refuse_tilt
 from viscorod.typing import Floats
 
 __all__ = ["BladeTwist", "LineLike", "ReferenceLine", "beamdyn_axis", "key_points", "reference_line"]
@@ -169,6 +170,7 @@ def key_points(rod: Rod, stations: Sequence[float] | Floats) -> Floats:
     Raises:
         InputError: the rod does not run along +Z, as BeamDyn's blades do.
     """
+    refuse_tilt(rod)
     fractions = np.atleast_1d(np.asarray(stations, dtype=np.float64))
     if not fractions.size:
         raise InputError(

@@ -33,7 +33,7 @@ QUANTITIES = (
     "section_force",
     "dissipation",
 )
-ENERGIES = ("kinetic", "elastic", "viscous", "outside", "external", "numerical")
+ENERGIES = ("kinetic", "elastic", "viscous", "outside", "external", "actuator", "numerical")
 
 _STRAIN_UNITS = ("1", "1", "1", "1/m", "1/m", "1/m")
 _FORCES = tuple(

@@ -66,7 +66,7 @@ class Stream(History):
         self._gone = sink.count
         self._signs: np.ndarray | None = None
         self._most = MANY
-        self._samples: list[Snapshot] = []
+        self._samples: list[tuple[float, Snapshot]] = []
         self._stride = 1
 
     @property
@@ -84,11 +84,11 @@ class Stream(History):
             self.flush()
         super().record(instant, snapshot, account, step_size, iterations)
         if self.sampled and self.count % self._stride == 0:
-            self._samples.append(_own(snapshot))
+            self._samples.append((instant, _own(snapshot)))
             if len(self._samples) >= 2 * MOST:  # half as many, twice as far apart
                 self._samples, self._stride = self._samples[::2], 2 * self._stride
 
-    def sample(self, most: int) -> list[Snapshot]:
+    def sample(self, most: int) -> list[tuple[float, Snapshot]]:
         """See :class:`~viscorod.solve.history.History`: if ``sampled``; of a run that went on, those since then."""
         return self._samples[:: max(1, len(self._samples) // most)]
 

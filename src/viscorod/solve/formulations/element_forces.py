@@ -14,6 +14,7 @@ from viscorod.mechanics.elements.internal_force import Elements, ElementWork, Ga
 from viscorod.mechanics.elements.intrinsic_element import StrainMotion, forces_at
 from viscorod.mechanics.elements.intrinsic_linearised import linearise_intrinsic
 from viscorod.mechanics.elements.linearised import Operators
+from viscorod.mechanics.elements.rest_strains import deduct_rest
 from viscorod.solve.formulations.dashpot_memory import DashpotMemory
 from viscorod.solve.formulations.system import State, System
 from viscorod.typing import Floats
@@ -44,6 +45,12 @@ class ElementForces(Protocol):
     def extrapolate_strains(self, middle: Floats) -> None:
         """Set the strains at the end of a step from those in its middle, by linear extrapolation."""
 
+    def take_rest(self, rest: Floats, rate: Floats) -> None:
+        """Take the arrays ``(s, e, points, 6)`` of rest strains that change with time, and of their rates, of stages.
+
+        The strains that are set contain them.
+        """
+
 
 def branch_forces(relaxation: DashpotMemory | None, strain: Floats) -> Floats:
     """Return the forces of Maxwell branches at ``strain (e, points, 6)``, in which a motion begins relaxed."""
@@ -67,14 +74,19 @@ class GeometricForces:
         where = state.r[None], state.q[None], state.twist[None]
         internal_forces(self.elements, *where, points, self._work, internal[None])
         held, relaxation = self.system.problem.held, self.system.relaxation
-        if not len(held.place) and relaxation is None:
+        driven = self.system.rest if self.system.imposed.changes else None
+        if not len(held.place) and relaxation is None and driven is None:
             return
+        if driven is not None:
+            deduct_rest(self.elements, *driven, points)
         # once more, with the section forces that need the strains, and multipliers for those that no law gives
         points.stress[:] = points.section_force
         points.stress[0] += branch_forces(relaxation, points.strain[0])
         forces = state.multiplier[held.place] / held.weight
         points.stress[0, held.element, held.point, held.component] = forces
         internal_forces(self.elements, *where, points, self._work, internal[None])
+        if driven is not None:
+            deduct_rest(self.elements, *driven, points)
         points.section_force[:] = points.stress
 
     def linearise(
@@ -88,6 +100,9 @@ class GeometricForces:
 
     def extrapolate_strains(self, middle: Floats) -> None:
         """Do nothing: strains follow from poses."""
+
+    def take_rest(self, rest: Floats, rate: Floats) -> None:
+        """Do nothing: a step deducts them from strains that follow from poses."""
 
 
 class IntrinsicForces:
@@ -112,11 +127,15 @@ class IntrinsicForces:
             strain = points.strain[0]
             if self.system.given_strain is not None:
                 strain.reshape(-1, 6)[self.system.gauss_indices()] = self.system.given_strain
-            self.set_strains(strain)
-        points.strain[0] = self.motion.start
+            self.set_strains(strain + self._rest())
+        points.strain[0] = self.motion.start - self._rest()
+        now = self._now
+        if self.system.imposed.changes:
+            rest, rate = self.system.rest
+            now = now._replace(rest=rest, rest_rate=rate)
         forces_at(
             self.elements,
-            self._now,
+            now,
             state.twist[None],
             points.strain,
             points.strain_rate,
@@ -141,10 +160,11 @@ class IntrinsicForces:
             np.zeros_like(rate),
             np.zeros((1, *state.twist.shape)),
         )
+        rest = self._rest()
         linearise_intrinsic(
-            self.elements,
+            self.elements._replace(reference=self.elements.reference + rest),
             now.linearised,
-            self.motion.start,
+            self.motion.start - rest,
             now.twist[0],
             rate[0],
             ad,
@@ -162,3 +182,11 @@ class IntrinsicForces:
     def extrapolate_strains(self, middle: Floats) -> None:
         """See :class:`ElementForces`."""
         self.set_strains(2.0 * middle - self.motion.start)
+
+    def take_rest(self, rest: Floats, rate: Floats) -> None:
+        """See :class:`ElementForces`."""
+        self.motion = self.motion._replace(rest=rest, rest_rate=rate)
+
+    def _rest(self) -> Floats | float:
+        """Return the rest strains that change, at the time that the system has."""
+        return self.system.rest[0][0] if self.system.imposed.changes else 0.0

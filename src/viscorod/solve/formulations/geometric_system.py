@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy import sparse
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements import geometric_element as geometric
 from viscorod.mechanics.elements.gauss_batch import PointFields
 from viscorod.mechanics.elements.internal_force import Elements, energies
@@ -24,10 +27,10 @@ from viscorod.solve.problem.element_arrays import (
     element_groups,
     gauss_indices,
     gauss_positions,
-    rest_strains,
     unstressed_strains,
 )
 from viscorod.solve.problem.external_loads import NO_LOADS, LoadState
+from viscorod.solve.problem.imposed_strains import Imposed, ImposedStrains
 from viscorod.solve.problem.law_responses import law_responses
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
@@ -48,11 +51,13 @@ class GeometricSystem:
         self.matrix = Matrix(problem.pattern, problem.length, lambda: problem.plan)
         self.given_strain: Floats | None = None
         self.groups = element_groups(problem)
-        self._unstressed, self._rest = unstressed_strains(problem), rest_strains(problem)
-        whole = self._unstressed if self._rest is None else self._unstressed + self._rest
+        self._unstressed, self.imposed = unstressed_strains(problem), ImposedStrains(problem)
+        whole = self._unstressed + self.imposed.constant
         self._elements = all_elements(problem, whole)
-        self._reference = whole if self._rest is None else self._unstressed.copy()
+        self._reference = whole.copy() if problem.rest_strains else whole
+        self.rest: tuple[Floats, Floats] = (np.zeros((1, *whole.shape)), np.zeros((1, *whole.shape)))
         self.prestress: Floats = np.zeros((0, 1, 6))
+        self._beside: Floats = np.zeros_like(whole)
         self.stress, self.strain, self.strain_rate, self.section_force, self._earlier = (
             np.zeros_like(whole) for _ in range(5)
         )
@@ -65,6 +70,7 @@ class GeometricSystem:
         self._no_blocks = np.zeros((0, 6, 6))
         self._no_columns = np.zeros((0, 1, 6, 6, LANES))
         self._operators: Operators | None = None
+        self._moving = KnownTypes(geometric.assemble), KnownTypes(collect)
         self.constraints = Constraints(problem, self.elements)
         order, self._positions = gauss_positions(problem.sets)
         self._places = gauss_indices(problem.sets)[order]
@@ -94,7 +100,9 @@ class GeometricSystem:
         rates = self._no_map if rate_map is None else rate_map
         rate_blocks = self._no_blocks if rate_matrix is None else rate_matrix.blocks
         self._update_sections()
-        self.impose_rest(loads.rest)
+        if loads.rest is not None:
+            self.impose_rest(loads.rest)
+        self._take_rates(moving)
         held = problem.held
         self.stress[held.element, held.point, held.component] = state.multiplier[held.place] / held.weight
         self._add_elements(
@@ -105,6 +113,8 @@ class GeometricSystem:
             geometric.Assembled(self.internal, blocks, rate_blocks),
             self._shared_operators() if tangent and len(held.place) else None,
         )
+        if moving and self.imposed.changes:
+            self.strain_rate -= self.rest[1][0]
         if problem.constrained:
             self._add_constraints(state, rates, blocks, rate_blocks, tangent=tangent, moving=moving)
         maps = rates if moving and rate_map is not None else self._no_blocks
@@ -112,10 +122,23 @@ class GeometricSystem:
         twist = state.twist if moving else None
         self.dissipated = loads.add(problem, (state.r, state.q), twist, self.external, into)
 
-    def impose_rest(self, part: float) -> None:
-        """Take a part of the rest strains into the strains of the unstressed shape."""
-        if self._rest is not None:
-            self._reference[:] = self._unstressed + part * self._rest
+    def impose_rest(self, rest: Imposed) -> None:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        if self.problem.rest_strains:
+            self._reference[:] = self._unstressed + self.imposed.whole(rest)
+        if self.imposed.changes:
+            self.rest = (
+                rest.part * self.imposed.driven(rest.t, rest.before)[None],
+                rest.part * self.imposed.rate(rest.t, rest.before)[None],
+            )
+
+    def _take_rates(self, moving: bool) -> None:
+        """Let dashpots see the rates of strains less those of the rest strains, which change with time."""
+        if not self.imposed.changes:
+            return
+        beside = self.prestress if len(self.prestress) else np.zeros_like(self.strain)
+        damping = self._elements.damping[self._elements.section]
+        self._beside = beside - np.einsum("egij,egj->egi", damping, self.rest[1][0]) if moving else beside
 
     def _update_sections(self) -> None:
         """Set the stiffness and the prestress of the sections with Maxwell branches."""
@@ -125,7 +148,7 @@ class GeometricSystem:
 
     def _present(self) -> Elements:
         """Return all elements with the present stiffness and the rest strains imposed so far."""
-        if self.relaxation is None and self._rest is None:
+        if self.relaxation is None and not self.problem.rest_strains:
             return self._elements
         return self._elements._replace(stiffness=self._stiffness, reference=self._reference)
 
@@ -133,7 +156,7 @@ class GeometricSystem:
         """Return what an assembly of a group with a stress iterate reads and writes at the Gauss points."""
         return PointFields(
             stress,
-            self.prestress,
+            self._beside if self.imposed.changes else self.prestress,
             self.strain,
             self.strain_rate,
             self.section_force,
@@ -204,18 +227,20 @@ class GeometricSystem:
         kind: tuple[bool, Floats, bool],
         out: geometric.Assembled,
         operators: Operators | None,
+        kernels: tuple[Callable[..., object], Callable[..., object]] = (geometric.assemble, collect),
     ) -> None:
         """Add the forces of all elements and their tangent to ``out``; write the operators if they are wanted.
 
-        ``kind``: the state is moving, its rate maps, the tangent is wanted.
+        ``kind``: the state is moving, its rate maps, the tangent is wanted; ``kernels``: call these two.
         """
+        assemble, collected = kernels
         for number, group in enumerate(self.groups):
             columns = self._columns[number]
             strain_columns = self._no_columns if operators is None else np.empty_like(columns)
             fields = self._point_fields(number, stress, strain_columns)
-            geometric.assemble(elements, group, fields, state.r, state.q, state.twist, *kind, out)
+            assemble(elements, group, fields, state.r, state.q, state.twist, *kind, out)
             if operators is not None:
-                collect(elements, group, fields, operators)
+                collected(elements, group, fields, operators)
 
     def linearise(
         self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
@@ -224,7 +249,9 @@ class GeometricSystem:
         self.internal.fill(0.0)
         out = geometric.Assembled(self.internal, K, C)
         elements = self._elements._replace(stiffness=self._stiffness)  # motions have the whole rest strains
-        self._add_elements(elements, stress, state, (True, ad, True), out, operators)
+        if self.imposed.changes:
+            elements = elements._replace(reference=self._reference)
+        self._add_elements(elements, stress, state, (True, ad, True), out, operators, self._moving)
 
     def carry_stress(self, increment: Floats) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""

@@ -17,6 +17,7 @@ from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.external_loads import LoadState
+from viscorod.solve.problem.imposed_strains import Imposed, ImposedStrains
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
@@ -85,6 +86,10 @@ class System(Protocol):
 
     problem: Problem
     constraints: Constraints
+    imposed: ImposedStrains
+    """Rest strains of the rods."""
+    rest: tuple[Floats, Floats]
+    """Those that change with time, ``(1, e, points, 6)``, and their rates, as they were imposed last."""
     relaxation: DashpotMemory | None
     """State of the Maxwell branches; None if there are none."""
     internal: Floats
@@ -126,6 +131,9 @@ class System(Protocol):
 
     def residual(self) -> Floats:
         """Return the unbalanced forces of the last assembly, and the gaps that multipliers must close ``(N, 6)``."""
+
+    def impose_rest(self, rest: Imposed) -> None:
+        """Take rest strains into the strains of the unstressed shape, until loads or a later call say otherwise."""
 
     def carry_stress(self, increment: Floats) -> None:
         """Move the stress iterate along a Newton increment of the nodes ``(N, 6)`` (mixed Newton)."""

@@ -10,6 +10,7 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.mechanics.compilation.callback import Callback
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.solve.linear.factors import GROWN, Factors, reduce
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.linear.singular import SingularMatrixError
@@ -41,6 +42,7 @@ class DirectSolver:
 
     def __init__(self, plan: Plan, kind: type = float) -> None:
         self._kind = kind
+        self._reduce = KnownTypes(reduce)
         self._take(plan)
 
     def _take(self, plan: Plan) -> None:
@@ -59,7 +61,18 @@ class DirectSolver:
         Raises:
             SingularMatrixError: a pivot is exactly zero.
         """
-        code = self._reduce(blocks)
+        plan, f = self.plan, self.factors
+        code = self._reduce(
+            np.ascontiguousarray(blocks, dtype=self._kind),
+            plan.fronts[2],
+            plan.kept,
+            plan.targets,
+            f.values,
+            f.fronts,
+            f.integers,
+            f.groups,
+            f.rest,
+        )
         if code != 0:
             if not np.isfinite(blocks).all():
                 self.factors.values.fill(np.nan)  # nor are solutions finite
@@ -71,21 +84,6 @@ class DirectSolver:
                 raise SingularMatrixError(self.plan.unknown(code - 1 - self._condensed))
         if self._sparse is not None:
             self._sparse.factorise(self.factors.values)
-
-    def _reduce(self, blocks: Floats) -> int:
-        plan, f = self.plan, self.factors
-        slots = plan.fronts[2]
-        return reduce(
-            blocks,
-            slots,
-            plan.kept,
-            plan.targets,
-            f.values,
-            f.fronts,
-            f.integers,
-            f.groups,
-            f.rest,
-        )
 
     def solve(self, b: Vector, *, transposed: bool = False) -> Vector:
         """Solve ``A x = b``, or ``A' x = b`` (not conjugated), in place for a contiguous ``(6 N,)`` or ``(N, 6)``."""

@@ -93,7 +93,9 @@ def discretise(
         motion_loads=motion_loads,
         stations=stations_of(mesh),
         initial_strain={mesh.rod_index(strain.rod): strain.at for strain in model.strains},
-        rest_strain={mesh.rod_index(strain.rod): strain.at for strain in model.rest_strains},
+        rest_strains=tuple(
+            (mesh.rod_index(strain.rod), strain.on(model.rods[strain.rod])) for strain in model.rest_strains
+        ),
         initial_twist=_initial_twist(model, places),
         relaxation_times=relaxation_times,
         length=length,
@@ -120,6 +122,9 @@ def chosen_divisions(model: ModelDescription) -> Divisions:
     for load in model.loads:
         for place in load.breaks(model):
             wishes[place.rod].append(place.s)
+    for strain in model.rest_strains:
+        length = model.rods[strain.rod].length
+        wishes[strain.rod] += [s for s in strain.stations or () if 1e-9 * length < s < (1.0 - 1e-9) * length]
     turn = prescribed_turn(model)
     return {name: divided(name, rod, breaks[name], wishes[name], turn) for name, rod in model.rods.items()}
 
@@ -228,6 +233,10 @@ def _times(
         corners.update(motion.breakpoints)
         jumps.update(motion.breakpoints)
         functions.append(motion)
+    for strain in model.rest_strains:
+        corners.update(strain.breakpoints)
+        jumps.update(strain.jumps)
+        functions.append(strain.time)
     periods = tuple(1.0 / f.frequency for f in functions if isinstance(f, Sine))
     return tuple(sorted(corners)), tuple(sorted(jumps)), periods
 

@@ -67,24 +67,6 @@ def element_groups(problem: Problem) -> tuple[ElementGroup, ...]:
     )
 
 
-def rest_strains(problem: Problem) -> Floats | None:
-    """Return the rest strains at all Gauss points ``(e, points, 6)``; None without any."""
-    if not problem.rest_strain:
-        return None
-    out = np.zeros((sum(len(e.nodes) for e in problem.sets), max(e.order for e in problem.sets), 6))
-    first = 0
-    for e in problem.sets:
-        inside = e.shapes @ lobatto(e.order)[0]
-        for k, rod in enumerate(e.rod):
-            field = problem.rest_strain.get(int(rod))
-            if field is not None:
-                out[first + k, : e.order] = [
-                    field(float(s)) for s in e.start[k] + e.half_lengths[k] * (1.0 + inside)
-                ]
-        first += len(e.nodes)
-    return out
-
-
 def unstressed_strains(problem: Problem) -> Floats:
     """Return the strains of the interpolated reference shape at all Gauss points ``(e, points, 6)``."""
     top = max(e.order for e in problem.sets)

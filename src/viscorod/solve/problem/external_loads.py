@@ -11,6 +11,7 @@ from viscorod.mechanics.elements.basis import lagrange
 from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionTangent, MotionWork, add_motion_loads
+from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.problem.law_callbacks import MotionLaws
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
@@ -35,7 +36,7 @@ class LoadState:
         stations: within elements.
         motion: loads that see motion; factors: of their places ``(m,)``; pushes: they act on what is at rest.
         laws: of these loads.
-        rest: part of the rest strains that is imposed.
+        rest: the rest strains that are imposed; None leaves them as they are.
     """
 
     nodes: Integers
@@ -48,7 +49,7 @@ class LoadState:
     stations: list[ActiveStation] = field(default_factory=list)
     pushes: bool = False
     laws: MotionLaws | None = None
-    rest: float = 1.0
+    rest: Imposed | None = None
 
     @property
     def none(self) -> bool:
@@ -143,8 +144,12 @@ class ExternalLoads:
         self.laws = MotionLaws([load.law for load in problem.motion_loads])
         self.motion = self._motion_loads()
         self.stage: tuple[Floats, Floats] | None = None
-        self._factors: tuple[float, tuple[float, ...]] | None = None
+        self._factored = [(load.load, load.factor, True) for load in problem.nodal_loads]
+        # what does nothing at rest is no load that grows in statics
+        self._factored += [(load.load, load.factor, load.law.at_rest) for load in problem.motion_loads]
+        self._factors: tuple[float, ...] | None = None
         self._state: LoadState | None = None
+        self._driven = any(strain.changes for _, strain in problem.rest_strains)
         self.last: LoadState = NO_LOADS
 
     def at(
@@ -155,19 +160,21 @@ class ExternalLoads:
         ``given`` are factors, by the number of the load, in place of those at ``t``.
         """
         problem, given = self.problem, given or {}
-        factored = [(load.load, load.factor, True) for load in problem.nodal_loads]
-        # what does nothing at rest is no load that grows in statics
-        factored += [(load.load, load.factor, load.law.at_rest) for load in problem.motion_loads]
         factors = tuple(
-            (self._part(load, scale) if grows else 1.0)
-            * (given[load] if load in given else factor(t, before))
-            for load, factor, grows in factored
+            [
+                (self._part(load, scale) if grows else 1.0)
+                * (given[load] if load in given else factor(t, before))
+                for load, factor, grows in self._factored
+            ]
         )
-        rest = self._part(-1, scale)
-        if (rest, factors) != self._factors or self._state is None:
-            self._factors = rest, factors
-            self._state = replace(self._nodal(factors), rest=rest)
+        if factors != self._factors or self._state is None:
+            self._factors, self._state = factors, self._nodal(factors)
         state = self._state
+        if problem.rest_strains:
+            now = (t, before) if self._driven else ()
+            rest = Imposed(self._part(-1, scale), *now)
+            if rest != state.rest:
+                self._state = state = replace(state, rest=rest)
         self.last = state
         if not problem.station_loads:
             return state

@@ -18,7 +18,8 @@ def strain_rods(system: System, state: State) -> Floats:
     """
     problem, gauss = system.problem, system.gauss_positions()
     strain = np.zeros((len(gauss.s), 6))
-    reference = system.elements().reference.reshape(-1, 6)[system.gauss_indices()]
+    unstressed = system.elements().reference + system.imposed.driven(0.0)
+    reference = unstressed.reshape(-1, 6)[system.gauss_indices()]
     for rod, field in problem.initial_strain.items():
         points, stations = gauss.rod == rod, problem.stations.rod == rod
         strain[points] = [field(float(s)) for s in gauss.s[points]]

@@ -11,6 +11,7 @@ import numpy as np
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.mechanics.elements.section_laws import SectionLaws
 from viscorod.model.actions.load_effects import MotionLaw, TimeFactor
+from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.actions.time_table import FunctionOfTime, TimeTable
 from viscorod.solve.linear.pattern import Pattern
@@ -174,7 +175,7 @@ class Problem:
         multipliers: block rows of multipliers, after those of the nodes; first those of joints.
         interiors: nodes within elements, element by element, that couple with nothing outside.
         initial_strain: strains ``(6,)`` at t = 0 by arc length [m], of the rods (by index) that have any.
-        rest_strain: strains ``(6,)`` at which rods (by index) are free of stress, by arc length [m].
+        rest_strains: at which rods (by index) are free of stress; several of one rod add up.
         initial_twist: body twists at t = 0 for given poses, ``(r, q) -> (n, 6)``.
         length: size of the model [m], the measure of "small" for displacements.
         breakpoints, jumps: times [s] at which loads or motions are not smooth / an integrator must start anew.
@@ -205,7 +206,7 @@ class Problem:
     motion_loads: tuple[MotionLoad, ...]
     stations: Stations
     initial_strain: Mapping[int, Callable[[float], Floats]]
-    rest_strain: Mapping[int, Callable[[float], Floats]]
+    rest_strains: tuple[tuple[int, RestStrain], ...]
     initial_twist: Callable[[Floats, Floats], Floats]
     relaxation_times: Floats
     length: float

@@ -10,6 +10,7 @@ from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import StationReader
 from viscorod.solve.problem.external_loads import NO_LOADS, ExternalLoads
+from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.refinement.finer_mesh import FinerMesh
 from viscorod.typing import Floats
 
@@ -31,13 +32,15 @@ class CoarseMotion:
         self.loads = ExternalLoads(self.problem)
         self._reader = StationReader(self.problem)
 
-    def other_stress(self, state: State, section_force: Floats) -> Floats:
+    def other_stress(self, state: State, section_force: Floats, t: float, *, before: bool) -> Floats:
         """Return the section forces that the strains of the poses do not explain ``(m, 6)``.
 
         These are viscous ones and those of branches, and what strains that are known by themselves have in addition, in
-        the intrinsic formulation and between two steps. Strains that multipliers hold have none.
+        the intrinsic formulation and between two steps. Strains that multipliers hold have none. Rest strains are those
+        at the time ``t`` [s], from the left if ``before``.
         """
         self.system.prestress = np.zeros((0, 1, 6))
+        self.system.impose_rest(Imposed(1.0, t, before))
         self.system.assemble(state, NO_LOADS, None, tangent=False, moving=False)
         held = np.einsum("mii->mi", self.system.gauss_positions().stiffness) == 0.0
         return np.where(held, 0.0, section_force - self.system.gauss_points().section_force)

@@ -205,7 +205,7 @@ class MeshWatch:
     def _begins(self) -> Floats:
         """Return the rates of the twists of all nodes when a motion begins, after a jump of its loads ``(n, 6)``."""
         assert self.start is not None
-        stress = self._moving.other_stress(self.start.state, self.start.section_force)
+        stress = self._moving.other_stress(self.start.state, self.start.section_force, 0.0, before=False)
         return self._moving.inertia(self.start.state, stress, _angles(self.start), 0.0, before=False)[1]
 
     def see_steady(self, rotation: Snapshot, spin: float) -> None:
@@ -219,7 +219,7 @@ class MeshWatch:
         Returns:
             the rates of the twists of all nodes ``(n, 6)``.
         """
-        stress = self._moving.other_stress(snapshot.state, snapshot.section_force)
+        stress = self._moving.other_stress(snapshot.state, snapshot.section_force, t, before=before)
         inertia, rate = self._moving.inertia(snapshot.state, stress, _angles(snapshot), t, before=before)
         self.finer.set_prestress(stress)
         anchor = self._resisting(rate, snapshot.state.twist, anchor)

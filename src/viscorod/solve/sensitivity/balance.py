@@ -17,6 +17,7 @@ from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.problem.external_loads import load_count
+from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.problem.law_responses import law_responses
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
 from viscorod.solve.transient.integrators.step_actions import StepActions
@@ -50,13 +51,14 @@ class Balance:
         self.elements = elements = system.elements()
         constraints, n, pattern = system.constraints, problem.size, problem.pattern
         constraints.update(t, before)
-        points, internal = GaussStates.of(elements, 1, carried=len(problem.held.place) > 0), np.zeros((n, 6))
+        system.impose_rest(Imposed(1.0, t, before))
+        carried = len(problem.held.place) > 0 or system.imposed.changes
+        points, internal = GaussStates.of(elements, 1, carried=carried), np.zeros((n, 6))
         system.element_forces(elements, 1).evaluate(state, points, internal)
         self.strain, self.strain_rate = points.strain[0].copy(), points.strain_rate[0].copy()
         self._tangent = elements.stiffness[elements.section] + self._law_tangent()
         operators = Operators.of(elements)
         self.blocks, C = np.zeros((2, len(pattern.rows), 6, 6))
-        system.impose_rest(1.0)
         still = np.zeros((n, 6, 6))  # increments of the twists count by themselves
         system.linearise(state, still, points.section_force[0], operators, self.blocks, C)
         self.B = operators.strain

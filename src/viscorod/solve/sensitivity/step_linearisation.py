@@ -179,6 +179,7 @@ def require_linearisable(integrator: Collocation) -> None:
             integrator.supports
         ),
         "the midpoint rule": integrator.ends is not None,
+        "rest strains that change with time": integrator.system.imposed.changes,
         "the intrinsic formulation": not isinstance(integrator.system, GeometricSystem)
         or integrator.forces.motion is not None,
     }

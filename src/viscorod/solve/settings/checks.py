@@ -50,6 +50,8 @@ def unfit_for_steady(model: ModelDescription, damping: str) -> Iterator[Fault]:
     )
     if damping == "linearised":
         yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
+    why = "it changes with time, and a steady rotation does not"
+    yield from _changing_rest(model, why, "leave out time, or compute the motion with simulate")
 
 
 def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
@@ -85,6 +87,9 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
             model, why.format("laws of sections"), "leave it out, or take dynamics = 'nonlinear'"
         )
         yield from _changing_drag(model)
+        yield from _changing_rest(
+            model, why.format("rest strains that change with time"), "take dynamics = 'nonlinear'"
+        )
     else:
         if not formulation.constraints:
             why = f"the {settings.formulation} formulation has no {{}}"
@@ -96,6 +101,16 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
             yield from _branches(model, why, "take damping = 'full'")
         if not formulation.laws:
             yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
+        if settings.damping == "linearised":
+            why = "linearised damping is that of one unstressed shape, and this rest strain changes with time"
+            yield from _changing_rest(model, why, "take damping = 'full'")
+        if settings.integrator == "generalized_alpha" and any(
+            rod.law is not None for rod in model.rods.values()
+        ):
+            why = "generalised alpha has no laws of sections with rest strains that change with time"
+            yield from _changing_rest(model, why, "take integrator = 'radau'")
+    yield from _struck_dashpots(model, settings)
+    yield from _driven_held_strains(model, settings)
     for index, event in enumerate(settings.events):
         if isinstance(event, Crossing):
             try:
@@ -129,6 +144,45 @@ def _changing_drag(model: ModelDescription) -> Iterator[Fault]:
             why = "linear dynamics have constant matrices, and its part in them would change with time"
             yield Fault(
                 f"loads[{index}]", load.word, why, "leave out time and until, or take dynamics = 'nonlinear'"
+            )
+
+
+def _changing_rest(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
+    for index, strain in enumerate(model.rest_strains):
+        if strain.changes:
+            yield Fault(f"rest_strains[{index}].time", strain.rod, why, instead)
+
+
+def _struck_dashpots(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
+    """Refuse rest strains that jump where dashpots would answer with infinite forces."""
+    from_rest = settings.start is None and settings.initial == "equilibrium"
+    for index, strain in enumerate(model.rest_strains):
+        jumps = [t for t in strain.jumps if (0.0 <= t if from_rest else 0.0 < t) and t < settings.duration]
+        if jumps and model.rods[strain.rod].viscous:
+            yield Fault(
+                f"rest_strains[{index}].time",
+                f"a jump at {jumps[0]:g} s",
+                "the dashpots of the rod answer a jump of its rest strain with an infinite force",
+                "give a ramp, or a material with Maxwell branches alone",
+            )
+
+
+def _driven_held_strains(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
+    """Refuse rest strains that change where constraints keep strains at what they are, as some instants show."""
+    for index, strain in enumerate(model.rest_strains):
+        rod = model.rods[strain.rod]
+        if not strain.changes or not any(rod.constrained_strains):
+            continue
+        given = strain.on(rod)
+        times = [settings.duration * k / 4.0 for k in range(5)] if strain.sees_time else [0.0]
+        places = [rod.length * k / 4.0 for k in range(5)]
+        values = [given.at(s, t) for s in places for t in times]
+        if any(held and value[k] for value in values for k, held in enumerate(rod.constrained_strains)):
+            yield Fault(
+                f"rest_strains[{index}].rod",
+                strain.rod,
+                f"its constraints {', '.join(rod.constraints)} hold a strain whose rest strain changes with time",
+                "leave the constraint out, or that strain zero",
             )
 
 

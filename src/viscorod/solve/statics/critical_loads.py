@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
-import numpy as np
+from dataclasses import dataclass
 
 from viscorod.solve.formulations.system import State
 from viscorod.solve.statics.linear_buckling import critical_factors
@@ -13,7 +11,7 @@ from viscorod.solve.statics.special_points import PathPoint
 from viscorod.solve.statics.tangent import softest
 from viscorod.typing import Floats
 
-__all__ = ["BEYOND", "Buckling", "CriticalPoint", "CriticalSearch"]
+__all__ = ["BEYOND", "CriticalPoint", "CriticalSearch"]
 
 BEYOND = 2.0
 """Multiple of the largest linear critical factor up to which the equilibria are followed."""
@@ -35,37 +33,6 @@ class CriticalPoint:
     state: State
     increments: Floats
     limit: bool
-
-
-@dataclass(frozen=True)
-class Buckling:
-    """Critical loads, in the order in which the equilibria pass them.
-
-    Attributes:
-        load_factors: multiples of the loads that grow ``(k,)``; of several directions that lose their stiffness at
-            once each has one.
-        linear: those of the linear problem at the state ``about`` ``(m,)``, the nearest first.
-        limit: whether the load has an extreme there, at which the structure snaps; elsewhere equilibria branch off.
-        shapes: displacement of every station as stiffness vanishes ``(k, stations, 3)``, global axes, the largest
-            component 1 (of the rotations where they are pure twist).
-        rotations: of every station ``(k, stations, 3)``, body axes, same scaling.
-        positions: of the stations in the critical states ``(k, stations, 3)`` [m].
-        about: load factor of the state of the linear problem.
-        exact: whether the equilibria were followed; otherwise all is that of the linear problem.
-        complete: whether as many were found as asked for.
-        errors: estimated errors of the factors by the mesh, in parts of them; none where not estimated.
-    """
-
-    load_factors: Floats
-    linear: Floats
-    limit: np.ndarray
-    shapes: Floats
-    rotations: Floats
-    positions: Floats
-    about: float
-    exact: bool
-    complete: bool
-    errors: Floats = field(default_factory=lambda: np.zeros(0))
 
 
 class CriticalSearch:

@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from viscorod.mechanics.rotations.quaternion import conjugate, matrices, product, rotation_vectors
+from viscorod.mechanics.rotations.nodal_motion import pose_differences
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.transient.integrators.contract import Integrator
-from viscorod.solve.transient.saved_state import SavedTree, restore, saved
+from viscorod.solve.transient.saved_state import hand_over
 from viscorod.typing import Floats
 
 __all__ = ["HalvedSteps", "Trials"]
@@ -85,7 +85,7 @@ class HalvedSteps:
         self.trials = Trials(*np.zeros((2, problem.size, 6)))
         self.power = order + 1
         self._start: State | None = None
-        self._tree: SavedTree = None
+        self._kept = False
 
     def begin(self, state: State, duration: float) -> None:
         """Start at t = 0 as a run of ``duration`` [s] does."""
@@ -98,8 +98,9 @@ class HalvedSteps:
         """Keep the state before an attempt of a step of ``h`` [s], by its number, if it is one to be tried again."""
         trials = self.trials
         longer = number > SETTLED and h > LONGER * max(trials.lengths, default=np.inf)
-        if self._tree is None and (number == trials.next or longer):
-            self._tree = saved(integrator)
+        if not self._kept and (number == trials.next or longer):
+            self._kept = True
+            hand_over(integrator, self.twin)
 
     def compare(self, number: int, integrator: Integrator, before: State, h: float, *, left: bool) -> None:
         """Compute a step that was accepted again in halves, if the state before it was kept.
@@ -113,13 +114,14 @@ class HalvedSteps:
         if trials.border is not None and number >= trials.border:
             trials.border = None
             trials.around.append(np.zeros(2))
-        trials.around[-1] = trials.around[-1] + [1.0, h**self.power]
+        around = trials.around[-1]
+        around[0] += 1.0
+        around[1] += h**self.power
         if number == trials.next:
             trials.next += min(2 * number + 1, max(FARTHEST, number // PART))
-        if self._tree is None:
+        if not self._kept:
             return
-        restore(twin, self._tree)
-        self._tree = None
+        self._kept = False
         twin.resume()
         (middle, *_), *_ = integrator.between(np.array([0.5]))
         within = np.zeros((len(self.mass), 6))
@@ -147,9 +149,8 @@ class HalvedSteps:
         """Take the difference of a state of the run from the twin's as the error of a step, mode by mode."""
         better, modes, size = self.twin.state, self.modes, len(self.mass)
         pose = _away(state, better)
-        momenta = np.array(
-            [self._momenta(x) for x in (pose, state.twist - better.twist, before, state.twist)]
-        )
+        moving = np.stack([pose, state.twist - better.twist, before, state.twist])
+        momenta = np.einsum("nij,knj->kni", self.mass, moving).reshape(4, -1)
         momenta[:2] /= self.twin.seen_by_halving
         errors, rigid = momenta[:2] @ modes.shapes, momenta @ modes.rigid
         explained = (modes.shapes @ errors[0] + modes.rigid @ rigid[0]).reshape(size, 6)
@@ -164,9 +165,6 @@ class HalvedSteps:
         rest = pose / self.twin.seen_by_halving - explained
         if np.abs(rest / self.unit).max() > np.abs(trials.rest / self.unit).max():
             trials.rest = rest
-
-    def _momenta(self, x: Floats) -> Floats:
-        return np.asarray(np.einsum("nij,nj->ni", self.mass, x).ravel())
 
     def _measure(self) -> None:
         """Measure how large the motion is."""
@@ -187,6 +185,5 @@ def _largest(section_force: Floats) -> Floats:
 def _away(state: State, better: State) -> Floats:
     """Return by how much the poses of a state differ from better ones, body increments ``(n, 6)``."""
     pose = np.empty((len(state.r), 6))
-    pose[:, :3] = np.einsum("nji,nj->ni", matrices(better.q), state.r - better.r)
-    pose[:, 3:] = rotation_vectors(product(conjugate(better.q), state.q))
+    pose_differences(better.r, better.q, state.r, state.q, pose)
     return pose

@@ -20,12 +20,16 @@ def pose_gap(system: System, history: History) -> tuple[float, float]:
     Integration along a rod begins at its start.
     """
     problem, gauss = system.problem, system.gauss_positions()
-    snapshots = history.sample(MOST)
+    sampled = history.sample(MOST)
+    snapshots = [snapshot for _, snapshot in sampled]
     r = np.array([snapshot.state.r for snapshot in snapshots])
     q = np.array([snapshot.state.q for snapshot in snapshots])
     position, rotation, _, _ = StationReader(problem).read(r, q, np.zeros((*r.shape[:2], 6)))
     reference = system.elements().reference.reshape(-1, 6)[system.gauss_indices()]
     strain = reference + np.array([snapshot.strain for snapshot in snapshots])
+    if system.imposed.changes:
+        places = system.gauss_indices()
+        strain += [system.imposed.driven(t, t > 0.0).reshape(-1, 6)[places] for t, _ in sampled]
     distance = angle = 0.0
     for rod, order in enumerate(problem.rod_orders):
         at, points = np.flatnonzero(problem.stations.rod == rod), gauss.rod == rod

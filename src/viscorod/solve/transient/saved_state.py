@@ -16,18 +16,19 @@ import numpy as np
 from viscorod.mechanics.compilation.callback import Callback
 from viscorod.mechanics.elements.gauss_batch import ElementGroup
 from viscorod.mechanics.elements.held_strains import HeldStrains
-from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.mechanics.elements.internal_force import Elements, ElementWork
 from viscorod.mechanics.joints.joint_forces import JointLaws, Joints
 from viscorod.mechanics.nodes.applied_loads import StationWork
 from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionWork
 from viscorod.mechanics.nodes.support_rows import SupportedNodes
 from viscorod.solve.constraints.constraints import JointState
-from viscorod.solve.formulations.system import State
+from viscorod.solve.formulations.system import GaussPositions, State
 from viscorod.solve.history import Snapshot
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
+from viscorod.solve.problem.imposed_strains import ImposedStrains
 from viscorod.solve.problem.joint_set import JointSet
 from viscorod.solve.problem.law_callbacks import LawCallbacks, MotionLaws
 from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
@@ -52,7 +53,7 @@ UNCHANGED = (
     Problem, ElementSet, SupportSet, Elements, ElementGroup, Discretisation, Pattern, Plan, Tableau, HeldStrains,
     JointSet, LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads,
     LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, StageFactors, StageLoads, SupportMotion, Work,
-    Coefficients, Relation, Solution,
+    Coefficients, Relation, Solution, GaussPositions, ElementWork, ImposedStrains,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 
@@ -129,6 +130,44 @@ def _saved(value: Any, seen: set[int]) -> SavedTree:
 def restore(value: Any, tree: SavedTree) -> Any:
     """Put back what :func:`saved` returned for an object that was made from the same model, and return it."""
     return _restored(value, tree)
+
+
+def hand_over(source: Any, target: Any) -> Any:
+    """Do what ``restore(target, saved(source))`` does, without a tree between: return ``target`` in that state."""
+    return _handed_over(source, target, set())
+
+
+def _handed_over(source: Any, target: Any, seen: set[int]) -> Any:
+    of: Any = type(source)
+    if of is np.ndarray and source.dtype != object:
+        same = type(target) is of and target.shape == source.shape and target.dtype == source.dtype
+        if not same or not target.flags.writeable:
+            return source.copy()
+        target[...] = source
+        return target
+    kind = _kind(of)
+    if kind == "plain":
+        return source
+    if kind == "left out":
+        return target
+    inside = kind == "tuple" or (kind == "object" and hasattr(source, "__dict__"))
+    if not inside or of.__name__ in MADE:
+        tree = _saved(source, seen)
+        return target if tree is _LEFT_OUT else _restored(target, tree)
+    if id(source) in seen or type(target) is not of:
+        return target
+    seen.add(id(source))
+    if kind == "tuple":
+        items = [_handed_over(old, new, seen) for old, new in zip(source, target, strict=True)]
+        same = all(item is before for item, before in zip(items, target, strict=True))
+        return target if same else target._make(items)
+    fields = vars(target)
+    for key, item in vars(source).items():
+        old = fields.get(key)
+        new = _handed_over(item, old, seen)
+        if new is not old:
+            fields[key] = new
+    return target
 
 
 def _restored(value: Any, tree: SavedTree) -> Any:

@@ -239,10 +239,11 @@ class Transient:
         for begin in range(0, len(parts), AT_ONCE):
             some = np.array(parts[begin : begin + AT_ONCE])
             lost, outside = integrator.branch_losses(some), integrator.outside_until(some)
+            driven = integrator.actuator_until(some)
             for number, (between, work, loss) in enumerate(integrator.between(some)):
                 least = max(least, loss)  # interpolation must not give energy back
                 part, at = float(some[number]), times[begin + number]
-                share = StepShare(work, least, float(outside[number]))
+                share = StepShare(work, least, float(outside[number]), float(driven[number]))
                 energy = before.between(account, part, between.kinetic, share, lost[number])
                 history.record(at, between, energy, end - t, iterations)
         if len(times) > len(parts):
@@ -310,9 +311,13 @@ class Transient:
     def restart(self, t: float) -> None:
         """Start the integrator anew at ``t`` [s], after a jump of loads or prescribed motions.
 
-        The impulse of a support whose velocity jumps counts as external work.
+        The impulse of a support whose velocity jumps counts as external work, and what a jump of rest strains changes
+        of the elastic energy as work of the actuator.
         """
-        before = self.integrator.kinetic
+        kinetic, elastic = self.integrator.kinetic, self.integrator.elastic
         self.integrator.start(t, self.integrator.state)
-        self.account.external += self.integrator.kinetic - before
+        self.account.external += self.integrator.kinetic - kinetic
         self.account.kinetic = self.integrator.kinetic
+        if self.problem.rest_strains:
+            self.account.actuator += self.integrator.elastic - elastic
+            self.account.elastic = self.integrator.elastic

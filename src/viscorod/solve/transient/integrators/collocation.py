@@ -20,11 +20,13 @@ from viscorod.solve.constraints.projection import start_consistently
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
+from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators import iteration_verdict, jacobian
 from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.contract import StepReport
 from viscorod.solve.transient.integrators.predictor import Predictor
+from viscorod.solve.transient.integrators.record_kernels import Kept, StepEnd
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
 from viscorod.solve.transient.integrators.stage_dashpots import StageDashpots
@@ -85,14 +87,17 @@ class Collocation:
         problem = system.problem
         self.t = 0.0
         self.state = State.reference(problem)
-        self.kinetic = self.elastic = self.work = self.loss = self.outside = 0.0
+        self.kinetic = self.elastic = self.work = self.loss = self.outside = self.actuator = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         stages = len(tableau.nodes)
         self._last = stages - 1
         self.body = body = Discretisation.of(problem, system.elements(), supports)
-        self.forces = system.element_forces(body.elements, stages)
         self.actions = StepActions(system, supports, body, stages)
-        self.stages = Stages.of(stages, body)
+        driven = system.imposed.changes
+        self.stages = Stages.of(stages, body, driven=driven)
+        self.forces = system.element_forces(body.elements, stages)
+        if driven:
+            self.forces.take_rest(self.stages.rest, self.stages.rest_rate)
         self.predictor = Predictor(body, self.stages, tableau)
         self.stage_constraints = (
             StageConstraints(system.constraints, tableau) if problem.constrained else None
@@ -113,7 +118,7 @@ class Collocation:
         self.ends: Ends | None = None
         self.matrices = Matrices.of(body)
         self.scratch = Work.of(body, stages)
-        carried = len(problem.held.place) > 0 or problem.relaxing
+        carried = len(problem.held.place) > 0 or problem.relaxing or driven
         self._points = GaussStates.of(body.elements, 1, carried=carried)  # at t
         self._stress = np.zeros(body.elements.reference.shape)  # at t
         self._force = np.zeros((problem.size, 6))  # what accelerates the nodes at t
@@ -121,7 +126,11 @@ class Collocation:
         self._ad = np.zeros((problem.size, 6, 6))
         self.account = StepAccount.of(problem.size, stages)
         self._reaction = np.zeros((len(body.complete), 6))  # of the supports at t, along their axes
-        self._try_step = KnownTypes(try_step)
+        self._kept = Kept(
+            self._force, self._reaction, self._stress, self.predictor.X, self.predictor.stresses
+        )
+        self._try_step, self._project = KnownTypes(try_step), KnownTypes(jacobian.project)
+        self._adjoint, self._add_inertia = KnownTypes(jacobian.adjoint), KnownTypes(jacobian.add_inertia)
         self._have_jacobian = self._fresh_jacobian = False
         self._factor_step = self._end = self._step = 0.0
         self._rate = 1.0
@@ -137,6 +146,7 @@ class Collocation:
         supports.project_twists(state)
         if self.stage_constraints is not None:
             self.system.constraints.update(t)
+            self.system.impose_rest(Imposed(t=t))
             start_consistently(self.system, supports, state)
             self.stage_constraints.reset()
         self._evaluate_state(t, state, before=False)
@@ -207,15 +217,16 @@ class Collocation:
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        weights = self.tableau.weights
         h = self._end - self.t
         self.elastic = float(self.account.elastic[self._last])
-        self.work, self.loss, self.outside = (h * (self.account.powers @ weights)).tolist()
-        self.recorder.keep_start(self.state)
-        self.predictor.keep(self.state, self._stress, h)
+        self.predictor.keep(self.state, h)
+        end, kinetic, shares = self.recorder.take_step(self.state, h, self.account, self._kept)
+        self.work, self.loss, self.outside = shares
+        if len(self.stages.rest):
+            self.actuator = h * float(self.account.powers[3] @ self.tableau.weights)
         if self.dashpots is not None:
             self.dashpots.end_step(self.stages.strain)
-        self._end_step()
+        self._end_step(end, kinetic)
         self.t, self._step = self._end, h
         self._fresh_jacobian = False
         if self._rate > self.stale:
@@ -266,7 +277,13 @@ class Collocation:
 
     def outside_until(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        if not len(self.actions.loads.motion.nodes):  # only loads that see motion dissipate anything
+            return np.zeros(len(parts))
         return self._step * np.asarray(self.tableau.partial_weights(parts) @ self.account.powers[2])
+
+    def actuator_until(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self.account.powers[3])
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: factors follow from the Jacobian."""
@@ -318,26 +335,41 @@ class Collocation:
             self.actions.prepare(i, t, before=before and last)
             if self.stage_constraints is not None:
                 self.stage_constraints.prepare(i, t, before=before and last)
+        if self.system.imposed.changes:
+            self._prepare_rest(end, before=before)
 
-    def _end_step(self) -> None:
-        """Make the last stage the new state."""
-        stages, last = self.stages, self._last
-        self.state = State(
-            stages.r[last].copy(), stages.q[last].copy(), stages.twist[last].copy(), self.state.multiplier
-        )
-        self._force[:], self._stress[:] = stages.force[last], stages.stress[last]
-        self.forces.set_strains(stages.strain[last])
-        self._reaction[:] = stages.reaction[last]
+    def _prepare_rest(self, end: float, *, before: bool) -> None:
+        """Evaluate rest strains at all stages of the step to ``end``, and the rates of the polynomial through them."""
+        stages, imposed, h = self.stages, self.system.imposed, end - self.t
+        for i, c in enumerate(self.tableau.nodes):
+            last = i == self._last
+            stages.rest[i] = imposed.driven(end if last else self.t + c * h, before and last)
+        gained = stages.rest - imposed.driven(self.t)
+        stages.rest_rate[:] = np.einsum("ij,jegk->iegk", self.tableau.derivative, gained) / h
+
+    def _end_step(self, end: StepEnd, kinetic: float) -> None:
+        """Make the last stage, ``end`` with its kinetic energy [J], the new state."""
+        self.state = State(end.r, end.q, end.twist, self.state.multiplier)
+        self.forces.set_strains(self._whole_strain(self._last))
         if len(self.supports.partial):
             self.actions.move_supports(self._end, before=True)
             self.supports.project_twists(self.state)
         if self.stage_constraints is not None:
             self.system.constraints.update(self._end, True)
             self.elastic += self.stage_constraints.end_step(self.state, self._end - self.t, stage=True)
-        self._end_rate = stages.acceleration[last].copy()
-        self.kinetic = self.recorder.record_end(self.state, self.elastic)
+        if len(self.supports.partial) or self.stage_constraints is not None:  # twists have been projected
+            kinetic = inertia.kinetic_energy(self.body.mass, self.state.twist)
+        self._end_rate, self.kinetic = end.rate, kinetic
+        self.recorder.record_end(self.state, kinetic, self.elastic)
 
     # --- parts
+
+    def _whole_strain(self, stage: int) -> Floats:
+        """Return the strains ``(e, points, 6)`` at a stage, with the rest strains that change."""
+        stages = self.stages
+        if not len(stages.rest):
+            return np.asarray(stages.strain[stage])
+        return np.asarray(stages.strain[stage] + stages.rest[stage])
 
     def _evaluate_state(
         self, t: float, state: State, *, before: bool, acceleration: Floats | None = None
@@ -349,6 +381,7 @@ class Collocation:
         supports, body, points = self.supports, self.body, self._points
         self.t, self.state = t, state
         internal, external = self.scratch.vector, self.scratch.change
+        self.system.impose_rest(Imposed(1.0, t, before))
         self.forces.evaluate(state, points, internal)
         constraints = self.system.constraints
         if self.stage_constraints is not None:
@@ -382,7 +415,7 @@ class Collocation:
     def _renew_jacobian(self) -> None:
         """Linearise at the start of the step."""
         state, matrices, body = self.state, self.matrices, self.body
-        jacobian.adjoint(state.twist, self._ad)
+        self._adjoint(state.twist, self._ad)
         matrices.K.fill(0.0)
         matrices.C.fill(0.0)
         self.forces.linearise(state, self._ad, self._stress, matrices.operators, matrices.K, matrices.C)
@@ -390,7 +423,7 @@ class Collocation:
             self.stage_constraints.linearise(state, self._ad, body.elements, matrices)
         self.actions.add_load_stiffness(self.t, state, self._ad, matrices.K, matrices.C)
         matrices.mass[:] = body.mass
-        jacobian.add_inertia(
+        self._add_inertia(
             body.mass,
             state.twist,
             self._ad,
@@ -401,7 +434,7 @@ class Collocation:
             self.scratch.square,
         )
         self.actions.move_supports(self.t, before=False)
-        jacobian.project(
+        self._project(
             body.supports,
             self.supports.target,
             self._reaction,

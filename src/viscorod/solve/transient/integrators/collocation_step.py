@@ -34,6 +34,7 @@ from viscorod.mechanics.elements.maxwell_branches import (
     lacking_work,
     stretch_springs,
 )
+from viscorod.mechanics.elements.rest_strains import actuator_powers, deduct_rest, shift
 from viscorod.mechanics.elements.section_laws import add_lacking_work
 from viscorod.mechanics.joints.joint_forces import add_frozen_springs, carry_springs, hold_coordinates
 from viscorod.mechanics.nodes.inertia import balance
@@ -242,6 +243,8 @@ def respond(
         give_stress(links.held, links.states.multiplier, points.stress)
     if strains is None:
         internal_forces(elements, stages.r, stages.q, stages.twist, points, work.element, stages.internal)
+        if stages.rest.shape[0] > 0:
+            deduct_rest(elements, stages.rest, stages.rest_rate, points)
     else:
         stage_forces(elements, strains, method.derivative, h, stages.twist, points, stages.internal)
     if branches is not None:
@@ -264,6 +267,7 @@ def conserve(
     """Let the section forces do the work that elastic energy changes by from one end of the step to the other."""
     end_points = GaussStates(ends.strain, ends.strain_rate, ends.section_force, ends.section_force)
     internal_forces(elements, ends.r, ends.q, ends.twist, end_points, work.element, ends.force)
+    shift(-1.0, ends.rest, ends.strain)
     if branches is not None:
         stretch_springs(elements, branches, points.strain)
         lacking_work(elements, branches, points.strain_rate, ends.start_strain, ends.strain, h, ends.defect)
@@ -465,7 +469,7 @@ def take_account(
     links: ConstraintArrays | None,
     branches: MaxwellArrays | None,
 ) -> None:
-    """Write the powers of loads, supports, motors and viscosity, and the elastic energy, at all stages.
+    """Write the powers of loads, supports, motors, viscosity and rest strains, and the elastic energy, at all stages.
 
     What loads dissipate outside is a loss of its own, not work that they take from the model.
     """
@@ -475,6 +479,7 @@ def take_account(
         powers[2, i] = stages.dissipated[i]
         powers[0, i] += powers[2, i]
     energies(body.elements, stages.strain, stages.strain_rate, elastic, powers[1])
+    actuator_powers(body.elements, stages.rest_rate, stages.stress, powers[3])
     if branches is not None:
         branch_energies(body.elements, branches, elastic, powers[1])
     if links is not None:

@@ -66,6 +66,8 @@ class Integrator(Protocol):
     ``work`` does not count it as taken from the model; ``outside_until(parts)``, ``(k,)``, is the same up to parts of
     the step.
 
+    ``actuator`` is the work of what changed rest strains during the step, no part of ``work``; so ``actuator_until``.
+
     ``branch_loss (n,)`` is the energy that each Maxwell branch dissipated during the step, a part of ``loss``;
     ``branch_losses(parts)``, ``(k, n)``, is the same up to parts of the step.
 
@@ -87,6 +89,7 @@ class Integrator(Protocol):
     work: float
     loss: float
     outside: float
+    actuator: float
     evaluations: int
     factorisations: int
     jacobians: int
@@ -138,6 +141,9 @@ class Integrator(Protocol):
 
     def outside_until(self, parts: Floats) -> Floats:
         """Return the energy ``(k,)`` [J] that loads dissipated outside in the last step up to ``parts (k,)``."""
+
+    def actuator_until(self, parts: Floats) -> Floats:
+        """Return the work ``(k,)`` [J] of what changed rest strains in the last step up to ``parts (k,)``."""
 
     def resume(self) -> None:
         """Compute what is not saved."""

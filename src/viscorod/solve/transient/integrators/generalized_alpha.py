@@ -25,6 +25,7 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
+from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.statics.newton import Convergence, Outcome, SingularMatrixError, worst_node
 from viscorod.solve.transient.integrators.contract import StepReport
 from viscorod.solve.transient.integrators.step_recorder import interpolate_states
@@ -112,7 +113,7 @@ class GeneralizedAlpha:
         n = system.problem.size
         self.t = 0.0
         self.state = State.reference(system.problem)
-        self.kinetic = self.elastic = self.work = self.loss = self.outside = 0.0
+        self.kinetic = self.elastic = self.work = self.loss = self.outside = self.actuator = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         self.drift = 0.0, 0.0
         self.branch_loss: Floats = np.zeros(len(system.problem.relaxation_times))
@@ -137,6 +138,7 @@ class GeneralizedAlpha:
         system.constraints.update(t)
         supports.prescribe(state)
         supports.project_twists(state)
+        system.impose_rest(Imposed(t=t))
         start_consistently(system, supports, state)
         if system.relaxation is not None and system.relaxation.known:
             system.relaxation.set_step(0.0)
@@ -229,7 +231,8 @@ class GeneralizedAlpha:
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         relation, solution = self._trial
-        h, first = self._end - self.t, self._fresh
+        began, first = self.t, self._fresh
+        h = self._end - began
         self._start = self.state, self._snapshot
         self._take_solution(solution, relation, self._end)
         if self._fresh:
@@ -246,6 +249,7 @@ class GeneralizedAlpha:
             self._twist_mean = (solution.increment / h - c1 * self._twist_mean) / self.coefficients.gamma
             self._project_velocities()
         power = self._work_rate()
+        self.actuator = self._actuator_work(began)
         if first:  # forces of motors at the start are not known
             self._power += self.system.constraints.motor_power()
         self.work = 0.5 * h * (self._power + power)
@@ -321,6 +325,20 @@ class GeneralizedAlpha:
     def outside_until(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: linear in time."""
         return parts * self.outside
+
+    def actuator_until(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return parts * self.actuator
+
+    def _actuator_work(self, began: float) -> float:
+        """Return the work [J] of what changed the rest strains since ``began`` [s]: their change times mean forces."""
+        imposed = self.system.imposed
+        if not imposed.changes:
+            return 0.0
+        positions, places = self.system.gauss_positions(), self.system.gauss_indices()
+        change = imposed.driven(self._end, True) - imposed.driven(began)
+        mean = 0.5 * (self._snapshot.section_force + self.system.gauss_points().section_force)
+        return -float(np.einsum("g,gi,gi", positions.length, mean, change.reshape(-1, 6)[places]))
 
     def branch_losses(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: linear in time."""

@@ -59,7 +59,7 @@ class LinearMotion:
         problem, stages = system.problem, len(tableau.nodes)
         self.t = 0.0
         self.state = State.reference(problem)
-        self.kinetic = self.elastic = self.work = self.loss = self.outside = 0.0
+        self.kinetic = self.elastic = self.work = self.loss = self.outside = self.actuator = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         self._body: LinearModel | None = None
         self._last = stages - 1
@@ -211,6 +211,10 @@ class LinearMotion:
     def outside_until(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return self._step * np.asarray(self.tableau.partial_weights(parts) @ self._powers[:, 2])
+
+    def actuator_until(self, parts: Floats) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: no rest strain changes here."""
+        return np.zeros(len(parts))
 
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`.

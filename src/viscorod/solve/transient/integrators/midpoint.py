@@ -8,6 +8,7 @@ from viscorod.mechanics.rotations.nodal_motion import coordinates, place
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.transient.integrators.collocation import Collocation
+from viscorod.solve.transient.integrators.record_kernels import StepEnd
 from viscorod.solve.transient.integrators.stage_data import Ends
 from viscorod.solve.transient.integrators.tableau import MIDPOINT
 from viscorod.typing import Floats
@@ -35,7 +36,7 @@ class Midpoint(Collocation):
 
     def __init__(self, system: System, supports: SupportState, *, newton_tolerance: float = 1e-13) -> None:
         super().__init__(system, supports, MIDPOINT, newton_tolerance)
-        self.ends: Ends = Ends.of(self.body)
+        self.ends: Ends = Ends.of(self.body, driven=system.imposed.changes)
         self._end_twist = np.zeros((len(supports.complete), 6))
         self._age = 0
 
@@ -57,6 +58,8 @@ class Midpoint(Collocation):
         self.actions.prepare(0, self.t + 0.5 * h, before=False)
         if self.stage_constraints is not None:
             self.stage_constraints.prepare_end(self.t, end, before=before)
+        if self.system.imposed.changes:
+            self._prepare_rest(end, before=before)
         if not supports.moving:
             return
         supports.update(self.t, False)
@@ -89,11 +92,19 @@ class Midpoint(Collocation):
             motion.twist_rate[0, support] = (twist[k] - old.twist[node]) / h
         self._end_twist = twist
 
-    def _end_step(self) -> None:
+    def _prepare_rest(self, end: float, *, before: bool) -> None:
+        """Let the middle have the mean of both ends, with which the energy balance is exact."""
+        stages, imposed = self.stages, self.system.imposed
+        first, last = imposed.driven(self.t), imposed.driven(end, before)
+        stages.rest[0], stages.rest_rate[0] = 0.5 * (first + last), (last - first) / (end - self.t)
+        self.ends.rest[0] = last
+
+    def _end_step(self, end: StepEnd, kinetic: float) -> None:
         """Extrapolate from the middle to the end of the step, and evaluate the forces there."""
+        del end, kinetic
         ends, stages = self.ends, self.stages
         twist = 2.0 * stages.twist[0] - self.state.twist
-        self.forces.extrapolate_strains(stages.strain[0])
+        self.forces.extrapolate_strains(self._whole_strain(0))
         state = State(ends.r[0].copy(), ends.q[0].copy(), twist, self.state.multiplier)
         c = self.supports.complete
         if self.supports.moving and len(c):

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.nodal_motion import extrapolate
 from viscorod.solve.formulations.system import State
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages
@@ -23,6 +24,10 @@ class Predictor:
 
     Args:
         body, stages, tableau: of the method; ``stages.X`` and ``stages.stress`` are written.
+
+    Attributes:
+        X, stresses: coordinates of the last step's stages ``(s, n, 6)``, and stresses at its start and at its stages
+            ``(s + 1, e, points, 6)``; written from outside (see ``record_kernels``).
     """
 
     def __init__(self, body: Discretisation, stages: Stages, tableau: Tableau) -> None:
@@ -32,10 +37,12 @@ class Predictor:
         through = np.poly(tableau.nodes)
         # coefficients of the powers 1 to s + 1 of the polynomial with the rate 1 at the start and 0 at the stages
         self._gap = np.ascontiguousarray(np.polyint(through / through[-1])[-2::-1], dtype=np.float64)
-        self._X = np.empty(stages.X.shape)
-        self._stress = np.empty((s + 1, stages.stress[0].size))
+        self.X = np.empty(stages.X.shape)
+        self.stresses = np.empty((s + 1, *stages.stress.shape[1:]))
+        self._stress = self.stresses.reshape(s + 1, -1)
         self._stages_stress = stages.stress.reshape(s, -1)
         self._weights = np.empty((s, s + 1))
+        self._extrapolate = KnownTypes(extrapolate_step)
         self._old: State | None = None  # at the start of the last step
         self._step = 0.0
 
@@ -43,13 +50,10 @@ class Predictor:
         """Forget the last step: it does not predict the next one."""
         self._old = None
 
-    def keep(self, state: State, stress: Floats, h: float) -> None:
-        """Keep the polynomials of a step of ``h`` [s] from ``state``, where the stresses were ``(e, points, 6)``."""
+    def keep(self, state: State, h: float) -> None:
+        """Keep a step of ``h`` [s] from ``state``, of which ``X`` and ``stresses`` are."""
         if self._several:
             self._old, self._step = state, h
-            self._X[:] = self.stages.X
-            self._stress[0] = stress.ravel()
-            self._stress[1:] = self._stages_stress
 
     def predict(self, state: State, stress: Floats, h: float) -> None:
         """Write the stages of a step of ``h`` [s] from ``state``, where the stresses are ``(e, points, 6)``.
@@ -62,10 +66,10 @@ class Predictor:
             stages.X[:, body.held != 0.0] = 0.0
             stages.stress[:] = stress
             return
-        extrapolate_step(
+        self._extrapolate(
             tableau,
             self._gap,
-            LastStep(self._step, old.r, old.q, old.twist, self._X, self._stress),
+            LastStep(self._step, old.r, old.q, old.twist, self.X, self._stress),
             h,
             state.r,
             state.q,

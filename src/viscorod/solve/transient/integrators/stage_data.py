@@ -163,7 +163,8 @@ class StepAccount(NamedTuple):
     """What a converged step amounts to.
 
     Attributes:
-        powers: of loads, of viscosity, and what loads dissipate outside, at all stages ``(3, s)`` [W].
+        powers: of loads, of viscosity, what loads dissipate outside, and of what changes rest strains, at all stages
+            ``(4, s)`` [W].
         elastic: energies there ``(s,)`` [J].
         error: estimated, of the poses ``(n, 6)``, body components.
     """
@@ -175,7 +176,7 @@ class StepAccount(NamedTuple):
     @classmethod
     def of(cls, nodes: int, stages: int) -> StepAccount:
         """Allocate."""
-        return cls(np.zeros((3, stages)), np.zeros(stages), np.zeros((nodes, 6)))
+        return cls(np.zeros((4, stages)), np.zeros(stages), np.zeros((nodes, 6)))
 
 
 class IterationLimits(NamedTuple):
@@ -194,7 +195,8 @@ class IterationLimits(NamedTuple):
 class Stages(NamedTuple):
     """State of all stages of a step (first index): unknowns, what follows from them, and the residual.
 
-    ``dissipated (s,)`` is the power that loads turn into heat outside of the model [W].
+    ``dissipated (s,)`` is the power that loads turn into heat outside of the model [W]; ``rest, rest_rate`` are rest
+    strains that change with time ``(s, e, points, 6)``, and their rates, no stages if there are none.
     """
 
     X: Floats
@@ -213,10 +215,12 @@ class Stages(NamedTuple):
     stress: Floats
     held_power: Floats
     dissipated: Floats
+    rest: Floats
+    rest_rate: Floats
 
     @classmethod
-    def of(cls, stages: int, body: Discretisation) -> Stages:
-        """Allocate."""
+    def of(cls, stages: int, body: Discretisation, *, driven: bool) -> Stages:
+        """Allocate; ``driven``: rest strains change with time."""
         s, n = stages, len(body.mass)
         points = (s, *body.elements.reference.shape)
         return cls(
@@ -236,6 +240,8 @@ class Stages(NamedTuple):
             stress=np.zeros(points),
             held_power=np.zeros(s),
             dissipated=np.zeros(s),
+            rest=np.zeros(points if driven else (0, *points[1:])),
+            rest_rate=np.zeros(points if driven else (0, *points[1:])),
         )
 
 
@@ -243,7 +249,7 @@ class Ends(NamedTuple):
     """Ends of a step for the method that conserves energy between them.
 
     Poses and twists at the end of the step ``(1, n, ...)``, its Gauss points, the strains at the start, a
-    scratch force, and the energy defect of the Maxwell branches ``(e, points)``.
+    scratch force, the energy defect of the Maxwell branches ``(e, points)``, and rest strains as those of stages.
     """
 
     r: Floats
@@ -255,10 +261,11 @@ class Ends(NamedTuple):
     start_strain: Floats
     force: Floats
     defect: Floats
+    rest: Floats
 
     @classmethod
-    def of(cls, body: Discretisation) -> Ends:
-        """Allocate."""
+    def of(cls, body: Discretisation, *, driven: bool) -> Ends:
+        """Allocate; ``driven``: rest strains change with time."""
         n, points = len(body.mass), (1, *body.elements.reference.shape)
         return cls(
             r=np.zeros((1, n, 3)),
@@ -270,6 +277,7 @@ class Ends(NamedTuple):
             start_strain=np.zeros(points),
             force=np.zeros((1, n, 6)),
             defect=np.zeros(body.elements.reference.shape[:2]),
+            rest=np.zeros(points if driven else (0, *points[1:])),
         )
 
 

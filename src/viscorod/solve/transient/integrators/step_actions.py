@@ -125,8 +125,10 @@ class StepActions:
 
         Increments turn with the body frames, ``ad (n, 6, 6)`` is ``ad(twist)``.
         """
-        into = MotionTangent(ad, K, C, self.body.pattern.diagonal)
-        self._add(self.loads.at(t, before), state, np.zeros_like(state.twist), into)
+        loads = self.loads.at(t, before)
+        if not loads.none or loads.sees_motion:
+            into = MotionTangent(ad, K, C, self.body.pattern.diagonal)
+            self._add(loads, state, np.zeros_like(state.twist), into)
 
     def _add(
         self, loads: LoadState, state: State, external: Floats, tangent: MotionTangent | None = None

@@ -8,20 +8,24 @@ import numpy as np
 
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.internal_force import GaussStates
-from viscorod.mechanics.nodes import support_rows as support_kernels
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
 from viscorod.solve.transient.integrators.record_kernels import (
+    Between,
+    Kept,
+    Reading,
     ResultFields,
     StageFields,
+    StepEnd,
+    end_step,
     read_between,
-    read_end,
+    read_state,
 )
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
-from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages, SupportMotion
+from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages, StepAccount, SupportMotion
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
@@ -53,15 +57,14 @@ class StepRecorder:
     ) -> None:
         self.body, self.motion, self.stages, self.tableau = body, motion, stages, tableau
         self.supports = supports
-        self._places = places
+        self._reading = Reading.of(places, body.mass, body.split, body.supports)
         self.stage_constraints, self.solve_real = stage_constraints, solve_real
         self.strain = 0.0
         self._fields = np.empty((3, len(places), 6))
         self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
+        self._start_rate = np.zeros(stages.twist.shape[1:])
         self._reactions = np.zeros(stages.reaction.shape)
-        self._directions = support_kernels.Directions.of(1)
-        self._reaction_wrenches = KnownTypes(support_kernels.reaction_wrenches)
-        self._read_end, self._read_between = KnownTypes(read_end), KnownTypes(read_between)
+        self._end_step, self._read_between = KnownTypes(end_step), KnownTypes(read_between)
 
     def record_state(
         self, state: State, points: GaussStates, reaction: Floats, kinetic: float, elastic: float
@@ -72,43 +75,36 @@ class StepRecorder:
             state: poses and twists; points: one stage of Gauss points in that state.
             reaction: global wrenches of the supports ``(supports, 6)``; kinetic, elastic: energies [J].
         """
-        self._read(state, points.strain, points.strain_rate, points.stress)
+        places = self._reading.places
+        self._fields = np.empty((3, len(places), 6))
+        self.strain = read_state(points.strain, points.strain_rate, points.stress, places, self._fields)
         self._take(state, reaction, kinetic, elastic)
 
-    def keep_start(self, state: State) -> None:
-        """Keep the ``state`` at the start of an accepted step, and reactions at its stages, for states between."""
-        self._start = (state, self._fields, self.snapshot.reaction)
-        stages = self.stages
-        self._reactions = np.empty(stages.reaction.shape)
-        self._reaction_wrenches(
-            self.body.supports,
-            self.motion.target,
-            stages.r,
-            stages.q,
-            stages.reaction,
-            self._directions,
-            self._reactions,
-        )
+    def take_step(
+        self, state: State, h: float, account: StepAccount, kept: Kept
+    ) -> tuple[StepEnd, float, tuple[float, float, float]]:
+        """Keep the ``state`` at the start of an accepted step of ``h`` [s], and read its end from the last stage.
 
-    def record_end(self, state: State, elastic: float) -> float:
-        """Record a ``state`` that is the last stage's; return its kinetic energy [J]."""
-        stages = self.stages
-        kinetic = self._read(state, stages.strain, stages.strain_rate, stages.stress)
+        Returns:
+            the end; its kinetic energy [J]; work, viscous loss, and what loads dissipate outside [J].
+        """
+        self._start = (state, self._fields, self.snapshot.reaction)
+        end = StepEnd.of(self.stages, self._reading)
+        kinetic, self.strain, *shares = self._end_step(
+            h, self.tableau, self.stages, account, self.motion.target, self._reading, kept, end
+        )
+        self._fields, self._reactions = end.points, end.reactions
+        work, loss, outside = shares
+        return end, kinetic, (work, loss, outside)
+
+    def record_end(self, state: State, kinetic: float, elastic: float) -> None:
+        """Record a ``state`` that is the last stage's; kinetic, elastic: energies [J]."""
         self._take(state, self._reactions[-1], kinetic, elastic)
-        return kinetic
 
     def _take(self, state: State, reaction: Floats, kinetic: float, elastic: float) -> None:
         strain, rate, force = self._fields
         joints = None if self.stage_constraints is None else self.stage_constraints.state()
         self.snapshot = Snapshot(state, strain, rate, force, reaction, kinetic, elastic, joints)
-
-    def _read(self, state: State, strain: Floats, rate: Floats, force: Floats) -> float:
-        """Bring the last stage of Gauss-point fields into the order of results; return the kinetic energy [J]."""
-        self._fields = np.empty((3, len(self._places), 6))
-        kinetic, self.strain = self._read_end(
-            strain, rate, force, self._places, self.body.mass, state.twist, self._fields
-        )
-        return float(kinetic)
 
     def between(
         self,
@@ -131,35 +127,35 @@ class StepRecorder:
             powers: of loads, viscosity, and what loads dissipate, at the stages ``(3, s)`` [W].
             whole_loss: viscous, of the step [J].
         """
-        (old, start, start_reaction), stages, tableau = self._start, self.stages, self.tableau
-        count, (n, _) = len(parts), new.r.shape
-        change = (stages.twist - old.twist).reshape(len(tableau.nodes), -1)
-        start_rate = np.dot(tableau.start_derivative / h, change).reshape(n, 6)
-        states, twist = interpolate_states(
-            parts, h, (old, start_rate), (new, end_rate), self.body.split, with_rates=len(tableau.nodes) > 1
-        )
-        if self.supports.moving and self.body.partly:
-            for state, part in zip(states, parts, strict=True):
-                self.supports.correct(state, t - (1.0 - part) * h)
-        points = np.empty((3, count, len(self._places), 6))
-        reaction, energies = np.empty((count, *start_reaction.shape)), np.empty((3, count))
-        self._read_between(
+        (old, start, start_reaction), stages = self._start, self.stages
+        count, corrected = len(parts), self.supports.moving and self.body.partly
+        found = Between.of(count, len(new.r), start.shape[1], len(start_reaction))
+        given = (
             parts,
             h,
-            tableau,
+            self.tableau,
+            MovingPoses(old.r, old.q, old.twist, self._start_rate),
+            MovingPoses(new.r, new.q, new.twist, end_rate),
             ResultFields(start, start_reaction),
-            StageFields(stages.strain, stages.strain_rate, stages.stress, self._reactions, powers),
-            self._places,
+            StageFields(
+                stages.twist, stages.strain, stages.strain_rate, stages.stress, self._reactions, powers
+            ),
             whole_loss,
-            self.body.mass,
-            twist,
-            ResultFields(points, reaction),
-            energies,
+            self._reading,
         )
-        kinetic, work, loss = energies.tolist()
+        self._read_between(*given, True, not corrected, found)
+        states = [
+            State(*fields, new.multiplier) for fields in zip(found.r, found.q, found.twist, strict=True)
+        ]
+        if corrected:
+            for state, part in zip(states, parts, strict=True):
+                self.supports.correct(state, t - (1.0 - part) * h)
+            self._read_between(*given, False, True, found)
+        kinetic, work, loss = found.energies.tolist()
         joints: Sequence[JointState | None] = [None] * count
         if self.stage_constraints is not None:
             joints = self.stage_constraints.between(states, parts, t - (1.0 - parts) * h, self.solve_real)
+        points, reaction = found.fields
         snapshots = map(Snapshot, states, *points, reaction, kinetic, [0.0] * count, joints)
         return list(zip(snapshots, work, loss, strict=True))
 
