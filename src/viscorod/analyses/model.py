@@ -138,6 +138,26 @@ class Model(ModelDescription):
 
         return refined_modes(modes, DiscreteModel.of(self), settings)
 
+    @takes(LinearSettings)
+    def linear(self, settings: LinearSettings) -> LinearSystem:
+        """Make the model linear about a state: matrices with names, inputs and outputs, state space, reductions.
+
+        Materials have their laws; a table over frequency counts by the law that was fitted to it.
+
+        Returns:
+            mass, damping, gyroscopic, stiffness and circulatory matrices and those of Maxwell branches (sparse), with
+            what inputs do and outputs read.
+
+        Raises:
+            InputError: the model is inconsistent, or there is no such input or output.
+            SolveError: no such equilibrium was found.
+        """
+        from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.linear_about import with_input_loads
+        from viscorod.analyses.linear_system import linear_system
+
+        return linear_system(DiscreteModel.of(with_input_loads(self, settings)), settings)
+
     @takes(TheorySettings)
     def compare_theories(self, settings: TheorySettings) -> TheoryComparison:
         """Compute a planar straight beam by Euler-Bernoulli, Timoshenko and von Karman beside the exact theory.
@@ -158,26 +178,6 @@ class Model(ModelDescription):
         from viscorod.analyses.theories import compare_theories
 
         return compare_theories(DiscreteModel.of(self), settings)
-
-    @takes(LinearSettings)
-    def linear(self, settings: LinearSettings) -> LinearSystem:
-        """Make the model linear about a state: matrices with names, inputs and outputs, state space, reductions.
-
-        Materials have their laws; a table over frequency counts by the law that was fitted to it.
-
-        Returns:
-            mass, damping, gyroscopic, stiffness and circulatory matrices and those of Maxwell branches (sparse), with
-            what inputs do and outputs read.
-
-        Raises:
-            InputError: the model is inconsistent, or there is no such input or output.
-            SolveError: no such equilibrium was found.
-        """
-        from viscorod.analyses.discrete import DiscreteModel
-        from viscorod.analyses.linear_about import with_input_loads
-        from viscorod.analyses.linear_system import linear_system
-
-        return linear_system(DiscreteModel.of(with_input_loads(self, settings)), settings)
 
     @takes(ResponseSettings)
     def frequency_response(self, settings: ResponseSettings) -> FrequencyResponse:

@@ -13,8 +13,10 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.materials.material import Material
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus
 from viscorod.model.rod import Rod
+from viscorod.model.sections.section_base import AnySection
+from viscorod.solve.formulations.system import GaussPositions
 
-__all__ = ["material_record", "provenance"]
+__all__ = ["material_record", "provenance", "section_record"]
 
 CAPACITIES = 65
 """Stations at which the heat capacity of a rod is taken."""
@@ -66,6 +68,27 @@ def _heat_capacity(rod: Rod) -> dict[str, list[float]]:
     if max(values) - min(values) <= 1e-12 * max(values):
         return {"s": [0.0], "capacity": values[:1]}
     return {"s": stations, "capacity": values}
+
+
+def section_record(model: ModelDescription, gauss: GaussPositions) -> dict[str, str]:
+    """Return the attribute ``sections``, JSON by rod: what of its sections the attribute ``case`` does not hold.
+
+    That are materials whose damping followed from a mode, and at the Gauss points, ``stations`` [m]: sections that are
+    a function of the arc length, ``sampled``, and the reference curvatures of rods that count them, ``bent`` [1/m].
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for number, (name, rod) in enumerate(model.rods.items()):
+        if rod.material is not None and rod.material.assumptions:
+            found[name] = {"material": rod.material.to_dict()}
+        sampled: dict[str, Any] = {}
+        stations = gauss.s[gauss.rod == number].tolist()
+        if callable(rod.section) and not isinstance(rod.section, AnySection):
+            sampled["sampled"] = [rod.section_at(s).to_dict() for s in stations]
+        if rod.curvature_correction:
+            sampled["bent"] = [rod.curvature_at(s).tolist() for s in stations]
+        if sampled:
+            found[name] = found.get(name, {}) | {"stations": stations} | sampled
+    return {"sections": json.dumps(found)} if found else {}
 
 
 def _law(rod: Rod) -> dict[str, Any]:

@@ -62,6 +62,7 @@ class ResultAttributes(BaseModel):
     case: Json[dict[str, Any]] | None = None
     settings: Json[dict[str, Any]] | None = None
     divisions: Json[dict[str, Any]] | None = None
+    sections: Json[dict[str, Any]] | None = None
     case_text: str = ""
     case_file: str = ""
     case_hash: str = ""
