@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["draw_theories"]
 
 COLOURS = {"euler_bernoulli": ORANGE, "timoshenko": GREEN, "von_karman": BLUE}
+DASHES = {"euler_bernoulli": "-", "timoshenko": "--", "von_karman": "--"}
 
 
 def draw_theories(found: TheoryComparison) -> Figure:
@@ -24,15 +25,15 @@ def draw_theories(found: TheoryComparison) -> Figure:
     across = found.exact.displacement[..., 1]
     state, node = np.unravel_index(int(np.argmax(np.abs(across))), across.shape)
     rows = 3 if moving else 2
-    picture = figure(10.0, 3.0 * rows + 1.2)
-    picture.suptitle(found.sentence, fontsize=TEXT, x=0.01, ha="left", wrap=True)
+    picture = figure(10.0, 3.2 * rows)
+    picture.suptitle(found.sentence.partition(":")[0], fontsize=TEXT + 2.0, x=0.01, ha="left")
     axes = picture.subplots(rows, 1)
     for solution in (found.exact, *found.theories.values()):
         exact = solution is found.exact
         style = {
             "color": INK if exact else COLOURS[solution.word],
             "linewidth": 2.4 if exact else 1.6,
-            "linestyle": "-" if exact else "--",
+            "linestyle": "-" if exact else DASHES[solution.word],
             "label": solution.title,
         }
         axes[0].plot(found.s, solution.displacement[state, :, 1], **style)
