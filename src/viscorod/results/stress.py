@@ -14,7 +14,7 @@ from viscorod.results.element_points import Stencil
 from viscorod.results.probe import PartsRead
 from viscorod.results.reference_shape import reference_curvature
 from viscorod.results.result_places import ResultPlace
-from viscorod.solve.stress.section_stress import ForceParts, SectionStress
+from viscorod.solve.stress.section_stress import ForceParts, SectionStress, von_mises
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from viscorod.results.result import Result
 
-__all__ = ["STRESSES", "RodStress", "StressPatch", "section_patch", "stress_at", "von_mises"]
+__all__ = ["STRESSES", "RodStress", "StressPatch", "section_patch", "stress_at"]
 
 STRESSES = ("11", "22", "33", "23", "13", "12")
 """Components of stress and strain along d1, d2 and d3."""
@@ -187,11 +187,6 @@ def section_patch(result: Result, place: str | int, time: float | None = None) -
     chosen = parts.at(np.array([state]))
     stress = section.fields(patch.samples, chosen).stress[0]
     return StressPatch(site.label, float(level), patch.samples.points, patch.triangles, stress)
-
-
-def von_mises(stress: Floats) -> Floats:
-    """Return the von Mises stress of s31, s32, s33 ``(..., 3)``."""
-    return np.asarray(np.sqrt(stress[..., 2] ** 2 + 3.0 * (stress[..., 0] ** 2 + stress[..., 1] ** 2)))
 
 
 def _here(
