@@ -45,7 +45,7 @@ def material_record(model: ModelDescription) -> dict[str, str]:
     at the start of the rod (None where it holds them or a Maxwell branch damps them); and, if it is known what a
     Kelvin-Voigt material stands for, ``extension`` and ``shear`` with ``modulus`` [Pa], ``viscosity`` [Pa s] and the
     Prony series: ``equilibrium`` [Pa], ``moduli`` [Pa], ``times`` [s]. ``heat_capacities`` [J/(m K)] are there of rods
-    whose specific heat is known.
+    whose specific heat is known; ``loss_band`` [Hz] is where Maxwell branches follow a loss factor.
     """
     sentences = {name: list(rod.assumptions) for name, rod in model.rods.items() if rod.assumptions}
     laws = {name: _law(rod) for name, rod in model.rods.items()}
@@ -101,6 +101,8 @@ def _law(rod: Rod) -> dict[str, Any]:
     law: dict[str, Any] = {"times": times, "maxwell": relaxing}
     if rod.material is not None and not relaxing:
         law |= _series(rod.material)
+    if rod.material is not None and rod.material.loss_band is not None:
+        law["loss_band"] = list(rod.material.loss_band)
     return law
 
 

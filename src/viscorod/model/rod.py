@@ -382,7 +382,10 @@ class Rod(Definition):
     @property
     def assumptions(self) -> list[str]:
         """What is assumed of its sections and material, one sentence each."""
-        found = [] if self.material is None else list(self.material.assumptions)
+        materials = [] if self.material is None else [self.material]
+        for s in (0.0, *self.section_breaks):
+            materials += self.section_at(s).materials
+        found = list(dict.fromkeys(text for material in materials for text in material.assumptions))
         if self.law is not None:
             found.append(
                 f"its sections have the law {type(self.law).__name__}, which times and moduli of the damping leave out"

@@ -5,10 +5,12 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from viscorod.errors import InputError
+from viscorod.results.damping_validity import damping_validity
 from viscorod.results.data_schema import COUNTERS
 from viscorod.results.largest_stress import largest_stress
 from viscorod.results.result_warnings import warnings_of
@@ -78,9 +80,21 @@ def _events(run: Run) -> str:
 
 
 def _validity(result: Result) -> str:
-    """Tell the conditions of a rod model, each with its number."""
+    """Tell the conditions of a rod model, each with its number, and whether the motion kept to the bands of losses."""
     found = result.validity()
-    return str(found) if found.conditions else ""
+    lines = [str(found)] if found.conditions else []
+    return "\n".join([*lines, *_band_notes(result)])
+
+
+def _band_notes(result: Result) -> list[str]:
+    """Say which rods moved beyond the band over which their loss factor is followed."""
+    if result.kind != "simulate" or "damping_laws" not in result.data.attrs:
+        return []
+    try:
+        notes = damping_validity(cast("Run", result)).notes
+    except InputError:  # too short for a spectrum
+        return []
+    return [note for note in notes if "loss factor" in note]
 
 
 def _heating(run: Run) -> str:

@@ -33,6 +33,7 @@ class Law(BaseModel):
     maxwell: bool
     extension: Series | None = None
     shear: Series | None = None
+    loss_band: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
 
 
 class HeatCapacity(BaseModel):

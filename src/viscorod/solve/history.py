@@ -129,6 +129,7 @@ class EnergyAccount:
             self.external,
             self.start,
             self.outside,
+            self.actuator,
             self.branches,
         )
 

@@ -265,6 +265,11 @@ class Composite(AnySection):
         )
         return np.asarray(np.linalg.solve(self.matrices()[0], stress @ rise))
 
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials of its regions."""
+        return tuple(self._materials)
+
     def heat_capacity(self, material: Material | None) -> float | None:
         """Return the heat capacity per length, J/(m K); None where a region's specific heat is not known."""
         del material

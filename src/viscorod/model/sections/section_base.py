@@ -106,6 +106,11 @@ class AnySection(Definition):
             )
         return material.expansion * rise
 
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Materials of its own, beside that of its rod."""
+        return ()
+
     def heat_capacity(self, material: Material | None) -> float | None:
         """Return the heat capacity per length, J/(m K); None where a specific heat is not known."""
         if material is None or material.specific_heat is None:
