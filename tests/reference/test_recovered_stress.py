@@ -7,6 +7,8 @@ import pytest
 
 import viscorod as vr
 from viscorod.pictures.plots.plot_stress import draw_stress
+from viscorod.pictures.viewer import view
+from viscorod.results.largest_stress import peak_stresses
 from viscorod.results.stress import section_patch
 
 from .independent.solid_bar import bar_stress
@@ -274,3 +276,45 @@ def test_the_picture_of_a_section(tmp_path):
     assert held.plot_stress(tmp_path / "strip.png", "strip.start").stat().st_size > 10_000
     with pytest.raises(vr.InputError, match="only a run has times"):
         held.plot_stress(tmp_path / "no.png", "strip.end", 0.1)
+
+
+def test_surfaces_for_paraview_have_the_true_section_and_its_stress(tmp_path):
+    """Points of the outlines where frames put them, with the stresses of `stress`; holes too."""
+    pyvista = pytest.importorskip("pyvista")
+    model = vr.Model()
+    line = {"material": VISCOUS, "elements": 1, "order": 2}
+    model.add("tube", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=vr.Annulus(0.02, 0.01), **line))
+    model.add("bar", vr.Rod.straight((0, 0.1, 0), (0.3, 0.1, 0), section=RECTANGLE, **line))
+    C, _, M = RECTANGLE.matrices(VISCOUS)
+    model.add(
+        "plain", vr.Rod.straight((0, 0.2, 0), (0.3, 0.2, 0), section=vr.StiffnessSection(C, M), elements=1)
+    )
+    for name in ("tube", "bar", "plain"):
+        model.clamp(f"{name}.start")
+        model.force(f"{name}.end", (0, 0.02, 0.01))
+    held = model.equilibrium()
+    reader = pyvista.get_reader(held.save_paraview(tmp_path, sections=True))
+    reader.set_active_time_value(1.0)
+    surface = next(block for block in reader.read() if "von_mises" in block.point_data)
+    places, ring = 2 * 2 + 1, 48
+    assert surface.n_points == places * (2 * ring + 32)
+    assert surface.n_cells == (places - 1) * (2 * ring + 32)
+    largest = held.stress("bar.start", [(0.005, 0.01), (-0.005, 0.01), (0.005, -0.01), (-0.005, -0.01)])
+    corner = surface.point_data["von_mises"][surface.point_data["rod"] == 1]
+    assert corner.max() >= largest.von_mises.values[-1].max() * (1 - 1e-9)
+    start = surface.points[:ring]
+    assert np.hypot(start[:, 1], start[:, 2]) == pytest.approx(0.02, rel=1e-5)
+    assert list(tmp_path.glob("sections_*.vtp"))
+
+
+def test_the_page_shows_the_largest_stress_of_every_section(tmp_path):
+    """To a percent of the largest at the points of the section, at all Gauss points and instants."""
+    run = swing(RECTANGLE, RELAXING)
+    data = run.data
+    found = peak_stresses(run, data.strain.values, data.section_force.values, data.branch_strain.values)
+    points = section_patch(run, "beam.start").points
+    for k, s in enumerate(data.point_s.values.tolist()):
+        exact = run.stress(f"beam@{s!r}", points).von_mises.values.max(axis=1)
+        assert found[:, k] == pytest.approx(exact, rel=0.01)
+    page = view(run, tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "von Mises stress, largest in the section" in page
