@@ -87,6 +87,9 @@ from .results.decrement import Decrement as Decrement
 from .results.energy import Energy as Energy
 from .results.files.storage import load as load
 from .results.frequency_response import FrequencyResponse as FrequencyResponse
+from .results.linear_system import LinearSystem as LinearSystem
+from .results.linear_system import ReducedSystem as ReducedSystem
+from .results.linear_system import StateMatrices as StateMatrices
 from .results.modes_result import Modes as Modes
 from .results.resonances import Resonance as Resonance
 from .results.run import Equilibrium as Equilibrium
@@ -94,6 +97,8 @@ from .results.run import Run as Run
 from .results.steady_result import Steady as Steady
 from .results.sweep_result import Sweep as Sweep
 from .results.sweep_result import SweepRun as SweepRun
+from .results.theory_comparison import TheoryComparison as TheoryComparison
+from .results.theory_comparison import TheorySolution as TheorySolution
 from .solve.settings.stages import Stage as Stage
 from .solve.start import Start as Start
 

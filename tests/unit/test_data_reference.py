@@ -47,6 +47,7 @@ RESULTS = {
     "equilibrium": lambda: clamped().equilibrium(),
     "path": lambda: clamped().path(load_factor=0.5),
     "steady": lambda: clamped(loaded=False).steady(spin=(0.0, 0.0, 0.5)),
+    "modes": lambda: clamped().modes(3),
 }
 BROUGHT = {
     "motion": "dissipation",
@@ -55,6 +56,7 @@ BROUGHT = {
     "drag": "outside",
     "path": "negative_eigenvalues",
     "steady": "eigenvalue",
+    "modes": "mode_error",
 }
 
 

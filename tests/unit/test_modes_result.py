@@ -1,0 +1,118 @@
+"""Modes and frequency responses as results: case files, commands, files, pictures, reports."""
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import viscorod as vr
+from viscorod.casefile.case import parse_case
+from viscorod.cli.app import app
+
+CASE = """
+title = "A strip"
+
+[materials.steel]
+youngs_modulus = 2.1e11
+poissons_ratio = 0.3
+density = 7850.0
+damping = { shear_time = 1e-5, bulk_time = 1e-5 }
+
+[rods.beam]
+shape = "straight"
+start = [0.0, 0.0, 0.0]
+end = [0.5, 0.0, 0.0]
+section = { shape = "rectangle", width = 0.02, height = 0.005 }
+material = "steel"
+elements = 2
+order = 4
+
+[[supports]]
+kind = "clamp"
+at = "beam.start"
+
+[[loads]]
+kind = "force"
+at = "beam.end"
+value = [400.0, 0.0, 0.0]
+"""
+MODES = CASE + "\n[modes]\ncount = 3\n"
+RESPONSE = (
+    CASE
+    + """
+[response]
+inputs = ["base uz", { kind = "distributed_force", rod = "beam", value = [0.0, 0.0, 1.0] }]
+outputs = ["beam.end uz"]
+band = ["10 Hz", "0.05 kHz"]
+"""
+)
+
+
+def run(tmp_path, text, *command):
+    path = tmp_path / "strip.toml"
+    path.write_text(text)
+    return CliRunner().invoke(app, [command[0], str(path), "-o", str(tmp_path / "out"), *command[1:]])
+
+
+def test_modes_are_a_result_like_others(tmp_path):
+    """Loads included: a rod in tension swings faster. The file gives back all that was found."""
+    model = parse_case(MODES).model(vr.Model)
+    found = model.modes(3)
+    assert found.frequencies[0] > 1.02 * model.modes(3, about="reference").frequencies[0]
+    again = vr.load(found.save(tmp_path / "modes.nc"))
+    assert isinstance(again, vr.Modes)
+    for name in (
+        "eigenvalues",
+        "shapes",
+        "rotations",
+        "positions",
+        "residuals",
+        "shares",
+        "frequency_errors",
+    ):
+        np.testing.assert_array_equal(getattr(again, name), getattr(found, name))
+    assert (again.names, again.rigid, again.certified) == (found.names, found.rigid, found.certified)
+    assert again.report() == found.report()
+    assert "1: bend_1 1" in found.report()
+    assert found.plot(tmp_path / "modes.png", 2).stat().st_size > 10_000
+    with pytest.raises(vr.InputError, match="a list of modes has no states that follow each other"):
+        vr.view(found, tmp_path / "modes.html")
+    start = model.equilibrium(start=found)  # the state that they are about
+    np.testing.assert_allclose(start.field("position", states=-1), found.positions, atol=1e-9)
+
+
+def test_modes_of_any_case(tmp_path):
+    """The command takes the table of the case, or any other case, and options before it."""
+    shown = run(tmp_path, MODES, "modes")
+    assert shown.exit_code == 0, shown.output
+    assert "3: bend_1 2" in shown.output
+    assert vr.load(tmp_path / "out" / "modes.nc").title == "A strip"
+    other = run(tmp_path, CASE + "\n[equilibrium]\n", "modes", "--count", "1", "--about", "reference")
+    assert other.exit_code == 0, other.output
+    assert "2: " not in other.output
+    assert "as if free of load" in other.output
+    whole = run(tmp_path, MODES, "run")
+    assert whole.exit_code == 0, whole.output
+    assert "3: bend_1 2" in whole.output
+
+
+def test_response_of_a_case(tmp_path):
+    shown = run(tmp_path, RESPONSE, "response")
+    assert shown.exit_code == 0, shown.output
+    assert "beam.end uz over base uz, 1: peaks" in shown.output
+    found = vr.load(tmp_path / "out" / "response.nc")
+    assert found.inputs == ("base uz", "distributed_force beam")
+    assert found.frequencies[-1] == 50.0
+    assert found.title == "A strip"
+    refused = run(tmp_path, MODES, "response")
+    assert refused.exit_code == 2
+    assert "give a table [response]" in refused.output
+    case = parse_case(RESPONSE)
+    assert parse_case_again(case).settings == case.settings
+    with pytest.raises(vr.InputError, match="sweeps are of motions"):
+        vr.sweep(case, {"rods.beam.elements": [1, 2]})
+
+
+def parse_case_again(case):
+    from viscorod.casefile.case import case_from_dict
+
+    return case_from_dict(case.to_dict())
