@@ -15,7 +15,7 @@ import viscorod as vr
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.pictures.style import BLUE, GREEN, RED, clean, heading, legend_inside
 
-STIFFNESS = np.array([5e3, 5e3, 1e5, 1.0, 2.0, 1.0])
+STIFFNESS = np.array([5e3, 5e3, 1e4, 1.0, 2.0, 1.0])
 INERTIA = np.array([1.0, 1.0, 1.0, 2e-4, 2e-4, 4e-4])
 AXIS = np.array([0.0, 0.0, 1.0])
 DAMPINGS = ("linearised", "full")

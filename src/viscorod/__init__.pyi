@@ -97,6 +97,8 @@ from .results.run import Run as Run
 from .results.steady_result import Steady as Steady
 from .results.sweep_result import Sweep as Sweep
 from .results.sweep_result import SweepRun as SweepRun
+from .results.theory_comparison import TheoryComparison as TheoryComparison
+from .results.theory_comparison import TheorySolution as TheorySolution
 from .solve.settings.stages import Stage as Stage
 from .solve.start import Start as Start
 

@@ -58,6 +58,38 @@ def test_accuracy_of_radau():
     assert errors[-1, 0] < 5e-8
 
 
+def supple():
+    """Slow in all its modes, so that steps are short beside all periods."""
+    section = vr.StiffnessSection(
+        [20.0, 20.0, 20.0, 1.0, 1.4, 0.8], [1, 1, 1, 0.2, 0.2, 0.3], [0.2, 0.2, 0.2, 0.01, 0.014, 0.008]
+    )
+    model = vr.Model()
+    given = {"section": section, "elements": 1, "order": 1, "twist": 0.8}
+    model.add("rod", vr.Rod.arc((0, 0, 0), (1, 0, 0), (0, 1, 0), 1.0, 1.2, **given))
+    model.clamp("rod.start")
+    model.force("rod.end", (0.4, 0.8, 1.5), time=vr.Sine(1.0))
+    model.moment("rod.end", (0.1, 0.0, -0.2), following=True, time=vr.Sine(0.7))
+    return model
+
+
+@pytest.mark.parametrize(
+    ("stages", "steps", "least", "most"),
+    [
+        (3, (0.16, 0.08, 0.04), 4.8, 5.3),
+        (5, (0.4, 0.2, 0.16), 8.5, 10.0),
+        (7, (0.8, 0.4, 0.8 / 3.0), 11.0, 14.0),
+    ],
+)
+def test_order_of_radau_with_more_stages(stages, steps, least, most):
+    """Theory: order 2 s - 1 of positions and velocities, against fine runs with other stages; 13 is near rounding."""
+    given = {"tolerance": 1e-10}
+    exact = March(supple(), 0.8, 0.04, stages=7 if stages == 5 else 5, **given)
+    found, errors = orders_against(exact, supple, 0.8, steps, stages=stages, **given)
+    assert least < min(found)
+    assert max(found) < most
+    assert errors[-1].max() < {3: 2e-7, 5: 2e-8, 7: 2e-9}[stages]
+
+
 def test_order_of_radau_with_prescribed_motion_and_partial_support():
     """Theory of index-3 constraints: order five of positions and three of velocities."""
     (positions, velocities), _ = orders(steered, 0.8, (0.08, 0.04, 0.02), 0.005)
@@ -93,12 +125,12 @@ def test_order_of_radau_with_heavily_damped_modes(tau):
     assert local[clear[1:]].min() > 3.0
 
 
-def between_steps(integrator, steps):
+def between_steps(integrator, steps, make=swung, fine=0.0025, **given):
     """Orders of positions, velocities, orientations and strains at 77 equal times, most of them between steps."""
-    exact = March(swung(), 0.8, 0.0025, interval=0.8 / 77)
+    exact = March(make(), 0.8, fine, interval=0.8 / 77)
     errors = []
     for h in steps:
-        run = March(swung(), 0.8, h, integrator, interval=0.8 / 77)
+        run = March(make(), 0.8, h, integrator, interval=0.8 / 77, **given)
         assert run.t == pytest.approx(exact.t, abs=1e-12)
         strain = [
             np.abs(a.strain - b.strain).max()
@@ -115,6 +147,12 @@ def test_order_between_the_steps_of_radau():
     assert rotations > 3.0
     assert velocities > 2.0
     assert strains > 2.0
+
+
+def test_order_between_the_steps_of_five_stages():
+    """Order by regression of the dense output against a fine run: s + 1 at the stages and between them."""
+    found = between_steps("radau", (0.4, 0.2, 0.1), supple, 0.01, stages=5)
+    assert min(found) > 5.0
 
 
 @pytest.mark.parametrize("integrator", [name for name, method in INTEGRATORS.items() if method.order == 2])

@@ -1,8 +1,12 @@
-"""The hinged beam of Artola, Wynn and Palacios (AWP), section V.B: both kinds of damping, followed into free motion."""
+"""The hinged beam of Artola, Wynn and Palacios (AWP), section V.B: both kinds of damping, followed into free motion.
+
+The paper prints an axial stiffness of 1e5; its results need 1e4, which is used here (docs/explanation/awp_beams.md).
+"""
 
 from __future__ import annotations
 
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,16 +15,20 @@ from scipy.interpolate import KroghInterpolator
 import viscorod as vr
 from viscorod.mechanics.rotations.quaternion import matrices
 
-STIFFNESS = np.array([5e3, 5e3, 1e5, 1.0, 2.0, 1.0])
+from .independent.hinged_beam import Hinged, Quadratic, solve
+
+TABLE = Path(__file__).parent / "data" / "awp_hinged.csv"
+STIFFNESS = np.array([5e3, 5e3, 1e4, 1.0, 2.0, 1.0])
 INERTIA = np.array([1.0, 1.0, 1.0, 2e-4, 2e-4, 4e-4])
 AXIS = np.array([0.0, 0.0, 1.0])
 INTRINSIC = {"formulation": "intrinsic"}
 DAMPINGS = pytest.mark.parametrize("damping", ["linearised", "full"])
 
 
-def hinged(eta, elements=4, order=5):
+def hinged(eta, elements=4, order=5, axial=1e4):
     """A ball joint at one end, a following torque about both bending axes at the other until 0.5 s."""
-    section = vr.StiffnessSection(STIFFNESS.tolist(), INERTIA.tolist(), damping=(eta * STIFFNESS).tolist())
+    stiffness = np.where(STIFFNESS == 1e4, axial, STIFFNESS)
+    section = vr.StiffnessSection(stiffness.tolist(), INERTIA.tolist(), damping=(eta * stiffness).tolist())
     model = vr.Model()
     rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=elements, order=order)
     model.add("beam", rod)
@@ -105,8 +113,8 @@ def test_linearised_damping_takes_energy_by_stretch():
         rate = rates[0 if damping == "linearised" else 1]
         power = STIFFNESS * np.einsum("kgi,g->ki", rate**2, run.data["point_weight"].values)
         shares[damping] = power.sum(axis=0)[2] / power.sum()
-    assert shares["linearised"] > 0.3
-    assert shares["full"] < 1e-3
+    assert shares["linearised"] > 0.5
+    assert shares["full"] < 0.005  # what it stretches, EA being 1e4
 
 
 def test_intrinsic_and_geometric_formulation_agree():
@@ -125,22 +133,83 @@ def test_intrinsic_and_geometric_formulation_agree():
 
 
 @lru_cache
-def followed(damping):
+def followed(damping, axial=1e4):
     """50 s; half the elements' length and steps of a tolerance of 1e-8 change energies by less than 0.02 %."""
     given = {"initial": "reference", "tolerance": 1e-6, "output_interval": 0.1, "damping": damping}
-    return hinged(0.001).simulate(50.0, **given, **INTRINSIC)
+    return hinged(0.001, axial=axial).simulate(50.0, **given, **INTRINSIC)
 
 
 def test_linearised_damping_leaves_a_spin_about_the_axis():
-    """AWP (33): unstressed; the paper prints 12.963 rad/s and 0.0341 J, which no converged solution here gives."""
+    """AWP (33): unstressed; published 12.963 rad/s, 0.0341 J and i1 L w^2/2 = 0.0336 J, of a discretisation that errs.
+
+    What is left beside the spin, 0.0004 J, is the precession of the straight beam, which damping hardly notices.
+    """
     run = followed("linearised")
     spin, energy = run.data["angular_velocity"].values[-1], run.energy
-    assert spin[:, 2] == pytest.approx(15.2712, abs=2e-4)
-    assert np.abs(spin[:, :2]).max() < 1e-3 * 15.27
-    assert energy.total[-1] == pytest.approx(0.046642, rel=1e-5)
-    assert energy.total[-1] == pytest.approx(4e-4 * 15.27117**2 / 2, rel=1e-5)
-    assert energy.elastic[-1] < 1e-7 * energy.total[-1]
-    assert np.abs(run.data["strain"].values[-1]).max() < 1e-4
+    assert spin[:, 2] == pytest.approx(12.9426, abs=3e-4)
+    assert spin[:, 2] == pytest.approx(12.963, rel=2e-3)
+    assert np.abs(spin[:, :2]).max() < 0.01 * 12.94
+    assert energy.total[-1] == pytest.approx(0.033887, rel=1e-4)
+    assert energy.total[-1] == pytest.approx(0.0341, rel=7e-3)
+    assert 4e-4 * 12.9426**2 / 2 == pytest.approx(0.0336, rel=4e-3)
+    assert energy.elastic[-1] < 1e-5 * energy.total[-1]
+    assert np.abs(run.data["strain"].values[-1]).max() < 1e-3
+
+
+def printed_discretisation(axial):
+    """Rows of the table that tests/reference/independent/hinged_beam.py writes, in an array."""
+    lines = [line for line in TABLE.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    rows = np.genfromtxt(lines, delimiter=",", names=True)
+    return rows[rows["axial"] == axial]
+
+
+def test_the_three_printed_numbers_from_the_papers_discretisation():
+    """Published numbers: equal order, quadratic, 40 elements, midpoint, 1 ms, with the axial stiffness 1e4.
+
+    The spin comes to 12.9635, printed as 12.963. With 1e5, as printed, all three are far off.
+    """
+    end = printed_discretisation(1e4)[-1]
+    assert end["time"] == 50.0
+    assert end["spin_1"] == pytest.approx(12.963, abs=1e-3)
+    assert end["energy"] == pytest.approx(0.0341, abs=5e-5)
+    assert 4e-4 * end["spin_1"] ** 2 / 2 == pytest.approx(0.0336, abs=5e-5)
+    assert np.hypot(end["spin_2"], end["spin_3"]) < 0.01 * end["spin_1"]
+    other = printed_discretisation(1e5)[-1]
+    assert abs(other["spin_1"] - 12.963) > 1.0
+    assert abs(other["energy"] - 0.0341) > 0.01
+
+
+def test_the_table_of_the_papers_discretisation_is_what_its_code_gives():
+    """Independent code against its table: the first second, through the forced motion."""
+    found, rows = solve(Hinged(), 1.0), printed_discretisation(1e4)[:11]
+    assert found.times == pytest.approx(rows["time"])
+    assert found.energy == pytest.approx(rows["energy"], abs=1e-8)
+    assert found.spin[:, 0] == pytest.approx(rows["spin_1"], abs=1e-5)
+
+
+@pytest.mark.parametrize("damping", ["full", "linearised"])
+def test_the_papers_discretisation_against_this_one(damping):
+    """Independent formulation: forces interpolated, not strains free in each element; 0.1 % apart before it tumbles."""
+    found = solve(Hinged(damping=damping, step=2e-3), 0.5, every=50)
+    run = stepped(0.001, damping)
+    energy = np.interp(found.times, run.time, run.energy.total)
+    assert np.abs(found.energy - energy).max() < 2e-3 * energy.max()
+    force = Quadratic(Hinged(elements=3, damping=damping))
+    rng = np.random.default_rng(0)
+    y, way = rng.normal(size=(2, 7, 12))
+    slope = (force.force(y + 1e-6 * way) - force.force(y - 1e-6 * way)).ravel() / 2e-6
+    band, tangent = force.banded(y), np.zeros((84, 84))
+    for k in range(-35, 36):
+        tangent += np.diag(band[70 - k, max(k, 0) : 84 + min(k, 0)], k)
+    assert tangent @ way.ravel() == pytest.approx(slope, abs=1e-7 * np.abs(slope).max())
+
+
+def test_axial_stiffness_as_printed():
+    """With 1e5 a converged solution spins at 15.271 rad/s with 0.04664 J, all of it in the spin."""
+    run = followed("linearised", 1e5)
+    assert run.data["angular_velocity"].values[-1, :, 2] == pytest.approx(15.2712, abs=2e-4)
+    assert run.energy.total[-1] == pytest.approx(0.046642, rel=1e-5)
+    assert run.energy.total[-1] == pytest.approx(4e-4 * 15.27117**2 / 2, rel=1e-5)
 
 
 def test_full_damping_leaves_a_bent_beam_that_turns():
@@ -153,14 +222,14 @@ def test_full_damping_leaves_a_bent_beam_that_turns():
     strain = run.data["strain"].values[last]
     spin = np.linalg.norm(run.data["angular_velocity"].values[-1, 0])
     rate = strain_rates(run, body_twists(run)[last], strain)[1]
-    assert spin == pytest.approx(15.82, rel=1e-3)
+    assert spin == pytest.approx(15.815, rel=1e-3)
     assert 0.001 * spin < np.abs(rate).max() < 0.01 * spin
     momentum = np.linalg.norm(run.data["angular_momentum"].values[-1])
     assert 2 * run.energy.kinetic[-1] == pytest.approx(0.205 * momentum * spin, rel=0.01)
     assert np.abs(strain[..., 3]).max() == pytest.approx(0.89, rel=0.02)
     assert np.abs(strain[..., [0, 1, 2, 4, 5]]).max() < 0.01
-    assert run.energy.total[-1] == pytest.approx(0.4439, rel=1e-3)
-    assert run.energy.elastic[-1] == pytest.approx(0.1740, rel=1e-3)
+    assert run.energy.total[-1] == pytest.approx(0.4436, rel=1e-3)
+    assert run.energy.elastic[-1] == pytest.approx(0.1739, rel=1e-3)
 
 
 def seen_from_the_joint(data, k):

@@ -557,11 +557,6 @@ def test_order_of_the_mesh_in_motion():
 # --- refusals ---------------------------------------------------------------------------------------------------------
 
 
-def test_intrinsic_formulation_is_refused_by_name():
-    with pytest.raises(vr.InputError, match=r"rods\.bow\.constraints.*intrinsic"):
-        bow(constraints="kirchhoff").simulate(0.1, initial="reference", formulation="intrinsic")
-
-
 def test_inextensible_rod_between_two_pins_is_refused():
     """Straight, it is held along its axis twice; the message names the rod and both supports."""
     model = kirchhoff(2, 3)

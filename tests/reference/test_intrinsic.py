@@ -21,7 +21,7 @@ def released(elements, order):
 
 def hinged(elements, order):
     """AWP V.B, eta = 0.001 s: a beam at a ball joint, driven by following torques at its tip."""
-    stiffness = np.diag([5e3, 5e3, 1e5, 1.0, 2.0, 1.0])
+    stiffness = np.diag([5e3, 5e3, 1e4, 1.0, 2.0, 1.0])
     section = vr.StiffnessSection(stiffness, np.diag([1, 1, 1, 2e-4, 2e-4, 4e-4]), 1e-3 * stiffness)
     model = vr.Model()
     rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=elements, order=order)

@@ -435,15 +435,3 @@ def test_refused_by_name(given, words):
         swing(section()).simulate(0.1, **given)
     assert words in str(error.value)
     assert "rods.beam" in str(error.value)
-
-
-def test_steady_rotations_refuse_branches_and_joints():
-    model = vr.Model()
-    model.add("beam", vr.Rod.straight((0, 0, 0), (LENGTH, 0, 0), section=section()))
-    model.clamp("beam.start")
-    with pytest.raises(vr.InputError, match="Maxwell branches"):
-        model.steady(spin=(0, 0, 1.0))
-    model.add("arm", vr.Rod.straight((LENGTH, 0, 0), (LENGTH, 0.1, 0), section=section()))
-    model.revolute("arm.start", "beam.end", (0, 0, 1))
-    with pytest.raises(vr.InputError, match="without joints"):
-        model.steady(spin=(0, 0, 1.0))

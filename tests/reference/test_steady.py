@@ -129,7 +129,7 @@ def test_stretch_of_a_rotating_arm(formulation):
 
 # --- a bent rod that whirls about a ball joint (Artola, Wynn and Palacios, section V.B)
 
-AWP_STIFFNESS = [5e3, 5e3, 1e5, 1.0, 2.0, 1.0]
+AWP_STIFFNESS = [5e3, 5e3, 1e4, 1.0, 2.0, 1.0]
 AWP_MASS = [1.0, 1.0, 1.0, 2e-4, 2e-4, 4e-4]
 
 
@@ -266,7 +266,7 @@ def test_whirling_rod_is_all_but_stable():
     for formulation in FORMULATIONS:
         found = whirling(formulation, 0.5)
         assert not found.stable
-        assert found.growth_rate == pytest.approx(2.674e-7, rel=2e-3)
+        assert found.growth_rate == pytest.approx(2.8775e-7, rel=2e-3)
         assert found.neutral == 1
         assert found.eigenvalues[2:].real.max() < -0.1
 
@@ -310,7 +310,7 @@ def test_straight_rotations_are_found(formulation):
     assert np.abs(about_itself.data["strain"].values).max() < 1e-12
     across = model.steady(momentum=4.0, axis=(0, 0, 1), formulation=formulation)
     W = np.linalg.norm(across.spin)
-    a = W / np.sqrt(1e5)
+    a = W / np.sqrt(1e4)
     assert across.position("beam.end") == pytest.approx([np.tan(a) / a, 0.0, 0.0], abs=1e-10)
     assert across.angular_momentum == pytest.approx([0.0, 0.0, 4.0], abs=1e-9)
     assert across.stable
@@ -388,7 +388,8 @@ def test_free_rod_in_both_formulations():
 
 def spatial_frame(held):
     """A straight and a curved rod joined at an angle, unequal in bending: nothing is planar."""
-    section = vr.StiffnessSection(AWP_STIFFNESS, AWP_MASS, [1e-3 * c for c in AWP_STIFFNESS])
+    stiffness = [5e3, 5e3, 1e5, 1.0, 2.0, 1.0]
+    section = vr.StiffnessSection(stiffness, AWP_MASS, [1e-3 * c for c in stiffness])
     model = vr.Model()
     straight = {"section": section, "elements": 2, "order": 6, "d1": (0, 0.3, 1)}
     model.add("arm", vr.Rod.straight((0.1, 0, 0), (0.6, 0, 0), **straight))

@@ -378,6 +378,53 @@ def test_newton_joints_give_stretch_its_time():
     assert "bend_stiffness=0.03333333333, bend_damping=0.0007111111111," in inputs.text()
 
 
+# ---- ANCF (LLT 2.6)
+
+
+def test_ancf_factors_give_the_lame_constants_of_the_paper():
+    """gamma_v1 = tau_B, gamma_v2 = tau_S, mu_v = G tau_S, lambda_v = K tau_B - 2/3 G tau_S = zeta - 2/3 eta."""
+    inputs, material = vd.ANCF.from_section(data_of()), rubber()
+    assert inputs.numbers == pytest.approx((0.03, 0.02), rel=1e-14)
+    eta, zeta = material.shear_viscosity, material.bulk_viscosity
+    assert inputs.viscosities == pytest.approx((zeta - 2.0 / 3.0 * eta, eta), rel=1e-13)
+    K, G = 1e6 / 3.0 / 0.4, 1e6 / 2.6
+    assert inputs.viscosities == pytest.approx((K * 0.03 - 2.0 / 3.0 * G * 0.02, G * 0.02), rel=1e-13)
+    assert inputs.lame == pytest.approx((K - 2.0 / 3.0 * G, G), rel=1e-13)
+    for word, value in zip(("lambda_v", "mu_v"), inputs.viscosities, strict=True):
+        assert f"{word} = {value:.10g}" in inputs.text()
+
+
+@pytest.mark.parametrize("nu", [-0.4, 0.0, 0.3, 0.49])
+def test_ancf_and_back(nu):
+    """Both ways without loss; uniaxial stress of the solid, laterally free, gives tau_E to first order."""
+    data = data_of(material=rubber(0.007, nu))
+    inputs = vd.ANCF.from_section(data)
+    found = vd.ANCF.from_numbers(inputs.numbers, data).recovered(data)
+    assert found.damping == pytest.approx(data.damping, rel=1e-12)
+    assert found.difference == 0.0
+    assert (found.material.shear_time, found.material.bulk_time) == pytest.approx((0.02, 0.007), rel=1e-6)
+    # 1/E* = 1/(9 K*) + 1/(3 G*) at a low frequency, from lambda and mu
+    first, mu = (a + 1e-4j * b for a, b in zip(inputs.lame, inputs.viscosities, strict=True))
+    modulus = mu * (3 * first + 2 * mu) / (first + mu)
+    assert modulus.imag / modulus.real / 1e-4 == pytest.approx(inputs.times[2], rel=1e-6)
+    rigid = (first + 2 * mu).imag / (first + 2 * mu).real / 1e-4
+    assert inputs.time_of_rigid_section == pytest.approx(rigid, rel=1e-12)
+    assert any("Poisson locking" in text for text in inputs.losses(data)) == (nu != 0.0)
+
+
+def test_ancf_needs_a_compressible_material():
+    with pytest.raises(
+        InputError, match=r"ancf: nu = 0\.5: lambda of an incompressible material is infinite"
+    ):
+        vd.ANCF.from_section(data_of(material=rubber(0.02, 0.5)))
+    with pytest.raises(
+        InputError, match="ancf: a section given by its stiffness: the viscosities are those of"
+    ):
+        vd.ANCF.from_section(data_of(vr.StiffnessSection(np.eye(6), np.eye(6))))
+    with pytest.raises(InputError, match=r"ancf\.gamma_v1: -1"):
+        vd.ANCF.from_numbers([-1.0, 0.02], data_of())
+
+
 @pytest.mark.parametrize("kind", [vd.SoRoSim, vd.SoRoMoX])
 def test_sorosim_matrix(kind):
     """Eta diag(Ix, 3 Iy, 3 Iz, 3 A, A, A) with Ix = Iy + Iz (MEG.m), on a section with the same stiffness."""
@@ -554,6 +601,7 @@ def test_the_table_of_the_reference_page():
         ("Chrono, tapered Timoshenko", vd.ChronoTapered),
         ("Chrono, linear Cosserat", vd.ChronoLinear),
         ("Chrono, Rayleigh", vd.ChronoRayleigh),
+        ("ANCF", vd.ANCF),
         ("MuJoCo cable", vd.MuJoCo),
         ("Newton rod", vd.Newton),
         ("SoRoSim, SoRoMoX", vd.SoRoSim),

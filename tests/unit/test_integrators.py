@@ -135,6 +135,8 @@ def test_states_at_equal_times(integrator):
         ({"integrator": "midpoint", "tolerance": 1e-4}, ("tolerance", "0.0001", "time_step", "radau")),
         ({"spectral_radius": 0.5}, ("spectral_radius", "0.5", "leave it out", "generalized_alpha")),
         ({"integrator": "midpoint", "spectral_radius": 0.5}, ("spectral_radius", "0.5", "leave it out")),
+        ({"stages": 4}, ("stages", "4", "give 3, 5 or 7")),
+        ({"stages": 5, "integrator": "midpoint"}, ("stages", "5", "leave it out", "radau")),
         ({"tolerance": 0.5}, ("tolerance", "0.5", "1e-10", "0.1")),
         ({"tolerance": 1e-12}, ("tolerance", "1e-12", "1e-10", "0.1")),
         ({"tolerance": -1e-3}, ("tolerance", "-0.001", "give")),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from viscorod.errors import InputError
-from viscorod.model.actions.time_function import Ramp, Until
+from viscorod.model.actions.time_function import Ramp, Sine, Until
 from viscorod.model.bodies.body import Body
 from viscorod.model.connections.axis_joint import Cylindrical, Planar, Prismatic, Revolute
 from viscorod.model.connections.joint import JOINTS, Ball, Joint, Rigid, Universal, joint
@@ -295,13 +295,19 @@ def test_what_the_solver_will_not_do():
     model.ball("arm.start", "ground")
     model.spring("arm.end", stiffness={"ux": 1.0})
     require_fit(model, SimulateSettings(1.0))
-    found = unfit(model, formulation="intrinsic")
-    assert set(found) == {"rods.arm.constraints", "joints[0]"}
-    assert "formulation = 'geometric'" in found["joints[0]"]
-    assert "constrained strains" in found["rods.arm.constraints"]
-    found = unfit(model, formulation="intrinsic", damping="linearised", dynamics="linear")
-    assert set(found) == {"rods.arm.constraints", "joints[0]", "springs[0]"}
-    assert "linear dynamics have no springs" in found["springs[0]"]
-    steady = {problem.where: str(problem) for problem in unfit_for_steady(model, "full")}
-    assert set(steady) == {"rods.arm.constraints", "joints[0]"}
-    assert "steady rotations are computed without joints" in steady["joints[0]"]
+    require_fit(model, SimulateSettings(1.0, formulation="intrinsic"))
+    linear = {"formulation": "intrinsic", "damping": "linearised", "dynamics": "linear"}
+    require_fit(model, SimulateSettings(1.0, **linear))
+    assert not list(unfit_for_steady(model, "geometric", "full"))
+    steady = {problem.where: str(problem) for problem in unfit_for_steady(model, "intrinsic", "full")}
+    assert set(steady) == {"joints[0]", "springs[0]"}
+    assert "no joints, which hold positions" in steady["joints[0]"]
+    model.joints.clear()
+    model.revolute("arm.start", "ground", (0, 0, 1), motion={"rz": Sine(1.0, 1.0)}, name="hub")
+    found = unfit(model, **linear)
+    assert set(found) == {"joints[0].motion.rz"}
+    assert "function of time" in found["joints[0].motion.rz"]
+    model.joints.clear()
+    model.revolute("arm.start", "ground", (0, 0, 1), damping={"rz": 1.0}, name="hub")
+    steady = {problem.where: str(problem) for problem in unfit_for_steady(model, "geometric", "full")}
+    assert "its damper would stand still" in steady["joints[0]"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -15,6 +16,8 @@ from viscorod.model.connections.spring_laws import Laws
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import show, some_of
 from viscorod.model.rod import Rod
+from viscorod.results.damping_validity import QUICK
+from viscorod.results.validity import SLENDER, SMALL_STRAIN, Condition, Validity, unknown_width
 from viscorod.solve.constraints.rigid_motions import free_motions, many_parts
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
@@ -29,11 +32,6 @@ from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.typing import Floats
 
 MODES = 6
-THICK = 0.1
-"""Half width times curvature above which a rod is no longer slender (LLT 2.2: much smaller than 1)."""
-QUICK = 0.5
-"""First angular frequency times retardation time above which Kelvin-Voigt is doubtful (LLT 2.6)."""
-
 SMALL = 1e-4
 """Couplings of a section smaller than this fraction of the root of their diagonal entries are not shown."""
 
@@ -61,6 +59,7 @@ class CheckReport:
         linear_solver: how its linear systems are factorised.
         materials: moduli [Pa], retardation times [s] and number of Maxwell branches of the rods with a material.
         assumptions: what was assumed of their damping, one sentence each.
+        validity: the conditions of a rod model, as far as they are known before a solution.
     """
 
     rods: list[dict[str, object]]
@@ -80,6 +79,7 @@ class CheckReport:
     conditions: int = 0
     materials: list[dict[str, object]] = field(default_factory=list)
     assumptions: list[str] = field(default_factory=list)
+    validity: Validity = field(default_factory=lambda: Validity(()))
 
 
 def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> CheckReport:
@@ -126,6 +126,7 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
         linear_solver=problem.plan.description,
         materials=_material_rows(model),
         assumptions=_assumptions(model),
+        validity=_validity(model, frequencies),
     )
 
 
@@ -318,33 +319,73 @@ def _couplings(word: str, per: str, matrix: Floats, held: tuple[bool, ...]) -> d
     return found
 
 
+class _Shape(NamedTuple):
+    """Half width [m] of a rod at its start times reference curvature and twist, and over its length."""
+
+    curvature: float
+    twist: float
+    slenderness: float
+
+
+def _shape(rod: Rod) -> _Shape | None:
+    """Return how slender the reference shape of a rod is (LLT 2.2); None where its half width is not known."""
+    half = rod.section_at(0.0).half_width
+    if half is None:
+        return None
+    s = np.linspace(0.0, rod.length, 201)
+    curvature = float(np.linalg.norm(rod.centreline.curvature(s), axis=1).max())
+    twist = float(np.abs(np.gradient(rod.centreline.twisted(s, rod.twist), s)).max())
+    return _Shape(half * curvature, half * twist, half / rod.length)
+
+
 def _rod_warnings(name: str, rod: Rod) -> list[str]:
     """Judge the slenderness of the reference shape: half width times curvature (LLT 2.2)."""
-    s = np.linspace(0.0, rod.length, 201)
-    curvature = np.linalg.norm(rod.centreline.curvature(s), axis=1)
     warnings = []
-    section = rod.section_at(0.0)
-    half = section.half_width
-    if half is not None:
-        worst = float(half * curvature.max())
-        if worst > THICK:
+    shape = _shape(rod)
+    if shape is not None:
+        for what, size in (("curvature", shape.curvature), ("twist", shape.twist)):
+            if size > SLENDER:
+                warnings.append(
+                    f"rod {name}: half width times {what} of the reference shape is {size:.2g}; "
+                    "a rod model is meant for values much smaller than 1"
+                )
+        if shape.slenderness > SLENDER:
             warnings.append(
-                f"rod {name}: half width times curvature of the reference shape is {worst:.2g}; "
-                "a rod model is meant for values much smaller than 1"
-            )
-        twist = float(half * np.abs(np.gradient(rod.centreline.twisted(s, rod.twist), s)).max())
-        if twist > THICK:
-            warnings.append(
-                f"rod {name}: half width times twist of the reference shape is {twist:.2g}; "
-                "a rod model is meant for values much smaller than 1"
-            )
-        if half > 0.1 * rod.length:
-            warnings.append(
-                f"rod {name}: its half width is {half / rod.length:.2g} of its length; "
+                f"rod {name}: its half width is {shape.slenderness:.2g} of its length; "
                 "a rod model is meant for slender bodies"
             )
-    warnings.extend(f"rod {name}: {remark}" for remark in section.remarks())
+    warnings.extend(f"rod {name}: {remark}" for remark in rod.section_at(0.0).remarks())
     return warnings
+
+
+def _validity(model: ModelDescription, frequencies: Floats) -> Validity:
+    """Return the conditions of a rod model that are known before a solution, with the names that results give them."""
+    known = {name: shape for name, rod in model.rods.items() if (shape := _shape(rod)) is not None}
+    names = ("|J0 - 1|, half width times reference curvature", "half width times reference twist")
+    conditions = []
+    for k, name in enumerate((*names, "half width over length")):
+        if known:
+            worst = max(known, key=lambda rod: known[rod][k])
+            conditions.append(Condition(name, "LLT 2.2", known[worst][k], SLENDER, worst))
+        else:
+            conditions.append(unknown_width(name, "LLT 2.2", SLENDER))
+    for name in ("shear and stretch", "half width times bending and twist"):
+        conditions.append(Condition(name, "LLT 2.2", math.nan, SMALL_STRAIN, "known of a solution"))
+    times = {name: _longest_time(rod) for name, rod in model.rods.items()}
+    slowest = max(times, key=lambda rod: times[rod], default="")
+    if slowest and times[slowest] > 0.0:
+        omega = 2 * np.pi * float(frequencies[0]) if len(frequencies) else math.nan
+        where = f"{slowest}, first mode" if len(frequencies) else "no mode is known"
+        name = "angular frequency times retardation time"
+        conditions.append(Condition(name, "LLT 2.6", omega * times[slowest], QUICK, where))
+    return Validity(tuple(conditions))
+
+
+def _longest_time(rod: Rod) -> float:
+    """Return the longest Kelvin-Voigt retardation time of a rod at its start [s]."""
+    C, D, _ = rod.matrices_at(0.0)
+    free = ~np.array(rod.constrained_strains)
+    return float(np.max((np.diag(D) / np.diag(C))[free], initial=0.0))
 
 
 def _speed_warnings(model: ModelDescription, frequencies: Floats) -> list[str]:
@@ -354,9 +395,7 @@ def _speed_warnings(model: ModelDescription, frequencies: Floats) -> list[str]:
     omega = 2 * np.pi * float(frequencies[0])
     warnings = []
     for name, rod in model.rods.items():
-        C, D, _ = rod.matrices_at(0.0)
-        free = ~np.array(rod.constrained_strains)
-        time = float(np.max((np.diag(D) / np.diag(C))[free], initial=0.0))
+        time = _longest_time(rod)
         if omega * time > QUICK:
             warnings.append(
                 f"rod {name}: first angular frequency times longest retardation time is {omega * time:.2g}; "

@@ -14,7 +14,7 @@ import numpy as np
 
 from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.modal_damping import with_known_times
-from viscorod.analyses.provenance import material_record, provenance
+from viscorod.analyses.provenance import material_record, provenance, section_record
 from viscorod.errors import Fault, InputError
 from viscorod.mechanics.compilation.compiled import announce_compilation, announce_formulation
 from viscorod.mechanics.elements import geometric_element as geometric
@@ -185,6 +185,7 @@ class DiscreteModel:
         options: CallOptions,
     ) -> DiscreteModel:
         system, supports = FORMULATIONS[formulation].make(problem), SupportState(problem)
+        attributes = attributes | section_record(model, system.gauss_positions())
         static, watch = StaticSolver(system, supports), MeshWatch(model, problem, system)
         began = time.perf_counter()
         return cls(model, problem, formulation, system, supports, static, attributes, options, watch, began)

@@ -22,6 +22,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.response import LinearSettings, ResponseSettings
+from viscorod.solve.settings.theories import TheorySettings
 
 if TYPE_CHECKING:
     from viscorod.analyses.co_simulation import CoSimulation
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
+    from viscorod.results.theory_comparison import TheoryComparison
 
 __all__ = ["Model"]
 
@@ -155,6 +157,27 @@ class Model(ModelDescription):
         from viscorod.analyses.linear_system import linear_system
 
         return linear_system(DiscreteModel.of(with_input_loads(self, settings)), settings)
+
+    @takes(TheorySettings)
+    def compare_theories(self, settings: TheorySettings) -> TheoryComparison:
+        """Compute a planar straight beam by Euler-Bernoulli, Timoshenko and von Karman beside the exact theory.
+
+        Euler-Bernoulli's and Timoshenko's beams are linear, without and with shear and rotary inertia; von Karman's
+        has no shear, and its deflections stretch it, eps = u' + w'^2/2 (Artola, Wynn and Palacios, section IV). Loads
+        and mesh are the same.
+
+        Returns:
+            Displacements, section forces and frequencies of all of them, what each errs by, and which is enough for
+            this load and amplitude; ``print`` shows them in a table.
+
+        Raises:
+            InputError: the model is no single straight rod in a plane with dead loads and fixed supports.
+            SolveError: a theory has no equilibrium under the loads.
+        """
+        from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.theories import compare_theories
+
+        return compare_theories(DiscreteModel.of(self), settings)
 
     @takes(ResponseSettings)
     def frequency_response(self, settings: ResponseSettings) -> FrequencyResponse:

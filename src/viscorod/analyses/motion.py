@@ -334,6 +334,9 @@ def stepping(
         tolerance = PartOfMotion(discrete.supports, linear, duration)
     make: Any = method.make_linear if settings.dynamics == "linear" else method.make
     given: dict[str, Any] = dict(method.parameters)
+    fine, finer = method.finer
+    if settings.tolerance is not None and settings.tolerance <= fine:
+        given |= finer
     given |= {name: getattr(settings, name) for name in given if getattr(settings, name) is not None}
     if tolerance is not None:
         largest = settings.time_step or duration / LEAST_STEPS
@@ -363,7 +366,9 @@ def _halved_steps(
     system.given_strain = discrete.system.given_strain
     twin = make(system, SupportState(discrete.problem), **given)
     strains = _integrates_strains(settings)
-    return HalvedSteps(twin, StartModes.of(linear), discrete.problem, method.order, strains=strains)
+    return HalvedSteps(
+        twin, StartModes.of(linear), discrete.problem, method.order_with(given), strains=strains
+    )
 
 
 def small_motions(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:

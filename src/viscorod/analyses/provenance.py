@@ -13,8 +13,10 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.materials.material import Material
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus
 from viscorod.model.rod import Rod
+from viscorod.model.sections.section_base import AnySection
+from viscorod.solve.formulations.system import GaussPositions
 
-__all__ = ["material_record", "provenance"]
+__all__ = ["material_record", "provenance", "section_record"]
 
 CAPACITIES = 65
 """Stations at which the heat capacity of a rod is taken."""
@@ -43,7 +45,7 @@ def material_record(model: ModelDescription) -> dict[str, str]:
     at the start of the rod (None where it holds them or a Maxwell branch damps them); and, if it is known what a
     Kelvin-Voigt material stands for, ``extension`` and ``shear`` with ``modulus`` [Pa], ``viscosity`` [Pa s] and the
     Prony series: ``equilibrium`` [Pa], ``moduli`` [Pa], ``times`` [s]. ``heat_capacities`` [J/(m K)] are there of rods
-    whose specific heat is known.
+    whose specific heat is known; ``loss_band`` [Hz] is where Maxwell branches follow a loss factor.
     """
     sentences = {name: list(rod.assumptions) for name, rod in model.rods.items() if rod.assumptions}
     laws = {name: _law(rod) for name, rod in model.rods.items()}
@@ -68,6 +70,27 @@ def _heat_capacity(rod: Rod) -> dict[str, list[float]]:
     return {"s": stations, "capacity": values}
 
 
+def section_record(model: ModelDescription, gauss: GaussPositions) -> dict[str, str]:
+    """Return the attribute ``sections``, JSON by rod: what of its sections the attribute ``case`` does not hold.
+
+    That are materials whose damping followed from a mode, and at the Gauss points, ``stations`` [m]: sections that are
+    a function of the arc length, ``sampled``, and the reference curvatures of rods that count them, ``bent`` [1/m].
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for number, (name, rod) in enumerate(model.rods.items()):
+        if rod.material is not None and rod.material.assumptions:
+            found[name] = {"material": rod.material.to_dict()}
+        sampled: dict[str, Any] = {}
+        stations = gauss.s[gauss.rod == number].tolist()
+        if callable(rod.section) and not isinstance(rod.section, AnySection):
+            sampled["sampled"] = [rod.section_at(s).to_dict() for s in stations]
+        if rod.curvature_correction:
+            sampled["bent"] = [rod.curvature_at(s).tolist() for s in stations]
+        if sampled:
+            found[name] = found.get(name, {}) | {"stations": stations} | sampled
+    return {"sections": json.dumps(found)} if found else {}
+
+
 def _law(rod: Rod) -> dict[str, Any]:
     C, D, _ = rod.matrices_at(0.0)
     relaxing = len(rod.branches_at(0.0)[0]) > 0
@@ -78,6 +101,8 @@ def _law(rod: Rod) -> dict[str, Any]:
     law: dict[str, Any] = {"times": times, "maxwell": relaxing}
     if rod.material is not None and not relaxing:
         law |= _series(rod.material)
+    if rod.material is not None and rod.material.loss_band is not None:
+        law["loss_band"] = list(rod.material.loss_band)
     return law
 
 

@@ -71,6 +71,7 @@ def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRo
         found.reaction,
         found.kinetic,
         found.elastic,
+        found.joints,
     )
     discrete.watch.see_steady(snapshot, float(np.linalg.norm(found.spin)))
     account = EnergyAccount(kinetic=found.kinetic, elastic=found.elastic)

@@ -61,7 +61,7 @@ LISTS = ("supports", "loads", "attachments", "joints", "springs", "velocities", 
 KEYS = ("title", *TABLES, *LISTS, *ANALYSES)
 
 SECTION_KEYS = ("section", "sections", "taper")
-PLAIN_KEYS = ("elements", "order", "d1", "twist", "constraints", "law", "tilt")
+PLAIN_KEYS = ("elements", "order", "d1", "twist", "constraints", "law", "tilt", "curvature_correction")
 ROD_KEYS = (*SECTION_KEYS, "material", *PLAIN_KEYS)
 
 

@@ -25,6 +25,7 @@ from viscorod.cli.response_command import response
 from viscorod.cli.run_commands import resume, run
 from viscorod.cli.schema_command import schema
 from viscorod.cli.sweep_command import sweep
+from viscorod.cli.theories_command import theories
 from viscorod.cli.view_command import view
 from viscorod.cli.warmup_command import warmup
 
@@ -44,6 +45,7 @@ for command in (
     modes,
     response,
     sweep,
+    theories,
     view,
     plot,
     probe,

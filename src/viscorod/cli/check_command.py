@@ -75,6 +75,7 @@ def _text(report: CheckReport, conversions: Sequence[Conversion]) -> str:
         if report.rigid_motions
         else "",
         f"{report.nodes} nodes, {report.unknowns} unknowns{conditions}\nLinear systems: {report.linear_solver}",
+        str(report.validity),
         "\n".join(["Assumptions about damping", *(f"  - {text}" for text in report.assumptions)])
         if report.assumptions
         else "",

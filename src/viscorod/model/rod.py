@@ -20,8 +20,9 @@ from viscorod.model.centrelines.tilt import tilt as as_tilt
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import named_or, quantity
 from viscorod.model.fields.metadata import Check, Key, accepts
-from viscorod.model.fields.values import OptionalDirection, choose, number, whole_number
+from viscorod.model.fields.values import Flag, OptionalDirection, choose, number, whole_number
 from viscorod.model.materials.material import Material
+from viscorod.model.sections.curved_section import curved_branches, curved_matrices
 from viscorod.model.sections.law_base import AnySectionLaw
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.model.sections.section_kinks import SAMPLES as MANY_SAMPLES
@@ -145,6 +146,11 @@ class Rod(Definition):
         "rad",
         default=(0.0, 0.0, 0.0),
     )
+    curvature_correction: Flag = Key(
+        "count that fibres inside a curved reference shape are shorter than outside (J0), in stretch, bending and "
+        "inertia; for sections of a known shape",
+        default=False,
+    )
 
     @classmethod
     def straight(
@@ -161,6 +167,7 @@ class Rod(Definition):
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
         tilt: Tilt = (0.0, 0.0, 0.0),
+        curvature_correction: bool = False,
     ) -> Self:
         """Make a straight rod; see `Straight`."""
         return cls._along(Straight, {"start": start, "end": end}, locals())
@@ -183,6 +190,7 @@ class Rod(Definition):
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
         tilt: Tilt = (0.0, 0.0, 0.0),
+        curvature_correction: bool = False,
     ) -> Self:
         """Make a rod along a circular arc; see `Arc`."""
         given = {"start": start, "tangent": tangent, "normal": normal, "radius": radius, "angle": angle}
@@ -208,6 +216,7 @@ class Rod(Definition):
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
         tilt: Tilt = (0.0, 0.0, 0.0),
+        curvature_correction: bool = False,
     ) -> Self:
         """Make a rod along a helix; see `Helix`."""
         given = {"radius": radius, "pitch": pitch, "turns": turns, "centre": centre, "axis": axis}
@@ -227,6 +236,7 @@ class Rod(Definition):
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
         tilt: Tilt = (0.0, 0.0, 0.0),
+        curvature_correction: bool = False,
     ) -> Self:
         """Make a rod along a smooth curve through points; see `ThroughPoints`."""
         return cls._along(ThroughPoints, {"points": points}, locals())
@@ -245,6 +255,7 @@ class Rod(Definition):
         constraints: str | Sequence[str] = (),
         law: AnySectionLaw | None = None,
         tilt: Tilt = (0.0, 0.0, 0.0),
+        curvature_correction: bool = False,
     ) -> Self:
         """Make a rod along a curve given by a function; see `ParametricCurve`."""
         return cls._along(ParametricCurve, {"function": function}, locals())
@@ -261,7 +272,7 @@ class Rod(Definition):
     @property
     def mass(self) -> float:
         """Mass, kg: the integral of the sections' mass per length; by 16 Gauss points where a section varies."""
-        if isinstance(self.section, AnySection):
+        if self.uniform:
             return self.length * float(self.matrices_at(0.0)[2][0, 0])
         points, weights = np.polynomial.legendre.leggauss(1 if isinstance(self.section, Piecewise) else 16)
         ends = np.array([0.0, *self.section_breaks, self.length])
@@ -344,9 +355,24 @@ class Rod(Definition):
     def matrices_at(self, s: float) -> Matrices:
         """Return stiffness C, damping D and inertia M per length (6, 6) of the section at the arc length `s`."""
         section = self.section_at(s)
-        stiffness, damping, inertia = section.matrices(self.material if section.needs_material else None)
+        material = self.material if section.needs_material else None
+        matrices = section.matrices(material)
+        if self.curvature_correction:
+            matrices = curved_matrices(matrices, section, material, self.curvature_at(s))
+        stiffness, damping, inertia = matrices
         stiffness, inertia = _with_direction(stiffness, inertia, self.length)
         return stiffness, damping, inertia
+
+    def curvature_at(self, s: float) -> Floats:
+        """Return bend_1 and bend_2 of the reference shape (2,) at the arc length `s`, 1/m."""
+        k = self.centreline.curvature(np.array([s]))[0]
+        frame = self.frames([s])[1][0]
+        return np.array([-k @ frame[:, 1], k @ frame[:, 0]])
+
+    @property
+    def uniform(self) -> bool:
+        """Whether all its sections have the same matrices."""
+        return isinstance(self.section, AnySection) and not self.curvature_correction
 
     def heat_capacity_at(self, s: float) -> float | None:
         """Return the heat capacity per length at the arc length `s`, J/(m K); None where it is not known."""
@@ -356,7 +382,10 @@ class Rod(Definition):
     @property
     def assumptions(self) -> list[str]:
         """What is assumed of its sections and material, one sentence each."""
-        found = [] if self.material is None else list(self.material.assumptions)
+        materials = [] if self.material is None else [self.material]
+        for s in (0.0, *self.section_breaks):
+            materials += self.section_at(s).materials
+        found = list(dict.fromkeys(text for material in materials for text in material.assumptions))
         if self.law is not None:
             found.append(
                 f"its sections have the law {type(self.law).__name__}, which times and moduli of the damping leave out"
@@ -380,7 +409,11 @@ class Rod(Definition):
     def branches_at(self, s: float) -> Branches:
         """Return Maxwell branches of the section at the arc length `s`: times (n,), s, and stiffnesses (n, 6, 6)."""
         section = self.section_at(s)
-        return section.branch_matrices(self.material if section.needs_material else None)
+        material = self.material if section.needs_material else None
+        branches = section.branch_matrices(material)
+        if self.curvature_correction:
+            return curved_branches(branches, section, material, self.curvature_at(s))
+        return branches
 
     def frames(self, s: Floats | Sequence[float]) -> tuple[Floats, Floats]:
         """Return positions (n, 3) and frames (n, 3, 3; columns d1, d2, d3) of the reference shape, global axes."""
@@ -462,7 +495,35 @@ class Rod(Definition):
             )
         for s, section in sections:
             self._usable(s, section)
+            if self.curvature_correction and not section.outline:
+                raise RefusedError(
+                    f"the curvature of {type(section).__name__} cannot be counted: its points are not known",
+                    "describe the section by its shape, or leave curvature_correction out",
+                    at=("curvature_correction",),
+                )
+        if self.curvature_correction and self.tilted:
+            raise RefusedError(
+                "the curvature of a rod with oblique sections cannot be counted",
+                "leave tilt or curvature_correction out",
+                found="true",
+                at=("curvature_correction",),
+            )
+        if self.curvature_correction:
+            self._inside_the_curve()
         return self
+
+    def _inside_the_curve(self) -> None:
+        """Refuse sections that reach to the centre of curvature."""
+        for s in np.linspace(0.0, self.length, 65).tolist():
+            corners = np.array([corner for outer, _ in self.section_at(s).outline for corner in outer])
+            bent = self.curvature_at(s)
+            if not (1.0 + corners[:, 1] * bent[0] - corners[:, 0] * bent[1] > 0.0).all():
+                raise RefusedError(
+                    f"its section reaches to the centre of curvature at s = {s:.6g} m",
+                    "make the section thinner or the radius larger",
+                    at=("section",),
+                    found=f"radius {1.0 / np.linalg.norm(bent):.6g} m",
+                )
 
     def _finite(self) -> None:
         with np.errstate(all="ignore"):

@@ -42,6 +42,7 @@ from viscorod.programs.energy_creation import (
     least_power,
 )
 from viscorod.programs.inputs import (
+    ANCF,
     PROGRAMS,
     BeamDyn,
     ChronoLinear,
@@ -69,6 +70,7 @@ from viscorod.programs.rayleigh import (
 from viscorod.programs.times import MaterialFit, component_times, fit_material, symmetric_damping
 
 __all__ = [
+    "ANCF",
     "PROGRAMS",
     "BeamDyn",
     "BeamDynBlade",

@@ -143,9 +143,11 @@ def damping_validity(run: Run, tolerance: float = 0.1) -> DampingValidity:
         if law["maxwell"]
     ]
     damped = [rod for rod, law in laws.items() if not law["maxwell"] and any(law["times"]) and rod in rods]
+    following = [rod for rod, law in laws.items() if law.get("loss_band") and rod in rods]
     found: list[StrainValidity] = []
-    if damped:
+    if damped or following:
         largest, work = _sizes(run)
+        notes += [note for rod in following if (note := _loss_note(run, rod, laws[rod], largest, work))]
         for rod in damped:
             found += _rod(run, rod, laws[rod], largest, work, tolerance)
     resolved = 0.5 / float(np.max(np.diff(run.time)))
@@ -192,6 +194,24 @@ def _rod(
             valid = bound <= tolerance
         found.append(StrainValidity(rod, COMPONENTS[k], time, mean, high, bound, limit, valid))
     return found
+
+
+def _loss_note(run: Run, rod: str, law: dict[str, Any], largest: Floats, work: Floats) -> str:
+    """Say whether the motion lies in the band of a loss factor; empty where the rod was not strained."""
+    mine = np.flatnonzero(run.data["point_rod"].values == rod)
+    k = int(np.argmax(work[mine].sum(axis=0)))
+    point = int(mine[np.argmax(largest[mine, k])])
+    history = run.data["strain"].isel(point=point, component=k).values
+    omega, rate = _spectrum(run.time, np.asarray(history, dtype=float))
+    if not rate.any():
+        return ""
+    mean, _ = _frequencies(omega, rate)
+    low, high = law["loss_band"]
+    place = "within it" if low <= mean <= high else "outside of it, where the loss factor falls off"
+    return (
+        f"rod {rod}: its loss factor holds from {low:.4g} to {high:.4g} Hz; the mean frequency of its {COMPONENTS[k]} "
+        f"is {mean:.3g} Hz, {place}"
+    )
 
 
 def _spectrum(time: Floats, strain: Floats) -> tuple[Floats, Floats]:

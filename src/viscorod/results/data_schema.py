@@ -59,6 +59,7 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "dissipation": ("W/m", "power lost to viscosity per length"),
     "relaxation_time": ("s", "relaxation time of a Maxwell branch"),
     "branch_loss": ("J", "energy lost by the Maxwell branch so far, part of viscous"),
+    "branch_strain": ("1, 1, 1, 1/m, 1/m, 1/m", "strain of the spring of a Maxwell branch"),
     "kinetic": ("J", "kinetic energy"),
     "elastic": ("J", "elastic energy of rods, their Maxwell branches and springs"),
     "viscous": ("J", "energy lost to viscosity, Maxwell branches and dampers so far"),
@@ -122,6 +123,7 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     "dissipation": (STATES, "point"),
     "relaxation_time": ("branch",),
     "branch_loss": (STATES, "branch"),
+    "branch_strain": (STATES, "point", "branch", "component"),
     **dict.fromkeys(
         ("kinetic", "elastic", "viscous", "outside", "external", "actuator", "numerical"), (STATES,)
     ),
@@ -184,7 +186,15 @@ FRAMES = {
     ),
     **dict.fromkeys(("reference_rotation", "rotation"), "body to global"),
     **dict.fromkeys(
-        ("angular_velocity", "strain", "section_force", "joint_spin", "mode_rotation", "mode_share"),
+        (
+            "angular_velocity",
+            "strain",
+            "branch_strain",
+            "section_force",
+            "joint_spin",
+            "mode_rotation",
+            "mode_share",
+        ),
         "body (d1, d2, d3)",
     ),
     **dict.fromkeys(("joint_value", "joint_rate", "joint_force"), "of the joint"),

@@ -81,6 +81,9 @@ def dataset(
         if problem.relaxing:
             power += np.array([snapshot.branch_power for snapshot in snapshots])
             variables["branch_loss"] = ((along, "branch"), np.array(history.branches))
+            springs = [snapshot.branch_strain for snapshot in snapshots]
+            if all(spring is not None for spring in springs):
+                variables["branch_strain"] = ((along, "point", "branch", "component"), np.array(springs))
         if problem.motion_loads:
             variables["outside"] = (along, energy[:, 5])
         if any(strain.changes for _, strain in problem.rest_strains):

@@ -98,7 +98,7 @@ def fields_at(
 
 def poses_at(run: Result, stations: Integers, instants: Instants) -> Poses:
     """Return the poses of stations at times of a run, reading no other states."""
-    moving = _Read(run, instants).moving(stations)
+    moving = PartsRead(run, instants).moving(stations)
     assert moving is not None
     return moving[0]
 
@@ -129,16 +129,18 @@ def _sites(result: Result, places: Places, s: Sequence[float] | Floats | None) -
     return [result.sites.at(place) for place in several]
 
 
-class _Read:
+class PartsRead:
     """Reads the needed parts of the data set only."""
 
     def __init__(self, result: Result, instants: Instants | None) -> None:
         self.data, self.along, self.instants = result.data, result.dimension, instants
 
     def has(self, name: str) -> bool:
+        """Return whether the result holds a variable."""
         return name in self.data
 
     def at(self, name: str, dimension: str, numbers: Integers) -> Floats:
+        """Return a variable at some places of a dimension, in the states that are needed."""
         variable = self.data[name].isel({dimension: numbers})
         if self.instants is not None and self.along in variable.dims:
             return in_states(variable, self.along, self.instants.states)
@@ -164,7 +166,7 @@ class _OfBodies:
     """Fields at the mass centres and named points of bodies."""
 
     def __init__(self, result: Result, chosen: Sequence[ResultPlace], instants: Instants | None) -> None:
-        self._read = _Read(result, instants)
+        self._read = PartsRead(result, instants)
         self._stations = np.array([site.stations[0] for site in chosen])
 
     def fields(self) -> dict[str, Floats]:
@@ -180,7 +182,7 @@ class _OfRods:
     """Fields at places of rods."""
 
     def __init__(self, result: Result, chosen: Sequence[ResultPlace], instants: Instants | None) -> None:
-        self._read = _Read(result, instants)
+        self._read = PartsRead(result, instants)
         self._count = len(chosen)
         self._stencil = Stencil.of(result.data, result.sites, chosen)
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.results.damping_validity import damping_validity
 from viscorod.results.data_schema import COUNTERS
+from viscorod.results.largest_stress import largest_stress
 from viscorod.results.result_warnings import warnings_of
 from viscorod.results.step_error import step_errors
 from viscorod.results.text_table import table
@@ -45,6 +47,7 @@ def run_report(run: Run) -> str:
         _decay(run),
         str(run.energy),
         _events(run),
+        _stress(run),
         _validity(run),
         _heating(run),
         _drift(run),
@@ -76,15 +79,22 @@ def _events(run: Run) -> str:
     return "\n".join(["Events", *lines])
 
 
-def _validity(run: Run) -> str:
-    """Say in a sentence whether Kelvin-Voigt damping was right for the data of a material."""
-    if "damping_laws" not in run.data.attrs:
-        return ""
+def _validity(result: Result) -> str:
+    """Tell the conditions of a rod model, each with its number, and whether the motion kept to the bands of losses."""
+    found = result.validity()
+    lines = [str(found)] if found.conditions else []
+    return "\n".join([*lines, *_band_notes(result)])
+
+
+def _band_notes(result: Result) -> list[str]:
+    """Say which rods moved beyond the band over which their loss factor is followed."""
+    if result.kind != "simulate" or "damping_laws" not in result.data.attrs:
+        return []
     try:
-        found = run.damping_validity()
+        notes = damping_validity(cast("Run", result)).notes
     except InputError:  # too short for a spectrum
-        return ""
-    return found.sentence if any(np.isfinite(strain.bound) for strain in found.strains) else ""
+        return []
+    return [note for note in notes if "loss factor" in note]
 
 
 def _heating(run: Run) -> str:
@@ -113,6 +123,8 @@ def equilibrium_report(equilibrium: Equilibrium) -> str:
         _path(equilibrium),
         _joints(equilibrium),
         _stability(equilibrium),
+        _stress(equilibrium),
+        _validity(equilibrium),
         _effort(equilibrium),
         _warnings(equilibrium),
     ]
@@ -129,6 +141,8 @@ def steady_report(steady: Steady) -> str:
         _ends(steady, _places(steady), -1),
         _reactions(steady),
         _small_motions(steady),
+        _stress(steady),
+        _validity(steady),
         _effort(steady),
         _warnings(steady),
     ]
@@ -289,6 +303,25 @@ def _joints(equilibrium: Equilibrium) -> str:
         ("joint", "motion", "value [m, rad]", "force [N, N m]", ""),
         rows,
     )
+
+
+def _stress(result: Result) -> str:
+    """Report the largest von Mises stress, and where it is."""
+    found = largest_stress(result)
+    if found is None or not found.value:
+        return ""
+    place = result.sites.along(found.rod, found.s).label
+    x, y = _vector(np.array(found.point), max(map(abs, found.point)) or 1.0)
+    when = {"time": f" at {found.level:.6g} s", "load_factor": f" under {load_level(found.level)}"}
+    text = (
+        f"Largest von Mises stress {found.value:.6g} Pa, {place}, at ({x}, {y}) m of the section along d1, d2"
+        f"{when.get(result.dimension, '')}"
+    )
+    if found.missing:
+        more = f" and {len(found.missing) - _MOST_MESHES} more" if len(found.missing) > _MOST_MESHES else ""
+        names = ", ".join(found.missing[:_MOST_MESHES])
+        text += f"\n  (not of {names}{more}: sections without a known shape, or with a law)"
+    return text
 
 
 def _drift(result: Result) -> str:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from viscorod.results.probe import Places
+    from viscorod.results.validity import Validity
+    from viscorod.solve.stress.recorded_rods import RecordedRods
 
 Quantity: TypeAlias = Literal["position", "displacement", "velocity"]
 
@@ -234,6 +236,70 @@ class Result(ABC):
         from viscorod.results.probe import probed
 
         return probed(self, places, s)
+
+    @checked
+    def stress(self, place: str | int, points: Any = None) -> xr.Dataset:
+        """Return stress, strain and loss at points of the section at a place, in all stored states.
+
+        The axial stress is linear over the section (of a curved rod over J0, Linn, Lang and Tuganov 2013, equations 10
+        to 17, in balance with the section forces), shear stresses are those of Saint-Venant's torsion and flexure. All
+        follow from strains and section forces at the place, see ``probe``.
+
+        Args:
+            place: "beam.end", "beam@0.15" or the number of a station.
+            points: of the section about the centre line ``(n, 2)`` or ``(2,)``, along d1 and d2 [m]; without them those
+                of a quadrature, with their ``area``.
+
+        Returns:
+            A data set over ``time`` (or ``load_factor``, ``spin``) and ``point``: ``stress``, its ``viscous_stress``
+            and the elastic ``strain`` (components 11, 22, 33, 23, 13, 12 along d1, d2, d3), ``von_mises`` [Pa], and of
+            a motion ``loss_density`` [W/m^3]; ``x1``, ``x2`` and ``region`` of the points.
+
+        Raises:
+            InputError: no such place, a point outside the section, or a section without a known shape.
+        """
+        from viscorod.results.stress import stress_at
+
+        return stress_at(self, place, points)
+
+    def validity(self) -> Validity:
+        """Return the conditions under which a rod model is right, each with its number and its limit.
+
+        Curvature, twist and slenderness of the reference shape, strains, and how quick the motion is beside the
+        material's relaxation (Linn, Lang and Tuganov 2013, sections 2.2 and 2.6); ``print`` shows a table.
+        """
+        from viscorod.results.validity import validity_of
+
+        return validity_of(self)
+
+    @checked
+    def plot_stress(self, path: str | Path, place: str | int, time: float | None = None) -> Path:
+        """Draw axial stress, shear stress and von Mises stress over the section at a place.
+
+        Args:
+            path: picture to write; the suffix determines the format (.png, .pdf, .svg).
+            place: on a rod, see ``stress``.
+            time: of a run [s]; by default the stored one with the largest von Mises stress there. Equilibria and steady
+                rotations show their last state.
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: as of ``stress``, or a time outside the run, or of what is no run.
+        """
+        from viscorod.pictures.plots.plot_stress import draw_stress
+        from viscorod.pictures.style import write
+
+        return write(draw_stress(self, place, time), path)
+
+    @cached_property
+    def recorded_rods(self) -> RecordedRods:
+        """The sections of the rods, from what is kept of the model."""
+        from viscorod.solve.stress.recorded_rods import RecordedRods
+
+        lengths = {rod: float(self.sites.ends(rod)[1].s) for rod in self.sites.rods}
+        return RecordedRods(self.data.attrs, lengths)
 
     @cached_property
     def displacement_range(self) -> tuple[Floats, Floats]:

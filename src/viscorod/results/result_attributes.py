@@ -33,6 +33,7 @@ class Law(BaseModel):
     maxwell: bool
     extension: Series | None = None
     shear: Series | None = None
+    loss_band: Annotated[list[Positive], Field(min_length=2, max_length=2)] | None = None
 
 
 class HeatCapacity(BaseModel):
@@ -61,6 +62,7 @@ class ResultAttributes(BaseModel):
     case: Json[dict[str, Any]] | None = None
     settings: Json[dict[str, Any]] | None = None
     divisions: Json[dict[str, Any]] | None = None
+    sections: Json[dict[str, Any]] | None = None
     case_text: str = ""
     case_file: str = ""
     case_hash: str = ""

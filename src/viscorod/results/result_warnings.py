@@ -9,6 +9,7 @@ import numpy as np
 
 from viscorod.results.array_pieces import extremes
 from viscorod.results.step_error import motion_doubt
+from viscorod.results.validity import SMALL_STRAIN
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -21,7 +22,6 @@ _MESH = 0.01  # accepted error of positions by the mesh, as a part of the larges
 _FORCE = 0.05  # accepted error of section forces by the mesh, as a part of the largest one
 _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
 _OF_ALL = 1e-6  # and as a part of all energy that is there: a body that turns evenly moves next to none
-_STRAIN = 0.1  # strain beyond which a linear material law for small strains is doubtful
 
 
 def warnings_of(result: Result) -> list[str]:
@@ -116,7 +116,7 @@ def _strain_warnings(result: Result) -> list[str]:
             "no material does that, and results from there on mean nothing"
         )
     value, component, where = _largest(data, strain[:, :3])
-    if value > _STRAIN:
+    if value > SMALL_STRAIN:
         name = ("shear 1", "shear 2", "stretch")[component]
         texts.append(
             f"the strain {name} reaches {value:.2g}{where}; the material law is meant for strains well below 1"
@@ -124,7 +124,7 @@ def _strain_warnings(result: Result) -> list[str]:
     if "half_width" in data:
         half = np.asarray(data["half_width"].values, dtype=float)
         value, component, where = _largest(data, strain[:, 3:] * half[:, None])
-        if value > _STRAIN:
+        if value > SMALL_STRAIN:
             name = ("bend 1", "bend 2", "twist")[component]
             texts.append(
                 f"{name} times the half width of the section reaches {value:.2g}{where}; "

@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -177,6 +177,26 @@ class Run(Result):
         from viscorod.results.probe import instants_of, probed
 
         return probed(self, places, s, None if times is None else instants_of(self, times))
+
+    @checked
+    def stress(
+        self, place: str | int, points: Any = None, times: float | Sequence[float] | Floats | None = None
+    ) -> xr.Dataset:
+        """Return stress, strain and loss at points of the section at a place; see ``Result.stress``.
+
+        Args:
+            place: "beam.end", "beam@0.15" or the number of a station.
+            points: of the section about the centre line ``(n, 2)``, along d1 and d2 [m]; see ``Result.stress``.
+            times: times of the run [s]; without them all stored ones. What is between stored states is said in
+                ``probe``.
+
+        Raises:
+            InputError: as of ``Result.stress``, or a time outside the run.
+        """
+        from viscorod.results.probe import instants_of
+        from viscorod.results.stress import stress_at
+
+        return stress_at(self, place, points, None if times is None else instants_of(self, times))
 
     @checked
     def damping_validity(self, tolerance: float = 0.1) -> DampingValidity:

@@ -43,6 +43,7 @@ _TOGETHER = {
     "dissipation": ("strain",),
     "half_width": ("strain",),
     "branch_loss": ("relaxation_time",),
+    "branch_strain": ("relaxation_time", "strain"),
     "mode_shape": ("mode_rotation", "mode_residual", "mode_name", "mode_share"),
     "linear_momentum": ("angular_momentum",),
     "velocity": ("angular_velocity",),

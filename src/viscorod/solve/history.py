@@ -129,6 +129,7 @@ class EnergyAccount:
             self.external,
             self.start,
             self.outside,
+            self.actuator,
             self.branches,
         )
 
@@ -170,6 +171,7 @@ class Snapshot(NamedTuple):
         reaction: global wrenches of the supports ``(supports, 6)``.
         kinetic, elastic: energies [J]; joints: their coordinates, None if there are none.
         branch_power: lost by Maxwell branches per length at the Gauss points ``(m,)`` [W/m], None if there are none.
+        branch_strain: of their springs ``(m, n, 6)``, likewise.
     """
 
     state: State
@@ -181,6 +183,7 @@ class Snapshot(NamedTuple):
     elastic: float
     joints: JointState | None = None
     branch_power: Floats | None = None
+    branch_strain: Floats | None = None
 
     @classmethod
     def of(cls, state: State, system: System, supports: SupportState, kinetic: float = 0.0) -> Snapshot:
@@ -196,6 +199,7 @@ class Snapshot(NamedTuple):
             system.elastic_energy(),
             system.constraints.state(),
             system.branch_power(),
+            system.branch_strain(),
         )
 
     def blend(self, end: Snapshot, part: float, state: State, system: System) -> Snapshot:
@@ -219,6 +223,9 @@ class Snapshot(NamedTuple):
             None
             if self.branch_power is None or end.branch_power is None
             else mix(self.branch_power, end.branch_power),
+            None
+            if self.branch_strain is None or end.branch_strain is None
+            else mix(self.branch_strain, end.branch_strain),
         )
 
     def _blended_joints(self, end: Snapshot, part: float) -> JointState | None:

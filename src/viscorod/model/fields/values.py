@@ -246,6 +246,19 @@ def one_of(*allowed: str) -> Check[str]:
     return check
 
 
+def one_number_of(*allowed: int) -> Check[int]:
+    """Return a check for one of some whole numbers."""
+    words = ", ".join(map(str, allowed[:-1])) + f" or {allowed[-1]}"
+
+    @accepts({"enum": list(allowed)}, words)
+    def check(value: Any) -> int:
+        if isinstance(value, bool) or not isinstance(value, int | np.integer) or value not in allowed:
+            raise RefusedError("not one of the numbers that are possible here", f"give {words}")
+        return int(value)
+
+    return check
+
+
 class OneOfRegistry(Check[str]):
     """A check for one of the names in a registry, to which more may be added later.
 

@@ -14,6 +14,7 @@ from viscorod.model.fields.forms import listed, named_or, of_kind
 from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts, optional
 from viscorod.model.fields.values import Number, choose, items, pair
 from viscorod.model.materials.material import Material
+from viscorod.model.sections.mesh_flow import mesh_field
 from viscorod.model.sections.meshed_section import (
     AXES,
     MESH_SIZE,
@@ -38,6 +39,7 @@ from viscorod.model.sections.saint_venant import SectionAnalysis, analysed
 from viscorod.model.sections.section_base import SECTION, AnySection, Branches, Matrices
 from viscorod.model.sections.section_mesh import refuse_misfits
 from viscorod.model.sections.section_shapes import SHAPES, Shape
+from viscorod.model.sections.stress_field import StressField
 from viscorod.typing import Floats
 
 __all__ = ["Composite", "CompositeRegion"]
@@ -187,8 +189,11 @@ class Composite(AnySection):
     def _analysis(self) -> SectionAnalysis:
         """The analysis with Poisson's ratio of the regions, or the mean EA/2GA - 1 where they differ."""
         youngs, shear = self._moduli
-        nu = self._materials[0].poissons_ratio if self._one_ratio else self._mean_ratio
-        return analysed(self._polygons, youngs, shear, nu, self.mesh_size)
+        return analysed(self._polygons, youngs, shear, self._flexure_ratio, self.mesh_size)
+
+    @property
+    def _flexure_ratio(self) -> float:
+        return self._materials[0].poissons_ratio if self._one_ratio else self._mean_ratio
 
     @property
     def _one_ratio(self) -> bool:
@@ -260,6 +265,11 @@ class Composite(AnySection):
         )
         return np.asarray(np.linalg.solve(self.matrices()[0], stress @ rise))
 
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials of its regions."""
+        return tuple(self._materials)
+
     def heat_capacity(self, material: Material | None) -> float | None:
         """Return the heat capacity per length, J/(m K); None where a region's specific heat is not known."""
         del material
@@ -283,3 +293,13 @@ class Composite(AnySection):
                 sums[b.time] = sums.get(b.time, 0.0) + share
         times = sorted(sums)
         return np.array(times), np.array([sums[time] for time in times]).reshape(-1, 6, 6)
+
+    def stress_field(self, material: Material | None = None) -> StressField:
+        """Return how the regions carry the forces, by finite elements.
+
+        Raises:
+            InputError: there is a material.
+        """
+        self.refuse_material(material)
+        nu = self._flexure_ratio
+        return mesh_field(self._analysis, self._polygons, self._materials, nu, self.centres)

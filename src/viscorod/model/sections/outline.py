@@ -8,7 +8,9 @@ from pydantic import Field, model_validator
 
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.metadata import Key
-from viscorod.model.sections.isotropic_section import MaterialSection
+from viscorod.model.materials.material import Material
+from viscorod.model.sections.isotropic_section import MaterialSection, required
+from viscorod.model.sections.mesh_flow import mesh_field
 from viscorod.model.sections.meshed_section import (
     AXES,
     MESH_SIZE,
@@ -24,6 +26,7 @@ from viscorod.model.sections.polygons import Corners, Holes, Polygon, polygon, r
 from viscorod.model.sections.saint_venant import SectionAnalysis, analysed
 from viscorod.model.sections.section_base import Matrices
 from viscorod.model.sections.section_mesh import refuse_misfits
+from viscorod.model.sections.stress_field import StressField
 
 __all__ = ["PolygonSection"]
 
@@ -138,3 +141,13 @@ class PolygonSection(MaterialSection):
         """
         found = self._parts(poissons_ratio)
         return found.extensional[0], found.shearing[0], found.inertia[0]
+
+    def stress_field(self, material: Material | None = None) -> StressField:
+        """Return how the section carries its forces, by finite elements.
+
+        Raises:
+            InputError: there is no material.
+        """
+        material = required(material)
+        nu = material.poissons_ratio
+        return mesh_field(self._analysis(nu), self._polygons, [material], nu, self._parts(nu).points)

@@ -40,9 +40,9 @@ import numpy as np
 
 from viscorod.model.sections.polygons import Polygon
 from viscorod.model.sections.section_mesh import SectionMesh, first_size, triangulate
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
-__all__ = ["SectionAnalysis", "analysed", "area_moments", "shear_shares"]
+__all__ = ["POINTS", "SectionAnalysis", "ShearFields", "analysed", "area_moments", "meshed", "shear_shares"]
 
 ACCURACY = 2e-3
 """Refinement ends when the shear and torsion stiffnesses change by less than this fraction."""
@@ -110,7 +110,7 @@ def analysed(
 def _once(
     polygons: tuple[Polygon, ...], youngs: Floats, shear: Floats, nu: float, side: float
 ) -> SectionAnalysis:
-    mesh = _mesh(polygons, side)
+    mesh = meshed(polygons, side)
     first = area_moments(mesh, np.zeros(2))
     stiffness = youngs @ first
     centre = stiffness[1:3] / stiffness[0]
@@ -120,7 +120,8 @@ def _once(
 
 
 @lru_cache(maxsize=32)
-def _mesh(polygons: tuple[Polygon, ...], side: float) -> SectionMesh:
+def meshed(polygons: tuple[Polygon, ...], side: float) -> SectionMesh:
+    """Return the mesh of regions with triangles of this side, m."""
     return triangulate(polygons, side)
 
 
@@ -134,56 +135,94 @@ def area_moments(mesh: SectionMesh, about: Floats) -> Floats:
     return np.stack([np.bincount(mesh.region, column, regions) for column in per_triangle.T], axis=-1)
 
 
+class ShearFields:
+    """Shear strains of a meshed section under unit forces and a unit torque at its tension centre; see the module.
+
+    Lengths are scaled by the size of the section inside, moduli by the largest.
+
+    Args:
+        mesh: of the section; about: the tension centre (2,), m.
+        youngs, shear: moduli of every region, Pa; nu: Poisson's ratio of the lateral contraction in flexure.
+    """
+
+    def __init__(self, mesh: SectionMesh, about: Floats, youngs: Floats, shear: Floats, nu: float) -> None:
+        self.mesh, self.about, self.nu = mesh, about, nu
+        self.length = float(np.sqrt(area_moments(mesh, about)[:, 0].sum()))
+        self.top = float(shear.max())
+        e, g = youngs[mesh.region] / self.top, shear[mesh.region] / self.top
+        scaled = SectionMesh((mesh.points - about) / self.length, mesh.triangles, mesh.region)
+        self.rule = rule = _Rule(scaled, np.zeros(2))
+        x, y, weight = rule.x, rule.y, rule.weight
+
+        # B q' = (0, N2, -N1): B from the moduli and moments, columns q' for N1 = 1 and N2 = 1
+        axial = np.stack([np.ones_like(x), y, -x], axis=-1)
+        bending = np.einsum("m,mq,mqi,mqj->ij", e, weight, axial, axial)
+        self._rates = np.linalg.solve(bending, np.array([[0.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]))
+        given = self._given(x, y)
+        source = np.concatenate([axial @ self._rates, np.zeros((*x.shape, 1))], axis=-1)
+        load = np.einsum("m,mq,mqk,qa->mak", e, weight, source, rule.values)
+        load -= np.einsum("m,mq,mqdk,mqad->mak", g, weight, given, rule.slopes)
+        self._warping = _solved(rule, g, load)
+        self._combined = np.eye(3)
+        strains = self._strains(given, np.arange(len(mesh.triangles)), rule.slopes)
+        # torque of each field about the origin; the forces' fields are freed of theirs by torsion
+        torque = np.einsum(
+            "m,mq,mqk->k", g, weight, x[..., None] * strains[:, :, 1] - y[..., None] * strains[:, :, 0]
+        )
+        self._combined[2] = [-torque[0] / torque[2], -torque[1] / torque[2], 1.0 / torque[2]]
+        self.fields = strains @ self._combined
+
+    def _given(self, x: Floats, y: Floats) -> Floats:
+        """Return the strains without warping (..., 2, 3): lateral contraction in flexure, rotation in torsion."""
+        spread = np.stack(
+            [
+                np.stack([x, y], axis=-1),
+                np.stack([x * y, (y**2 - x**2) / 2.0], axis=-1),
+                np.stack([-(x**2 - y**2) / 2.0, -x * y], axis=-1),
+            ],
+            axis=-1,
+        )
+        turned = np.stack([-y, x], axis=-1)[..., None]
+        return np.concatenate([-self.nu * spread @ self._rates, turned], axis=-1)
+
+    def _strains(self, given: Floats, triangles: Integers, slopes: Floats) -> Floats:
+        """Return the strains (n, q, 2, 3) in triangles (n,), at q points each, with warping."""
+        nodes = self.mesh.triangles[triangles]
+        found: Floats = given + np.einsum("nak,nqad->nqdk", self._warping[nodes], slopes)
+        return found @ self._combined
+
+    def at(self, triangles: Integers, places: Floats) -> Floats:
+        """Return the strains (n, 2, 3) in triangles (n,) at area coordinates (n, 3), 1/(Pa m^2) and 1/(Pa m^3)."""
+        points = np.einsum("nc,ncd->nd", places, self.mesh.points[self.mesh.triangles[triangles, :3]])
+        x, y = ((points - self.about) / self.length).T
+        edges = self.rule.edge_slopes[triangles]
+        slopes = np.einsum("nac,ncd->nad", _slopes(places), edges)[:, None]
+        return self.physical(self._strains(self._given(x, y)[:, None], triangles, slopes)[:, 0])
+
+    def physical(self, fields: Floats) -> Floats:
+        """Return scaled strains (..., 3) in 1/(Pa m^2), and 1/(Pa m^3) for the torque."""
+        scale = np.array([1.0, 1.0, 1.0 / self.length]) / self.length**2 / self.top
+        return np.asarray(fields * scale)
+
+
 def shear_shares(mesh: SectionMesh, about: Floats, youngs: Floats, shear: Floats, nu: float) -> Floats:
     """Return the strains P of every region (r, 3, 3) under unit forces and torque at the point `about`; see the module.
 
-    `about` is the tension centre. Lengths are scaled by the size of the section inside, moduli by the largest.
+    `about` is the tension centre.
     """
-    length = float(np.sqrt(area_moments(mesh, about)[:, 0].sum()))
-    top = float(shear.max())
-    e, g = youngs[mesh.region] / top, shear[mesh.region] / top
-    scaled = SectionMesh((mesh.points - about) / length, mesh.triangles, mesh.region)
-    rule = _Rule(scaled, np.zeros(2))
-    x, y, weight = rule.x, rule.y, rule.weight
-
-    # B q' = (0, N2, -N1): B from the moduli and moments, columns q' for N1 = 1 and N2 = 1
-    axial = np.stack([np.ones_like(x), y, -x], axis=-1)
-    bending = np.einsum("m,mq,mqi,mqj->ij", e, weight, axial, axial)
-    rates = np.linalg.solve(bending, np.array([[0.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]))
-    spread = np.stack(
-        [
-            np.stack([x, y], axis=-1),
-            np.stack([x * y, (y**2 - x**2) / 2.0], axis=-1),
-            np.stack([-(x**2 - y**2) / 2.0, -x * y], axis=-1),
-        ],
-        axis=-1,
-    )
-    # strains without warping (m, q, 2, 3): lateral contraction in flexure, rotation in torsion
-    given = np.concatenate([-nu * spread @ rates, np.stack([-y, x], axis=-1)[..., None]], axis=-1)
-    source = np.concatenate([axial @ rates, np.zeros((*x.shape, 1))], axis=-1)
-    load = np.einsum("m,mq,mqk,qa->mak", e, weight, source, rule.values)
-    load -= np.einsum("m,mq,mqdk,mqad->mak", g, weight, given, rule.slopes)
-    warping = _solved(rule, g, load)
-    strains = given + np.einsum("mak,mqad->mqdk", warping[mesh.triangles], rule.slopes)
-
-    # torque of each field about the origin; the forces' fields are freed of theirs by torsion
-    torque = np.einsum(
-        "m,mq,mqk->k", g, weight, x[..., None] * strains[:, :, 1] - y[..., None] * strains[:, :, 0]
-    )
-    twisted = strains[..., 2] / torque[2]
-    fields = np.stack(
-        [strains[..., 0] - torque[0] * twisted, strains[..., 1] - torque[1] * twisted, twisted], axis=-1
-    )
-    products = np.einsum("mq,mqdi,mqdj->mij", weight, fields, fields)
-    regions = len(youngs)
-    scale = 1.0 / np.array([1.0, 1.0, length])
-    shares = np.zeros((regions, 3, 3))
+    found = ShearFields(mesh, about, youngs, shear, nu)
+    products = np.einsum("mq,mqdi,mqdj->mij", found.rule.weight, found.fields, found.fields)
+    shares = np.zeros((len(youngs), 3, 3))
     np.add.at(shares, mesh.region, products)
-    return shares * np.outer(scale, scale) / length**2 / top**2
+    scale = 1.0 / np.array([1.0, 1.0, found.length])
+    return shares * np.outer(scale, scale) / found.length**2 / found.top**2
 
 
 class _Rule:
-    """Integration points of six-noded triangles: weights (m, 6), positions, shape functions and their slopes."""
+    """Integration points of six-noded triangles: weights (m, 6), positions, shape functions and their slopes.
+
+    ``edge_slopes (m, 3, 2)`` are the gradients of the area coordinates.
+    """
 
     def __init__(self, mesh: SectionMesh, about: Floats) -> None:
         corners = mesh.points[mesh.triangles[:, :3]] - about
@@ -194,6 +233,7 @@ class _Rule:
         self.x, self.y = np.einsum("qc,mcd->dmq", POINTS, corners)
         edges = np.stack([v - u, -v, u], axis=1)  # opposite to each corner
         slopes = np.stack([-edges[:, :, 1], edges[:, :, 0]], axis=-1) / double[:, None, None]
+        self.edge_slopes = slopes
         self.values = _values(POINTS)
         self.slopes = np.einsum("qac,mcd->mqad", _slopes(POINTS), slopes)
 

@@ -10,6 +10,7 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.polygons import Extent, Polygon
+from viscorod.model.sections.stress_field import StressField
 from viscorod.typing import Floats
 
 __all__ = ["SECTION", "AnySection", "Branches", "Matrices"]
@@ -70,6 +71,22 @@ class AnySection(Definition):
         """Return remarks about the formulas used for this section."""
         return ()
 
+    def stress_field(self, material: Material | None = None) -> StressField:
+        """Return how the section carries its forces, from which stresses at its points follow.
+
+        Raises:
+            InputError: its points are not known, or have no material.
+        """
+        del material
+        raise InputError(
+            Fault(
+                "section",
+                type(self).__name__,
+                "a section given by numbers has no points, so that no stress is known there",
+                "describe it by its shape (circle, rectangle, ..., outline or composite) for stresses",
+            )
+        )
+
     def thermal_strain(self, rise: Floats, material: Material | None) -> Floats:
         """Return the strains (6,) of a free section that is warmer, here by one material's expansion.
 
@@ -88,6 +105,11 @@ class AnySection(Definition):
                 at=("temperature",),
             )
         return material.expansion * rise
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """Materials of its own, beside that of its rod."""
+        return ()
 
     def heat_capacity(self, material: Material | None) -> float | None:
         """Return the heat capacity per length, J/(m K); None where a specific heat is not known."""

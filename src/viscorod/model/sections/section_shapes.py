@@ -10,14 +10,27 @@ import math
 from abc import abstractmethod
 from typing import Literal, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import OptionalPositive, Positive
-from viscorod.model.sections.isotropic_section import MaterialSection
+from viscorod.model.materials.material import Material
+from viscorod.model.sections.isotropic_section import MaterialSection, required
+from viscorod.model.sections.outline import PolygonSection
 from viscorod.model.sections.polygons import Extent
 from viscorod.model.sections.section_base import AnySection
+from viscorod.model.sections.shape_flow import (
+    Flow,
+    ShapeGrid,
+    box_grid,
+    elliptic_flow,
+    rectangular_flow,
+    ring_grid,
+    tube_flow,
+)
+from viscorod.model.sections.stress_field import StressField
 
 __all__ = ["SHAPES", "Annulus", "Circle", "Ellipse", "Rectangle", "Shape", "SquareTube"]
 
@@ -67,6 +80,28 @@ class Shape(MaterialSection):
             k2 if self.shear_factor_2 is None else self.shear_factor_2,
         )
 
+    def stress_field(self, material: Material | None = None) -> StressField:
+        """Return how the section carries its forces: in closed form, or by finite elements over its outline.
+
+        Raises:
+            InputError: there is no material, or sectionproperties is missing where the shape has no closed form.
+        """
+        material = required(material)
+        closed = self._flow(material.poissons_ratio)
+        if closed is None:
+            whole = PolygonSection(*self.outline[0])
+            return whole.stress_field(material)
+        grid, flow = closed
+        rule = grid.samples(grid.points, flow)
+        return StressField(
+            (material,), rule, grid.weight, grid.patch(flow), lambda points: grid.samples(points, flow)
+        )
+
+    def _flow(self, nu: float) -> tuple[ShapeGrid, Flow] | None:
+        """Return a grid over the section and its shear stresses under unit forces; None for no closed form."""
+        del nu
+        return None
+
     @abstractmethod
     def _torsion(self) -> float: ...
 
@@ -93,6 +128,9 @@ class Circle(Shape):
     def extent(self) -> Extent:
         """The circle."""
         return Extent(True, (self.radius, self.radius))
+
+    def _flow(self, nu: float) -> tuple[ShapeGrid, Flow] | None:
+        return ring_grid((self.radius, self.radius), 0.0), lambda p: tube_flow(p, self.radius, 0.0, nu)
 
     def _torsion(self) -> float:
         return 2.0 * self.second_moment_1
@@ -134,6 +172,10 @@ class Annulus(Shape):
         """Both circles."""
         return Extent(True, (self.outer_radius,) * 2, (self.inner_radius,) * 2)
 
+    def _flow(self, nu: float) -> tuple[ShapeGrid, Flow] | None:
+        outer, inner = self.outer_radius, self.inner_radius
+        return ring_grid((outer, outer), inner / outer), lambda p: tube_flow(p, outer, inner, nu)
+
     def _torsion(self) -> float:
         return 2.0 * self.second_moment_1
 
@@ -163,6 +205,11 @@ class Rectangle(Shape):
     def extent(self) -> Extent:
         """The rectangle."""
         return Extent(False, (self.width / 2.0, self.height / 2.0))
+
+    def _flow(self, nu: float) -> tuple[ShapeGrid, Flow] | None:
+        a, b = self.width / 2.0, self.height / 2.0
+        units = np.array([1.0, 1.0, self._torsion()])
+        return box_grid(a, b), lambda p: rectangular_flow(p, a, b, nu) / units
 
     def _torsion(self) -> float:
         """Return J = a b^3 [1/3 - 64/pi^5 b/a sum tanh(n pi a/2b)/n^5], a >= b, odd n (Timoshenko-Goodier).
@@ -199,6 +246,10 @@ class Ellipse(Shape):
     def extent(self) -> Extent:
         """The ellipse."""
         return Extent(True, (self.semi_axis_1, self.semi_axis_2))
+
+    def _flow(self, nu: float) -> tuple[ShapeGrid, Flow] | None:
+        a, b = self.semi_axis_1, self.semi_axis_2
+        return ring_grid((a, b), 0.0), lambda p: elliptic_flow(p, a, b, nu)
 
     def _torsion(self) -> float:
         a, b = self.semi_axis_1, self.semi_axis_2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import did_you_mean
+from viscorod.programs.inputs.ancf import ANCF
 from viscorod.programs.inputs.chrono import ChronoLinear, ChronoRayleigh, ChronoTapered
 from viscorod.programs.inputs.damping_matrices import Exudyn, MBDyn
 from viscorod.programs.inputs.program_inputs import ProgramInputs, Recovered, SectionData
@@ -13,6 +14,7 @@ from viscorod.programs.inputs.sorosim import SoRoMoX, SoRoSim
 from viscorod.programs.inputs.stiffness_products import BeamDyn, GXBeam
 
 __all__ = [
+    "ANCF",
     "PROGRAMS",
     "BeamDyn",
     "ChronoLinear",
@@ -42,6 +44,7 @@ PROGRAMS: dict[str, type[ProgramInputs]] = {
         ChronoLinear,
         ChronoRayleigh,
         Exudyn,
+        ANCF,
         MuJoCo,
         Newton,
         SoRoSim,

@@ -54,6 +54,9 @@ class Constraints:
         reference_gaps: values of held coordinates in the reference shape ``(c,)``.
         stage: values of held coordinates at the start of a stage of statics, and parts of motors at its end ``(c,)``.
         gap: gaps that multipliers must close ``(places,)``; scale: of multipliers and their rows ``(places,)``.
+        strains_as_states: returns strains and their rates ``(1, e, points, 6)`` where a formulation keeps them as
+            states, which are held exactly; None where they follow from poses. Between the steps of a motion
+            (``between_steps``) such strains count as held.
     """
 
     def __init__(self, problem: Problem, elements: Callable[[], Elements]) -> None:
@@ -64,6 +67,8 @@ class Constraints:
         self.ball_motors = BallMotors(self.joints, geometry)
         c, places = self.joints.count, 6 * problem.multipliers
         self.pace = 0.0
+        self.strains_as_states: Callable[[State], tuple[Floats, Floats]] | None = None
+        self.between_steps = False
         self._elements = elements
         self.laws = LawCallbacks(self.joints.laws)
         self.functions = JointLaws(self.laws.callback.address, np.zeros(NUMBERS))
@@ -119,13 +124,13 @@ class Constraints:
     def rate_gaps(self, state: State) -> Floats:
         """Return the rates of all gaps ``(places,)`` [1/s and units of the gaps], 0 where velocities are allowed."""
         _, rate, _ = self.measure(state)
-        strains = self._strains(state).strain_rate if len(self.held.place) else None
+        strains = self._strains(state)[1] if self._measures_strains else None
         return self._by_place(rate - self.target_rate, strains)
 
     def gaps(self, state: State) -> Floats:
         """Return all gaps ``(places,)``, 0 where positions are as the last :meth:`update` wants them."""
         value, _, _ = self.measure(state)
-        strains = self._strains(state).strain if len(self.held.place) else None
+        strains = self._strains(state)[0] if self._measures_strains else None
         return self._by_place(value - self.target, strains)
 
     def _by_place(self, coordinates: Floats, strains: Floats | None) -> Floats:
@@ -136,11 +141,18 @@ class Constraints:
             out[held.place] = strains[0, held.element, held.point, held.component]
         return out
 
-    def _strains(self, state: State) -> GaussStates:
-        """Return the Gauss points of a state."""
+    @property
+    def _measures_strains(self) -> bool:
+        """Whether held strains may be anything but zero."""
+        return len(self.held.place) > 0 and not (self.between_steps and self.strains_as_states)
+
+    def _strains(self, state: State) -> tuple[Floats, Floats]:
+        """Return strains and their rates ``(1, e, points, 6)`` in a state."""
+        if self.strains_as_states is not None:
+            return self.strains_as_states(state)
         points, work, force = self._evaluation
         internal_forces(self.elements, state.r[None], state.q[None], state.twist[None], points, work, force)
-        return points
+        return points.strain, points.strain_rate
 
     @cached_property
     def _evaluation(self) -> tuple[GaussStates, ElementWork, Floats]:
@@ -296,6 +308,11 @@ class Constraints:
             )
         slopes = JointSlopes(self.near, self.force, self._stiffness, self._damping)
         self._add(state, slopes, rate_map if moving else rate_map[:0], self._stiffest(K), K, C, held)
+
+    @property
+    def slopes(self) -> tuple[Floats, Floats]:
+        """Derivatives of the forces of springs by coordinates and rates ``(c,)``, at the last tangent."""
+        return self._stiffness.copy(), self._damping.copy()
 
     def add_rows(self, state: State, K: Floats, held: tuple[Integers, Floats] | None) -> None:
         """Add the rows and columns of multipliers, and nothing else, to the blocks ``K``."""

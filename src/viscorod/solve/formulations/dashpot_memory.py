@@ -9,7 +9,17 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics.elements.internal_force import Elements
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
+
+
+def at_points(spring: Floats, places: Integers) -> Floats:
+    """Return strains of springs ``(..., n, e, points, 6)`` at Gauss points in the order of results ``(..., m, n, 6)``.
+
+    Args:
+        spring: of the branches; places: where the Gauss points are among all, flattened ``(m,)``.
+    """
+    flat = spring.reshape(*spring.shape[:-3], -1, 6)[..., places, :]
+    return np.ascontiguousarray(np.swapaxes(flat, -3, -2))
 
 
 class DashpotMemory:

@@ -119,31 +119,58 @@ class IntrinsicForces:
         self.motion = StrainMotion.of(elements, stages, linearised=linearised)
         self._now = StrainMotion.of(elements, 1, linearised=linearised)
         self._known = False
+        if len(system.problem.held.place):
+            system.constraints.strains_as_states = self.strains_at
 
     def evaluate(self, state: State, points: GaussStates, internal: Floats) -> None:
         """See :class:`ElementForces`."""
         if not self._known:
-            GeometricForces(self.system, self.elements).evaluate(state, points, internal)
-            strain = points.strain[0]
-            if self.system.given_strain is not None:
-                strain.reshape(-1, 6)[self.system.gauss_indices()] = self.system.given_strain
-            self.set_strains(strain + self._rest())
+            self._begin(state, points, internal)
+        held = self.system.problem.held
         points.strain[0] = self.motion.start - self._rest()
-        now = self._now
-        if self.system.imposed.changes:
-            rest, rate = self.system.rest
-            now = now._replace(rest=rest, rest_rate=rate)
+        prestress = branch_forces(self.system.relaxation, points.strain[0])
+        prestress[held.element, held.point, held.component] += state.multiplier[held.place] / held.weight
+        now = self._at_rest(self._now)
         forces_at(
             self.elements,
             now,
             state.twist[None],
             points.strain,
             points.strain_rate,
-            branch_forces(self.system.relaxation, points.strain[0]),
+            prestress,
             points.section_force,
             internal[None],
         )
         points.stress[:] = points.section_force
+
+    def _begin(self, state: State, points: GaussStates, internal: Floats) -> None:
+        """Take the first strains from the poses, or those that are given; held ones are exactly zero."""
+        held = self.system.problem.held
+        GeometricForces(self.system, self.elements).evaluate(state, points, internal)
+        strain = points.strain[0]
+        if self.system.given_strain is not None:
+            strain.reshape(-1, 6)[self.system.gauss_indices()] = self.system.given_strain
+        strain[held.element, held.point, held.component] = 0.0
+        self.set_strains(strain + self._rest())
+
+    def strains_at(self, state: State) -> tuple[Floats, Floats]:
+        """Return the present strains and how fast the twists of ``state`` change them ``(1, e, points, 6)``."""
+        shape, exact = self.elements.reference.shape, self._at_rest(self._now._replace(linearised=False))
+        if not self._known:
+            self._begin(state, GaussStates.of(self.elements, 1, carried=True), np.zeros_like(state.twist))
+        strain, rate, unused = (self.motion.start - self._rest())[None], *np.zeros((2, 1, *shape))
+        none = np.zeros(shape)
+        forces_at(
+            self.elements,
+            exact,
+            state.twist[None],
+            strain,
+            rate,
+            none,
+            unused,
+            np.zeros((1, *state.twist.shape)),
+        )
+        return strain, rate
 
     def linearise(
         self, state: State, ad: Floats, stress: Floats, operators: Operators, K: Floats, C: Floats
@@ -186,6 +213,13 @@ class IntrinsicForces:
     def take_rest(self, rest: Floats, rate: Floats) -> None:
         """See :class:`ElementForces`."""
         self.motion = self.motion._replace(rest=rest, rest_rate=rate)
+
+    def _at_rest(self, motion: StrainMotion) -> StrainMotion:
+        """Return scratch for one state with the rest strains of the present time, where these change."""
+        if not self.system.imposed.changes:
+            return motion
+        rest, rate = self.system.rest
+        return motion._replace(rest=rest, rest_rate=rate)
 
     def _rest(self) -> Floats | float:
         """Return the rest strains that change, at the time that the system has."""

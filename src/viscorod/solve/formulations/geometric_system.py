@@ -17,7 +17,7 @@ from viscorod.mechanics.elements.section_laws import BY_RATE, BY_STRAIN, ENERGY
 from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.solve.constraints.constraint_rows import gradients_of_gaps
 from viscorod.solve.constraints.constraints import Constraints
-from viscorod.solve.formulations.dashpot_memory import DashpotMemory
+from viscorod.solve.formulations.dashpot_memory import DashpotMemory, at_points
 from viscorod.solve.formulations.element_forces import ElementForces, GeometricForces
 from viscorod.solve.formulations.system import GaussPoints, GaussPositions, State
 from viscorod.solve.linear.matrix import Matrix
@@ -307,6 +307,12 @@ class GeometricSystem:
         if self.relaxation is None or not self.relaxation.known:
             return None
         return self.relaxation.power(self.strain).ravel()[self.gauss_indices()]
+
+    def branch_strain(self) -> Floats | None:
+        """See :class:`~viscorod.solve.formulations.system.System`."""
+        if self.relaxation is None or not self.relaxation.known:
+            return None
+        return at_points(self.strain - self.relaxation.dashpot, self.gauss_indices())
 
     def viscous_loss(self, duration: float) -> float:
         """See :class:`~viscorod.solve.formulations.system.System`."""

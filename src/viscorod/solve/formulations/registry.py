@@ -18,14 +18,12 @@ class Formulation(NamedTuple):
 
     Attributes:
         make: returns the :class:`~viscorod.solve.formulations.system.System` of a discretised model.
-        constraints: it has joints and constrained strains.
         branches: it has Maxwell branches.
         linear: it has linear dynamics.
         laws: it has laws of sections.
     """
 
     make: Callable[[Problem], System]
-    constraints: bool = True
     branches: bool = True
     linear: bool = False
     laws: bool = True
@@ -35,9 +33,9 @@ _INTRINSIC = deferred("formulations.intrinsic_system:IntrinsicSystem")
 
 FORMULATIONS: dict[tuple[str, str], Formulation] = {
     ("geometric", "full"): Formulation(deferred("formulations.geometric_system:GeometricSystem")),
-    ("intrinsic", "full"): Formulation(_INTRINSIC, constraints=False),
+    ("intrinsic", "full"): Formulation(_INTRINSIC),
     ("intrinsic", "linearised"): Formulation(
-        partial(_INTRINSIC, linearised=True), constraints=False, branches=False, linear=True, laws=False
+        partial(_INTRINSIC, linearised=True), branches=False, linear=True, laws=False
     ),
 }
 """By formulation and damping."""

@@ -159,6 +159,9 @@ class System(Protocol):
     def branch_power(self) -> Floats | None:
         """Return the power that the branches dissipate per length ``(m,)`` [W/m] in the order of results, or None."""
 
+    def branch_strain(self) -> Floats | None:
+        """Return the strains of the branches' springs ``(m, n, 6)`` in the order of results, or None."""
+
     def gauss_points(self) -> GaussPoints:
         """Return the Gauss-point fields of the last assembly."""
 

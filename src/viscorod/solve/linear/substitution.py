@@ -150,3 +150,11 @@ def solve(factors: Factors, b: Floats) -> None:
     """
     values, fronts, vector, integers, rows, groups, members, rest = factors
     substitute(values, fronts, vector, integers, rows, groups, members, rest, b)
+
+
+@part
+def solve_each(factors: Factors, b: Floats) -> None:
+    """Do what :func:`solve` does with each matrix of a stack and its right side, ``b (p, 6 N)``."""
+    values, fronts, vector, integers, rows, groups, members, rest = factors
+    for m in range(b.shape[0]):
+        substitute(values[m], fronts[m], vector, integers[m], rows, groups, members, rest[m], b[m])

@@ -16,7 +16,6 @@ from viscorod.mechanics.rotations.quaternion import conjugate, from_matrices, ma
 from viscorod.model.bodies.body_base import AnyBody
 from viscorod.model.rod import Rod
 from viscorod.model.sections.law_base import AnySectionLaw
-from viscorod.model.sections.section_base import AnySection
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem.division import Division
 from viscorod.solve.problem.problem import ElementSet, Stations
@@ -237,7 +236,7 @@ def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], 
             lumped = np.empty((len(start), order + 1, 6, 6))
             middle = start + half
             held = np.array(rod_mesh.rod.constrained_strains, dtype=float)
-            if isinstance(rod_mesh.rod.section, AnySection):
+            if rod_mesh.rod.uniform:
                 section[:] = table.add(rod_mesh.rod, 0.0, held)
                 widths[:] = rod_mesh.rod.section_at(0.0).half_width or 0.0
                 mass_per_length = rod_mesh.rod.matrices_at(0.0)[2]

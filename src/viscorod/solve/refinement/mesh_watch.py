@@ -164,7 +164,7 @@ class MeshWatch:
             return
         start, finer = self.start.state, self.finer
         drift = self.phases(static, self.start, scale, modes)
-        if drift.rest is None:
+        if drift.rest is None or self.problem.relaxing:
             self._count_in(False)
             return
         coarse = LinearModel(self.system, self._moving.supports, 0.0, start)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from viscorod.errors import Fault, InputError
 from viscorod.model.actions.event import Crossing
 from viscorod.model.actions.time_function import Constant
+from viscorod.model.connections.place import GROUND
 from viscorod.model.connections.resolved_places import find
 from viscorod.model.connections.velocity_support import VelocitySupport
 from viscorod.model.fields.definition import RefusedError, show
@@ -36,20 +37,23 @@ def require_fit(model: ModelDescription, settings: SimulateSettings) -> None:
         raise InputError(problems)
 
 
-def unfit_for_steady(model: ModelDescription, damping: str) -> Iterator[Fault]:
-    """Yield what a steady rotation cannot be computed with: joints, constrained strains, Maxwell branches.
-
-    With linearised ``damping``, laws of sections too.
-    """
-    why = "steady rotations are computed without {}"
-    instead = "leave it out, or compute the motion with simulate"
-    yield from _joints(model, why.format("joints"), instead)
-    yield from _constraints(model, why.format("constrained strains"), instead)
-    yield from _branches(
-        model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("compute the motion with simulate")
-    )
+def unfit_for_steady(model: ModelDescription, formulation: str, damping: str) -> Iterator[Fault]:
+    """Yield what a steady rotation in a formulation with a kind of damping cannot be computed with."""
+    if formulation == "intrinsic":
+        why, instead = "steady rotations of the intrinsic formulation have no {}", "leave out formulation"
+        yield from _joints(model, why.format("joints, which hold positions"), instead)
+        yield from _springs(model, why.format("springs, which pull by positions"), instead)
     if damping == "linearised":
+        why = "linearised damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
+        yield from _branches(model, why, _KELVIN_VOIGT.format("damping = 'full'"))
         yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
+    yield from _moving_joints(model, "a steady rotation needs joints that stay as they are")
+    for index, joint in enumerate(model.joints):
+        where = f"joints[{index}]"
+        if joint.damping and GROUND in joint.ends:
+            why = "the ground of a joint turns with the model, while its damper would stand still"
+            instead = "join the place to a body that is clamped, or leave out damping"
+            yield Fault(where, joint.label, why, instead)
     why = "it changes with time, and a steady rotation does not"
     yield from _changing_rest(model, why, "leave out time, or compute the motion with simulate")
 
@@ -76,13 +80,8 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
                 "leave it out, or take dynamics = 'nonlinear'",
             )
     if settings.dynamics == "linear":
-        why, instead = "linear dynamics have no {}", "leave it out, or take formulation = 'geometric'"
-        yield from _joints(model, why.format("joints"), instead)
-        yield from _springs(model, why.format("springs"), instead)
-        yield from _constraints(model, why.format("constrained strains"), instead)
-        yield from _branches(
-            model, why.format("Maxwell branches"), _KELVIN_VOIGT.format("take dynamics = 'nonlinear'")
-        )
+        why = "linear dynamics have no {}"
+        yield from _moving_joints(model, "linear dynamics need joints that stay where they are")
         yield from _laws(
             model, why.format("laws of sections"), "leave it out, or take dynamics = 'nonlinear'"
         )
@@ -91,11 +90,6 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
             model, why.format("rest strains that change with time"), "take dynamics = 'nonlinear'"
         )
     else:
-        if not formulation.constraints:
-            why = f"the {settings.formulation} formulation has no {{}}"
-            instead = "leave it out, or take formulation = 'geometric'"
-            yield from _joints(model, why.format("joints"), instead)
-            yield from _constraints(model, why.format("constrained strains"), instead)
         if not formulation.branches:
             why = f"{settings.damping} damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
             yield from _branches(model, why, "take damping = 'full'")
@@ -134,6 +128,18 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
 def _joints(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
     for index, joint in enumerate(model.joints):
         yield Fault(f"joints[{index}]", joint.label, why, instead)
+
+
+def _moving_joints(model: ModelDescription, why: str) -> Iterator[Fault]:
+    for index, joint in enumerate(model.joints):
+        for word, motion in joint.motion.items():
+            if not isinstance(motion, Constant):
+                yield Fault(
+                    f"joints[{index}].motion.{word}",
+                    joint.label,
+                    f"{why}, and this motion is a function of time",
+                    "give a number, or compute the nonlinear motion with simulate",
+                )
 
 
 def _changing_drag(model: ModelDescription) -> Iterator[Fault]:
@@ -189,12 +195,6 @@ def _driven_held_strains(model: ModelDescription, settings: SimulateSettings) ->
 def _springs(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
     for index, spring in enumerate(model.springs):
         yield Fault(f"springs[{index}]", spring.label, why, instead)
-
-
-def _constraints(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:
-    for name, rod in model.rods.items():
-        if any(rod.constrained_strains):
-            yield Fault(f"rods.{name}.constraints", show(list(rod.constraints)), why, instead)
 
 
 def _laws(model: ModelDescription, why: str, instead: str) -> Iterator[Fault]:

@@ -9,12 +9,13 @@ from pydantic import model_validator
 
 from viscorod.model.actions.event import Events
 from viscorod.model.fields.definition import RefusedError, show
-from viscorod.model.fields.metadata import Key
+from viscorod.model.fields.metadata import Key, optional
 from viscorod.model.fields.values import (
     OneOfRegistry,
     OptionalPositive,
     OptionalUnitInterval,
     Positive,
+    one_number_of,
     one_of,
 )
 from viscorod.solve.formulations.registry import damping_words, dampings, formulation_words
@@ -53,13 +54,17 @@ class SimulateSettings(Meshed):
         default="equilibrium",
     )
     integrator: Annotated[str, OneOfRegistry(INTEGRATORS.keys)] = Key(
-        '"radau" (order 5, steps that follow the error), "generalized_alpha" or "midpoint" (order 2, '
+        '"radau" (order 5 or more, steps that follow the error), "generalized_alpha" or "midpoint" (order 2, '
         "which keeps energy exactly)",
         default="radau",
     )
     spectral_radius: OptionalUnitInterval = Key(
         'of "generalized_alpha" at infinite frequency, 0 (strong damping of what is not resolved) to '
         "1 (none); 0.6 unless given",
+        default=None,
+    )
+    stages: Annotated[int | None, optional(one_number_of(3, 5, 7))] = Key(
+        'of "radau", whose order is twice that less one; unless given 3, or 5 for a given tolerance of 1e-6 and less',
         default=None,
     )
     output_interval: OptionalPositive = Key(

@@ -6,6 +6,9 @@ Nodes have the twists of a rigid rotation, ``x_k = Omega x1_k(H_k)``, so strains
 
 A body increment d changes the twist by ``ad(x) d``; with it the derivative is the stiffness matrix K of the small
 motions about the rotation, gyroscopic and centrifugal parts included.
+
+Joints and held strains are conditions beside the balance, whose multipliers are unknowns like the poses; the ground of
+a joint turns with the model, as supports do. Maxwell branches are relaxed: strains do not change.
 """
 
 from __future__ import annotations
@@ -18,18 +21,21 @@ from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.mechanics.rotations.rotation import retract
+from viscorod.solve.constraints.constraint_rows import gradients_of_gaps
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.element_forces import GeometricForces
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.statics.stability import circulatory
+from viscorod.solve.steady.branch_springs import branch_springs
+from viscorod.solve.steady.free_motions import FreeMotions
 from viscorod.solve.steady.rigid_rotation import RotationAxis, coriolis, rigid_twists
-from viscorod.solve.steady.stability import FULL, FirstOrder, SecondOrder, basis_inverse, first_order
+from viscorod.solve.steady.stability import FULL, FirstOrder, SecondOrder, first_order
 from viscorod.solve.steady.steady_checks import SupportKind, no_loads, support_kind
 from viscorod.solve.steady.steady_equations import Balance, Measure, imbalance
 from viscorod.solve.transient.integrators import jacobian
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
 
 class GeometricSteady:
@@ -55,9 +61,11 @@ class GeometricSteady:
         self.problem = system.problem
         self.elements = system.elements()
         self._forces = GeometricForces(self.system, self.elements)
-        self._points = GaussStates.of(self.elements, 1)
+        carried = len(self.problem.held.place) > 0 or self.problem.relaxing
+        self._points = GaussStates.of(self.elements, 1, carried=carried)
         self._carried: Floats | None = None
         n = self.problem.size
+        self.system.constraints.update(0.0)
         self._internal = np.zeros((n, 6))
         self._matrix = Matrix(self.problem.pattern)
         self._K, self._C = np.zeros((2, *self._matrix.blocks.shape))
@@ -77,18 +85,21 @@ class GeometricSteady:
     def scales(self) -> Floats:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         length = self.problem.length
-        return np.append(np.tile([length, length, length, 1.0, 1.0, 1.0], self.problem.size), self.rate)
+        nodes = np.tile([length, length, length, 1.0, 1.0, 1.0], self.problem.size)
+        return np.concatenate([nodes, np.ones(6 * self.problem.multipliers), [self.rate]])
 
     def balance(self) -> Balance:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         state, supports, n = self.state(), self.supports, self.problem.size
-        residual, gap = self.residual()
+        forces, gap = self.residual()
         inertial = coriolis(self.problem.mass, state.twist)
         stress = self._points.section_force[0] if self._carried is None else self._carried
         self._linearise(state, stress)
         self._matrix.blocks[:] = self._K
+        constraints = self.system.constraints
+        residual = np.concatenate([forces, (constraints.scale * constraints.gap).reshape(-1, 6)])
         supports.impose(state, residual, self._matrix, tangent=True)
-        column = np.zeros(6 * n)
+        column = np.zeros(residual.size)
         # inertial forces are quadratic in the angular speed
         by_rate = 2.0 / self.rate * inertial - self._external_by_rate(state)
         column[supports.free_rows()] = supports.free_basis(state).T @ by_rate.ravel()
@@ -107,7 +118,9 @@ class GeometricSteady:
         left = self.supports.unbalanced(left)
         forces = self._internal, external, inertial
         whole = float(problem.mass[:, 0, 0].mean()) * problem.length * self.rate**2
-        return residual, imbalance(left, forces, whole, problem.length)
+        constraints = self.system.constraints
+        opened = float((np.abs(constraints.gap) / constraints.unit).max(initial=0.0))
+        return residual, max(imbalance(left, forces, whole, problem.length), opened)
 
     def measure(self, kind: Measure) -> tuple[float, Floats]:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
@@ -116,13 +129,18 @@ class GeometricSteady:
         inertial = coriolis(mass, state.twist).ravel()
         T, rate = kinetic_energy(mass, state.twist), self.rate
         W, internal = self.elastic_energy(), self._internal.ravel()
+        conditions = np.zeros(6 * self.problem.multipliers)
+
+        def slope(by_poses: Floats, by_rate: float) -> Floats:
+            return np.concatenate([by_poses, conditions, [by_rate]])
+
         if kind == "spin":
-            return rate, np.append(np.zeros(6 * len(mass)), 1.0)
+            return rate, slope(np.zeros(6 * len(mass)), 1.0)
         if kind == "energy":
-            return T + W, np.append(internal - inertial, 2.0 * T / rate)
+            return T + W, slope(internal - inertial, 2.0 * T / rate)
         if kind == "momentum":
-            return 2.0 * T / rate, np.append(-2.0 / rate * inertial, 2.0 * T / rate**2)
-        return W, np.append(internal, 0.0)
+            return 2.0 * T / rate, slope(-2.0 / rate * inertial, 2.0 * T / rate**2)
+        return W, slope(internal, 0.0)
 
     def elastic_energy(self) -> float:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
@@ -135,7 +153,9 @@ class GeometricSteady:
 
         Section forces are carried along by the frozen operator (mixed Newton, as in statics).
         """
-        e, increment = self.elements, change[:-1].reshape(-1, 6)
+        e, state, held = self.elements, self._state, self.problem.held
+        whole = change[:-1].reshape(-1, 6)
+        increment = whole[: self.problem.size]
         if self._carried is None:
             self._carried = np.zeros_like(e.reference)
         local = increment[e.nodes].reshape(len(e.nodes), -1)
@@ -144,7 +164,9 @@ class GeometricSteady:
             self._carried[a, : e.order[a]] = self._points.section_force[0, a, : e.order[a]] + carried.reshape(
                 -1, 6
             )
-        retract(self._state.r, self._state.q, increment, self._state.r, self._state.q)
+        state.multiplier = state.multiplier + self.system.multiplier_change(whole)
+        self._carried[held.element, held.point, held.component] = state.multiplier[held.place] / held.weight
+        retract(state.r, state.q, np.ascontiguousarray(increment), state.r, state.q)
         self.rate += float(change[-1])
 
     def save(self) -> object:
@@ -167,21 +189,39 @@ class GeometricSteady:
         state = self.state()
         self.balance()
         ad = self._linearise(state, self._points.section_force[0])
-        stiffness, damping = (self.problem.pattern.sparse(blocks) for blocks in (self._K, self._C))
+        size = 6 * self.problem.size
+        stiffness, damping = (
+            sparse.csr_array(self.problem.pattern.sparse(blocks)[:size, :size])
+            for blocks in (self._K, self._C)
+        )
         mass = sparse.csr_array(sparse.block_diag(list(self.problem.mass), format="csr"))
+        constraints = self.system.constraints
+        gradients = gradients_of_gaps(constraints, state, self._held_rows()) if constraints.rows else None
         # drag at the velocities of the rotation is a circulatory force for those who turn along
         skew = circulatory(self.loads) or self.loads.sees_motion
-        small = SecondOrder(mass, damping, stiffness, ad, skew)
-        copies = self._copies(state)
-        return first_order(small, self.supports, state, self.line, copies, self.problem.length, self.rate)
+        relaxing = branch_springs(self.system, self._operators)
+        small = SecondOrder(mass, damping, stiffness, ad, skew, gradients, relaxing)
+        unit = np.where(self.supports.free_rows() % 6 < 3, self.problem.length, 1.0)
+        free = FreeMotions.of(self.supports, state, unit, gradients)
+        copies = [
+            rigid_twists(state.r, state.q, c[:3], c[3:], self.line.centre).ravel()
+            for c in self._copies(state, free)
+        ]
+        return first_order(small, free, copies, self.rate)
 
     def _evaluate(self, state: State) -> None:
-        """Evaluate strains and elastic forces; without twists, whose strain rates are round-off."""
-        resting = State(state.r, state.q, np.zeros_like(state.twist))
+        """Evaluate strains, elastic forces and gaps; without twists, whose strain rates are round-off."""
+        system, held = self.system, self.problem.held
+        if system.relaxation is not None:
+            system.relaxation.known = False  # relaxed at every shape that is tried
+        resting = State(state.r, state.q, np.zeros_like(state.twist), state.multiplier)
         self._forces.evaluate(resting, self._points, self._internal)
-        self.system.constraints.add_forces(
-            state, self._internal
-        )  # of springs, which are alike all around the axis
+        system.constraints.gap[held.place] = self._points.strain[0, held.element, held.point, held.component]
+        # springs to the ground are alike all around the axis, and their dampers see the rotation
+        system.constraints.add_forces(state, self._internal)
+
+    def _held_rows(self) -> tuple[Integers, Floats] | None:
+        return (self.elements.order, self._operators.strain) if len(self.problem.held.place) else None
 
     def _linearise(self, state: State, stress: Floats) -> Floats:
         """Fill the blocks ``K`` and ``C``; returns ``ad(x)`` of every node."""
@@ -191,8 +231,10 @@ class GeometricSteady:
         self._K.fill(0.0)
         self._C.fill(0.0)
         self._forces.linearise(state, ad, stress, self._operators, self._K, self._C)
-        if self.problem.joints.count:
-            self.system.constraints.add_tangent(state, ad, self._K, self._C, moving=True, held=None)
+        if self.problem.constrained:
+            self.system.constraints.add_tangent(
+                state, ad, self._K, self._C, moving=True, held=self._held_rows()
+            )
         self._external(state, MotionTangent(ad, self._K, self._C, self.problem.pattern.diagonal))
         jacobian.add_inertia(
             self.problem.mass,
@@ -228,7 +270,7 @@ class GeometricSteady:
             change -= np.einsum("kji,kj->ki", C[diagonal[: len(change)]], state.twist / self.rate)
         return change
 
-    def _copies(self, state: State) -> Floats:
+    def _copies(self, state: State, free: FreeMotions) -> Floats:
         """Return velocity fields ``(c, 6)`` that take the rotation to copies of itself: free turns and travels."""
         supports, kind, unloaded = self.supports, support_kind(self.problem), no_loads(self.loads)
         turns = np.hstack([np.zeros((3, 3)), np.eye(3)])
@@ -240,6 +282,5 @@ class GeometricSteady:
                 return turns
         about = np.concatenate([np.zeros(3), self.line.direction])
         field = rigid_twists(state.r, state.q, [0.0] * 3, self.line.direction, self.line.centre).ravel()
-        basis = supports.free_basis(state)
-        left = field - basis @ (basis_inverse(basis, supports.free_rows()) @ field)
+        left = field - free.basis @ (free.inverse @ field)
         return np.zeros((0, 6)) if np.abs(left).max() > 1e-9 * np.abs(field).max() else about[None]

@@ -28,6 +28,7 @@ from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
+    from viscorod.solve.steady.free_motions import FreeMotions
     from viscorod.solve.steady.stability import SecondOrder
 
 __all__ = ["GrowthLimits", "growth_limits"]
@@ -75,18 +76,17 @@ class GrowthLimits:
         return np.sqrt(squares)
 
 
-def growth_limits(
-    small: SecondOrder,
-    C: sparse.csr_array,
-    K: sparse.csr_array,
-    M: sparse.csr_array,
-    rate: float,
-) -> GrowthLimits:
+def growth_limits(small: SecondOrder, free: FreeMotions, rate: float) -> GrowthLimits:
     """Return the limits of small motions that turn with an angular speed ``rate`` [rad/s].
 
+    They are those of the motions that supports allow, of which conditions leave a part: but for the softening, which is
+    that of this part. Maxwell branches add to k, and to d as dashpots that turn with the model do.
+
     Args:
-        small: before supports; C, K, M: in the free motions.
+        small: before supports and conditions; free: motions that these leave.
     """
+    basis = free.supported
+    M, C, K = (sparse.csr_array(basis.T @ (m @ basis)) for m in (small.mass, small.damping, small.stiffness))
     n = len(small.ad)
     mass = _nodal(small.mass, n)
     if min(float(np.linalg.eigvalsh(block).min()) for block in mass) <= 0.0:
@@ -98,17 +98,20 @@ def growth_limits(
         least = min(float(np.linalg.eigvalsh(m / np.sqrt(np.outer(*[np.diag(m)] * 2))).min()) for m in mass)
         skew = abs(0.5 * (K - K.T)) @ (1.0 / root)
         loads = float((skew / root).max(initial=0.0)) / least
-    damped = abs(C + C.T).max() > ROUND_OFF * abs(C).max()
-    return GrowthLimits(rate, gyroscopic, loads, _softening(K, M, rate), not damped and loads == 0.0)
+    damped = small.branches is not None or abs(C + C.T).max() > ROUND_OFF * abs(C).max()
+    softening = _softening(K, M, free.conditions, rate)
+    return GrowthLimits(rate, gyroscopic, loads, softening, not damped and loads == 0.0)
 
 
-def _softening(K: sparse.csr_array, M: sparse.csr_array, rate: float) -> float:
-    """Return N [1/s^2] with ``K + N M`` positive definite, by an inertia count."""
+def _softening(
+    K: sparse.csr_array, M: sparse.csr_array, conditions: sparse.csr_array | None, rate: float
+) -> float:
+    """Return N [1/s^2] with ``K + N M`` positive definite within the conditions, by an inertia count."""
     stiff = sparse.csr_array(0.5 * (K + K.T))
     basis = sparse.csc_array(K.shape)
     softening = rate**2
     for _ in range(DOUBLINGS):
-        if negative_eigenvalues(Tangent(sparse.csr_array(stiff + softening * M), basis, None)) == 0:
+        if negative_eigenvalues(Tangent(sparse.csr_array(stiff + softening * M), basis, conditions)) == 0:
             return softening
         softening *= 2.0
     return np.inf

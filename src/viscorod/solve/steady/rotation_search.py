@@ -182,6 +182,7 @@ class Search:
             line=line,
             state=turned,
             strain=geometric.fields()[0] if strain is None else strain,
+            relaxation=self.solver.system.relaxation,
         )
 
     # --- refusals

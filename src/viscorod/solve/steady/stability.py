@@ -7,7 +7,7 @@ leaves the same eigenvalues.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,10 +15,9 @@ import numpy as np
 import scipy.linalg
 from scipy import sparse
 
-from viscorod.solve.constraints.support_state import SupportState
-from viscorod.solve.formulations.system import State
+from viscorod.solve.steady.branch_springs import BranchSprings
+from viscorod.solve.steady.free_motions import FreeMotions
 from viscorod.solve.steady.growth_limits import GrowthLimits, growth_limits
-from viscorod.solve.steady.rigid_rotation import RotationAxis, rigid_twists
 from viscorod.solve.steady.slow_motions import MOST, Found, QuadraticPencil, growing, slow_motions
 from viscorod.typing import Floats
 
@@ -40,7 +39,8 @@ ROUND_OFF = 10.0 * float(np.finfo(float).eps)
 class SecondOrder:
     """Small motions about a steady rotation, before supports: ``M d'' + C d' + K d = 0`` in body increments ``d``.
 
-    Sparse ``(6 n, 6 n)``; ``ad`` is ``ad(x)`` of every node ``(n, 6, 6)``; ``circulatory``: loads have no potential.
+    Sparse ``(6 n, 6 n)``; ``ad`` is ``ad(x)`` of every node ``(n, 6, 6)``; ``circulatory``: loads have no potential;
+    ``gradients``: of conditions that d fulfils ``(rows, 6 n)``; ``branches``: beside the stiffness.
     """
 
     mass: sparse.csr_array
@@ -48,6 +48,8 @@ class SecondOrder:
     stiffness: sparse.csr_array
     ad: Floats
     circulatory: bool
+    gradients: sparse.csr_array | None = None
+    branches: BranchSprings | None = None
 
 
 @dataclass
@@ -57,6 +59,7 @@ class FirstOrder:
     ``magnitude`` has the sizes of what adds up to the entries of the matrix: round-off is a part of them. From the
     intrinsic formulation ``z`` are changes of strains, then of free twists. ``increments`` returns the body increments
     of the nodes ``(6 n,)`` that belong to ``s`` and ``z``. Where there is a ``pencil`` the matrices are sparse.
+    ``relaxing``: some unknowns are those of Maxwell branches.
     """
 
     mass: Any
@@ -65,6 +68,7 @@ class FirstOrder:
     increments: Callable[[complex, np.ndarray], np.ndarray]
     limits: GrowthLimits = field(default_factory=GrowthLimits)
     pencil: QuadraticPencil | None = None
+    relaxing: bool = False
 
     @property
     def size(self) -> int:
@@ -107,39 +111,26 @@ class Stability:
         return np.asarray((left.max(axis=0, initial=0.0)) / np.maximum(size.max(axis=0, initial=0.0), 1e-300))
 
 
-def first_order(
-    small: SecondOrder,
-    supports: SupportState,
-    state: State,
-    line: RotationAxis,
-    copies: Floats,
-    length: float,
-    rate: float,
-) -> FirstOrder:
+def first_order(small: SecondOrder, free: FreeMotions, copies: Sequence[Floats], rate: float) -> FirstOrder:
     """Return small motions in poses as a system of first order, without the ``copies`` of the rotation.
 
     With ``u = y' + A y``, the change of the twists, the pencil ``M y'' + C y' + K y`` in the free motions y reads
     ``y' = u - A y``, ``M u' = -(C - M A) u - (K - (C - M A) A) y``. Copies have u = 0 and stay copies: the complement W
-    of them obeys ``b' = W^T u - W^T A W b`` with ``y = W b``.
+    of them obeys ``b' = W^T u - W^T A W b`` with ``y = W b``. Maxwell branches have unknowns of their own.
 
     Args:
-        supports: with reactions and directions at the state.
-        copies: spatial velocity fields ``(c, 6)`` (velocity of the centre, angular velocity) that take the rotation to
-            copies of itself.
-        length: by which displacements are measured; rate: angular speed [rad/s].
+        free: motions that supports and conditions leave.
+        copies: body increments ``(6 n,)`` that take the rotation to copies of itself; rate: angular speed [rad/s].
     """
-    unit = np.where(supports.free_rows() % 6 < 3, length, 1.0)
-    basis = sparse.csr_array(supports.free_basis(state) @ sparse.diags_array(unit))
+    basis, inverse = free.basis, free.inverse
     M, C, K = (sparse.csr_array(basis.T @ (m @ basis)) for m in (small.mass, small.damping, small.stiffness))
     count = basis.shape[1]
     A, Z = sparse.csr_array((count, count)), np.zeros((count, 0))
     if len(copies):
-        inverse = basis_inverse(basis, supports.free_rows())
         A = sparse.csr_array(inverse @ (sparse.block_diag(list(small.ad), format="csr") @ basis))
-        fields = [rigid_twists(state.r, state.q, c[:3], c[3:], line.centre).ravel() for c in copies]
-        Z, _ = np.linalg.qr(inverse @ np.array(fields).T)
-    limits = growth_limits(small, C, K, M, rate)
-    if count > FULL:
+        Z, _ = np.linalg.qr(inverse @ np.array(copies).T)
+    limits = growth_limits(small, free, rate)
+    if count > FULL and small.branches is None:
         pencil = QuadraticPencil(M, C, K, A, Z)
         return FirstOrder(
             pencil.mass,
@@ -160,18 +151,41 @@ def first_order(
     sizes = np.abs(W)
     magnitude = np.block([[sizes.T @ np.abs(A) @ sizes, sizes.T], [np.abs(K1) @ sizes, np.abs(C1)]])
     moved = basis @ W
-    return FirstOrder(mass, matrix, magnitude, lambda _, z: np.asarray(moved @ z[:kept]), limits)
+    if small.branches is not None:
+        stretch, times = (small.branches.stretch @ basis).toarray(), small.branches.times
+        mass, matrix, magnitude = _with_branches(mass, matrix, magnitude, stretch, times, W)
+    return FirstOrder(
+        mass,
+        matrix,
+        magnitude,
+        lambda _, z: np.asarray(moved @ z[:kept]),
+        limits,
+        relaxing=small.branches is not None,
+    )
 
 
-def basis_inverse(basis: sparse.csr_array, rows: np.ndarray) -> sparse.csr_array:
-    """Return the pseudo-inverse of free motions ``(6 n, free)``, each of one node; ``rows`` are theirs."""
-    gram = sparse.csr_array(basis.T @ basis)
-    inverse = sparse.lil_array(sparse.diags_array(1.0 / gram.diagonal()))
-    coupled = sparse.coo_array(gram - sparse.diags_array(gram.diagonal()))
-    for node in np.unique(rows[coupled.row[coupled.data != 0.0]] // 6):
-        mine = np.flatnonzero(rows // 6 == node)
-        inverse[np.ix_(mine, mine)] = np.linalg.inv(gram[mine][:, mine].toarray())
-    return sparse.csr_array(inverse.tocsr() @ basis.T)
+def _with_branches(
+    mass: Floats, matrix: Floats, magnitude: Floats, stretch: Floats, times: Floats, W: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Add the springs of Maxwell branches to a system of first order, ``z' = (F W b - z)/tau``.
+
+    Args:
+        stretch: F ``(m, free)`` in the free motions; times: of the springs ``(m,)``; W: free motions by those kept.
+    """
+    kept, count, size = W.shape[1], len(W), len(matrix)
+    seen = stretch @ W
+    down, up = np.zeros((len(times), size)), np.zeros((size, len(times)))
+    down[:, :kept] = seen / times[:, None]
+    up[kept : kept + count] = stretch.T
+    matrix, magnitude = matrix.copy(), magnitude.copy()
+    matrix[kept:, :kept] -= stretch.T @ seen
+    magnitude[kept:, :kept] += np.abs(stretch).T @ np.abs(seen)
+    relaxed = np.diag(-1.0 / times)
+    return (
+        scipy.linalg.block_diag(mass, np.eye(len(times))),
+        np.block([[matrix, up], [down, relaxed]]),
+        np.block([[magnitude, np.abs(up)], [np.abs(down), -relaxed]]),
+    )
 
 
 def stability(system: FirstOrder, rate: float, count: int) -> Stability:
@@ -215,6 +229,8 @@ def stability(system: FirstOrder, rate: float, count: int) -> Stability:
         neutral = system.size - 2 * unstable
     growth = float(s.real[grows].max(initial=0.0))
     upper = s.imag >= -1e-12 * np.abs(s)
+    if system.relaxing:  # branches that relax hardly move anything, and there are very many of them
+        upper &= (s.real >= 0.0) | (s.imag > np.abs(s.real))
     if system.pencil is not None and complete:
         upper &= np.abs(s) <= found.reach - shift  # beyond, slower ones may be missing
     s, right = s[upper], right[:, upper]

@@ -21,7 +21,7 @@ from viscorod.solve.settings.steady import SteadySettings
 from viscorod.typing import Floats
 
 LARGEST = 3000
-"""Unknowns up to which the dense linear algebra of the intrinsic formulation takes seconds."""
+"""Unknowns up to which the dense linear algebra of the intrinsic formulation, and of branches, takes seconds."""
 
 PARALLEL = 1e-9
 """Part of a load that may stand across the axis: round-off."""
@@ -37,8 +37,8 @@ class SupportKind(Enum):
 
 def support_kind(problem: Problem) -> SupportKind:
     """Return how a model is held; pins at one node make a ball joint."""
-    supports = problem.supports
-    if problem.joints.count:  # springs, the only joints here
+    supports, joints = problem.supports, problem.joints.arrays
+    if (joints.place >= 0).any() or (joints.nodes < 0).any():
         return SupportKind.HELD
     if len(supports.nodes) == 0:
         return SupportKind.FREE
@@ -54,10 +54,11 @@ def require_steady(model: ModelDescription, problem: Problem, settings: SteadySe
     Raises:
         InputError: with everything that is in its way, by name.
     """
-    faults = [*unfit_for_steady(model, settings.damping), *_size(problem, settings)]
-    held = support_kind(problem)
-    if held is SupportKind.HELD and not settings.driven:
-        name = _label(model, problem.supports.names[0]) if problem.supports.names else model.springs[0].label
+    faults = [*unfit_for_steady(model, settings.formulation, settings.damping), *_size(problem, settings)]
+    if support_kind(problem) is SupportKind.HELD and not settings.driven:
+        held = [_label(model, name) for name in problem.supports.names]
+        joined = [joint.label for joint in model.joints] + [spring.label for spring in model.springs]
+        name = [*held, *joined][0]
         faults.append(
             Fault(
                 settings.measure,
@@ -96,7 +97,16 @@ def require_steady(model: ModelDescription, problem: Problem, settings: SteadySe
 
 
 def _size(problem: Problem, settings: SteadySettings) -> Iterator[Fault]:
-    unknowns = 6 * problem.size + 6 * sum(e.section.size for e in problem.sets)
+    points = 6 * sum(e.section.size for e in problem.sets)
+    unknowns = 6 * problem.size + points
+    springs = 12 * problem.size + points * len(problem.relaxation_times)
+    if problem.relaxing and springs > LARGEST:
+        yield Fault(
+            "rods",
+            f"{springs} unknowns",
+            f"small motions with Maxwell branches have full matrices, for up to {LARGEST} unknowns",
+            "give fewer elements, of higher order, or fewer branches",
+        )
     if settings.formulation == "intrinsic" and unknowns > LARGEST:
         yield Fault(
             "rods",
@@ -115,15 +125,14 @@ def _springs(model: ModelDescription, settings: SteadySettings) -> Iterator[Faul
     totals: dict[tuple[float, ...], tuple[int, Floats]] = {}
     for index, spring in enumerate(model.resolved_springs()):
         label, where = model.springs[index].label, f"springs[{index}]"
+        if spring.a is not None and spring.b is not None:
+            continue  # it turns with the model
         numbers = not any(callable(law) for law in (*spring.stiffness.values(), *spring.damping.values()))
         moves = all(word in MOTIONS[:3] for word in (*spring.stiffness, *spring.damping))
-        grounded = spring.a is None or spring.b is None
         if settings.formulation == "intrinsic":
-            yield Fault(
-                where, label, "the intrinsic formulation has no springs here", "leave out formulation"
-            )
-        elif spring.kind == "line" or not grounded or not moves or not numbers:
-            why = "a steady rotation allows springs and dampers from a place to the ground along ux, uy and uz only"
+            continue  # refused already
+        if spring.kind == "line" or not moves or not numbers:
+            why = "a steady rotation allows springs and dampers to the ground along ux, uy and uz only, with numbers"
             yield Fault(where, label, why, advice)
         elif settings.driven:
             spin, point = np.asarray(settings.spin, dtype=float), spring.at_a

@@ -8,6 +8,7 @@ import numpy as np
 
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.steady.rigid_rotation import spatial_momenta
@@ -28,7 +29,7 @@ class SteadyRotation:
         reaction: global wrenches of the supports ``(supports, 6)``.
         spin: angular velocity [rad/s]; centre: a point on its axis [m]; momentum: angular momentum about it [N m s];
             global axes. body_spin: the angular velocity in the axes of the node at the joint, or of the first node.
-        kinetic, elastic: energies [J].
+        kinetic, elastic: energies [J]; joints: coordinates of joints and springs, None without.
         gap: largest imbalance, as a part of the forces that balance; iterations: of Newton's method.
     """
 
@@ -45,6 +46,7 @@ class SteadyRotation:
     gap: float
     iterations: int
     stability: Stability
+    joints: JointState | None = None
 
 
 def describe_rotation(
@@ -81,4 +83,5 @@ def describe_rotation(
         gap=gap,
         iterations=iterations,
         stability=stability(equations.small_motions(), rate, motions),
+        joints=solver.system.constraints.state() if problem.joints.count else None,
     )

@@ -21,7 +21,7 @@ SAMPLES = 2**15
 """Samples of a Python function over a run; up to half as many are added where it changes most."""
 
 _GAUSS, _WEIGHTS = legendre.leggauss(4)
-"""Within a piece of a table, a cubic: products with polynomials of degree 2, and with itself, are exact."""
+"""Within a piece of a table, a cubic: products with polynomials of degree 4, and with itself, are exact."""
 
 
 class StepContent:
@@ -43,11 +43,11 @@ class StepContent:
         self._nodes = nodes
         self._at_stages = legendre.legvander(2.0 * nodes - 1.0, len(nodes) - 1)
         self._records, self._ends = problem.records, problem.record_ends
-        through = np.concatenate([[0.0], nodes])
-        self._cubic = np.linalg.inv(np.vander(through, increasing=True))
-        powers = np.arange(2 * len(through))
-        slopes = powers * through[:, None] ** np.maximum(powers - 1, 0)
-        self._hermite = np.linalg.inv(np.concatenate([through[:, None] ** powers, slopes]))
+        through = 2.0 * np.concatenate([[0.0], nodes]) - 1.0
+        self._through = np.linalg.inv(legendre.legvander(through, len(nodes)))
+        basis = np.eye(2 * len(through))
+        slopes = 2.0 * legendre.legval(through, legendre.legder(basis)).T
+        self._hermite = np.linalg.inv(np.concatenate([legendre.legval(through, basis).T, slopes]))
         self._functions = {
             number: (function.value, *_scan(function, duration))
             for number, function in problem.functions.items()
@@ -83,7 +83,7 @@ class StepContent:
         for number, (value, times, values) in self._functions.items():
             among = slice(*np.searchsorted(times, [start, end], side="right"))
             if among.start < among.stop:
-                shown = self._cubic @ _values(value, instants)
+                shown = self._through @ _values(value, instants)
                 left = _furthest(shown, (times[among] - start) / h, values[among])
                 if left > 0.0:
                     self.rest[number] = left
@@ -103,7 +103,8 @@ def _values(function: Callable[[float, bool], float], instants: Floats) -> Float
 
 
 def _furthest(polynomial: Floats, places: Floats, values: Floats) -> float:
-    return float(np.abs(np.polynomial.polynomial.polyval(places, polynomial) - values).max())
+    """Return the largest distance of values at ``places`` (0 to 1) from a polynomial, by Legendre's coefficients."""
+    return float(np.abs(legendre.legval(2.0 * places - 1.0, polynomial) - values).max())
 
 
 def _projection(record: TimeTable, start: float, end: float, terms: int) -> tuple[Floats, float]:

@@ -27,6 +27,7 @@ from viscorod.solve.history import Snapshot
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
+from viscorod.solve.linear.stacked_solvers import StackedSolvers
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.problem.imposed_strains import ImposedStrains
 from viscorod.solve.problem.joint_set import JointSet
@@ -53,7 +54,7 @@ UNCHANGED = (
     Problem, ElementSet, SupportSet, Elements, ElementGroup, Discretisation, Pattern, Plan, Tableau, HeldStrains,
     JointSet, LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads,
     LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, StageFactors, StageLoads, SupportMotion, Work,
-    Coefficients, Relation, Solution, GaussPositions, ElementWork, ImposedStrains,
+    Coefficients, Relation, Solution, GaussPositions, ElementWork, ImposedStrains, StackedSolvers,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 

@@ -21,12 +21,13 @@ class Method(NamedTuple):
         make: returns the :class:`~viscorod.solve.transient.integrators.contract.Integrator`:
             ``make(system, supports, **given)``, with the parameters and the tolerance, if there is one.
         title: in messages, such as "the midpoint rule".
-        order: of accuracy in time, of smooth motions.
+        order: of accuracy in time, of smooth motions, with its parameters unless given.
         adaptive: it estimates its error, so that steps can follow a tolerance.
         tolerance: unless given; None: steps are equal without one.
         formulations: which ones it integrates.
         velocity_supports: it holds velocities along moving axes.
         parameters: settings that are its own, with their values unless given.
+        finer: other values of these from a given tolerance downwards, and that tolerance.
         make_linear: as ``make``, for linear dynamics; None: it has nonlinear dynamics only.
     """
 
@@ -38,7 +39,13 @@ class Method(NamedTuple):
     formulations: tuple[str, ...] = ("geometric", "intrinsic")
     velocity_supports: bool = True
     parameters: Mapping[str, float] = MappingProxyType({})
+    finer: tuple[float, Mapping[str, float]] = (0.0, MappingProxyType({}))
     make_linear: Callable[..., Integrator] | None = None
+
+    def order_with(self, parameters: Mapping[str, float]) -> int:
+        """Return the order with other values of its parameters."""
+        stages = parameters.get("stages")
+        return self.order if stages is None else 2 * int(stages) - 1
 
 
 INTEGRATORS: dict[str, Method] = {
@@ -48,6 +55,8 @@ INTEGRATORS: dict[str, Method] = {
         order=5,
         adaptive=True,
         tolerance=1e-4,
+        parameters={"stages": 3},
+        finer=(1e-6, {"stages": 5}),
         make_linear=deferred("transient.integrators.linear_motion:linear_radau"),
     ),
     "generalized_alpha": Method(

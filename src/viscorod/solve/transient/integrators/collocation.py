@@ -18,6 +18,7 @@ from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.nodes import inertia
 from viscorod.solve.constraints.projection import start_consistently
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.dashpot_memory import at_points
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
 from viscorod.solve.problem.imposed_strains import Imposed
@@ -247,7 +248,11 @@ class Collocation:
         snapshot = self.recorder.snapshot
         if self.dashpots is not None:
             power = self.dashpots.memory.power(self.dashpots.memory.strain)
-            snapshot = snapshot._replace(branch_power=power.ravel()[self.system.gauss_indices()])
+            places, memory = self.system.gauss_indices(), self.dashpots.memory
+            snapshot = snapshot._replace(
+                branch_power=power.ravel()[places],
+                branch_strain=at_points(memory.strain - memory.dashpot, places),
+            )
         if self.stage_constraints is None or self._factor_step == 0.0:
             return snapshot
         self.system.constraints.update(self.t, True)  # states between may have been computed
@@ -260,10 +265,13 @@ class Collocation:
         )
         if self.dashpots is None:
             return records
-        powers = self.dashpots.power_between(parts).reshape(len(parts), -1)[:, self.system.gauss_indices()]
+        places = self.system.gauss_indices()
+        found = self.dashpots.springs_between(parts)
+        powers = [self.dashpots.memory.power_of(spring).ravel()[places] for spring in found]
+        springs = at_points(found, places)
         return [
-            (snapshot._replace(branch_power=power), work, loss)
-            for (snapshot, work, loss), power in zip(records, powers, strict=True)
+            (snapshot._replace(branch_power=power, branch_strain=spring), work, loss)
+            for (snapshot, work, loss), power, spring in zip(records, powers, springs, strict=True)
         ]
 
     @property

@@ -1,7 +1,7 @@
 """A collocation step in one compiled call: place, respond, hold, load, balance, solve, move, judge, estimate, account.
 
 The stages of a step are coupled (see ``stage_kernels`` for their equations). An iteration places all nodes, lets the
-material respond, holds joints, loads, and balances; the imbalance goes through the two linear systems of the method
+material respond, holds joints, loads, and balances; the imbalance goes through the linear systems of the method
 into changes of all stages, which move the nodes and carry the stresses along (simplified Newton iteration, Hairer and
 Wanner 1996, IV.8; stresses as iterates of their own, see ``collocation``). The last evaluation, with the stresses that
 belong to the poses, is the step.
@@ -40,7 +40,7 @@ from viscorod.mechanics.joints.joint_forces import add_frozen_springs, carry_spr
 from viscorod.mechanics.nodes.inertia import balance
 from viscorod.mechanics.nodes.support_rows import in_body, lacking_motion, support_directions
 from viscorod.mechanics.rotations.nodal_motion import move_stages, place_stages
-from viscorod.solve.linear.substitution import solve
+from viscorod.solve.linear.substitution import solve, solve_each
 from viscorod.solve.transient.integrators.constraint_arrays import (
     GAP,
     ConstraintArrays,
@@ -51,7 +51,7 @@ from viscorod.solve.transient.integrators.constraint_arrays import (
     move_multipliers,
 )
 from viscorod.solve.transient.integrators.iteration_verdict import CONVERGED, GOING, SLOW, judge
-from viscorod.solve.transient.integrators.midpoint_end import hold_ends, place_end
+from viscorod.solve.transient.integrators.midpoint_end import hold_ends, place_end, strains_at_end
 from viscorod.solve.transient.integrators.stage_data import (
     Discretisation,
     Ends,
@@ -252,6 +252,8 @@ def respond(
     if ends is not None and strains is None:
         conserve(elements, h, points, work, ends, branches)
     if links is not None:
+        if ends is not None and strains is not None:
+            strains_at_end(strains.start, points.strain, ends.strain)
         keep_stress(links.held, points.stress, points.section_force)
 
 
@@ -379,12 +381,11 @@ def solve_stages(
 ) -> tuple[float, int]:
     """Solve for the changes of all stages, which take the place of the residual; return the largest and its unknown."""
     residual = stages.residual
-    to_modes(residual, method.to_modes, factors.real_rows, factors.complex_rows, work.real, work.complex)
+    to_modes(residual, method.to_modes, factors.real_rows, factors.pair_rows, work.real, work.pairs)
     solve(factors.real, work.real)
-    if stages.X.shape[0] > 1:
-        solve(factors.complex, work.complex)
+    solve_each(factors.pairs, work.pairs)
     return to_changes(
-        work.real, work.complex, method.to_stages, factors.scales, body.held, body.length, residual
+        work.real, work.pairs, method.to_stages, factors.scales, body.held, body.length, residual
     )
 
 

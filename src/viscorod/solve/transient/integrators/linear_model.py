@@ -7,6 +7,10 @@ With nodal displacements ``xi`` along the body axes of that state (``r_t = T v``
 
 where ``F`` are the loads as they act at that state. The energy is ``W_0 + F_0 . xi + xi.K xi/2 + xi'.M xi'/2``. A part
 of ``K`` that is not symmetric (following loads) does work from outside.
+
+Springs and their dampers are part of ``K`` and ``C``. Joints and held strains are conditions ``G xi = 0``: motions are
+sought in a basis of what they allow, and their forces follow from what the balance lacks. Maxwell branches are relaxed
+in the state; their forces act as elastic ones do, ``B^T C_j (B xi - alpha_j)``.
 """
 
 from __future__ import annotations
@@ -23,10 +27,15 @@ from viscorod.solve.formulations.element_forces import GeometricForces, Intrinsi
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
 from viscorod.solve.linear.block_diagonal import block_diagonal
-from viscorod.solve.modes.vibrations import Linearisation
+from viscorod.solve.modes.linearisation import Linearisation, factored
+from viscorod.solve.transient.integrators.linear_branches import LinearBranches
+from viscorod.solve.transient.integrators.linear_conditions import LinearConditions
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Matrices
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
+
+NO_BRANCHES = np.zeros((0, 0))
+"""Dashpot strains of a model without Maxwell branches."""
 
 
 class LinearModel:
@@ -45,45 +54,66 @@ class LinearModel:
     def __init__(self, system: System, supports: SupportState, t: float, state: State) -> None:
         n = len(state.twist)
         self.system, self.supports = system, supports
-        self.base = State(state.r.copy(), state.q.copy(), np.zeros((n, 6)))
+        self.base = State(state.r.copy(), state.q.copy(), np.zeros((n, 6)), state.multiplier.copy())
         self.body = body = Discretisation.of(system.problem, system.elements(), supports)
         self.unit = np.tile([body.length] * 3 + [1.0] * 3, n)
         self.actions = StepActions(system, supports, body, 1)
         self._places = system.gauss_indices()
-        points, internal = GaussStates.of(body.elements, 1), np.zeros((n, 6))
+        carried = len(system.problem.held.place) > 0 or system.problem.relaxing
+        points, internal = GaussStates.of(body.elements, 1, carried=carried), np.zeros((n, 6))
+        system.constraints.update(t, True)
+        if system.relaxation is not None:
+            system.relaxation.known = False
         GeometricForces(system, body.elements).evaluate(self.base, points, internal)
+        system.constraints.add_forces(self.base, internal)
         self._force, self._strain = internal.ravel().copy(), points.strain[0].copy()
         self._forces = IntrinsicForces(system, body.elements, 1, linearised=True)
         elastic, unused = np.zeros((2, 1))
         energies(body.elements, points.strain, np.zeros_like(points.strain), elastic, unused)
-        self._energy = float(elastic[0])
-        self._load_stiffness, self._load_damping = np.zeros((2, *system.matrix.blocks.shape))
+        self._energy = float(elastic[0]) + system.constraints.energy
+        self._load_stiffness, self._load_damping, self._damper_blocks = np.zeros(
+            (3, *system.matrix.blocks.shape)
+        )
         ad, derivatives = np.zeros((n, 6, 6)), (self._load_stiffness, self._load_damping)
         self.actions.add_load_stiffness(t, self.base, ad, *derivatives, before=True)
         if not internal.any():
             self._load_stiffness.fill(0.0)
-        self._drag = self._sparse(self._load_damping)
+        if system.problem.joints.count:
+            system.constraints.add_tangent(
+                self.base, ad, self._load_stiffness, self._damper_blocks, moving=True, held=None
+            )
+        self._drag, self._dampers = self._sparse(self._load_damping), self._sparse(self._damper_blocks)
         self.mass = block_diagonal(body.mass)
         self.reduced = self._reduce(self._matrices(self._strain, points.section_force[0], body.elements))
         self._separate(self._strain, points.section_force[0])
+        self.branches: LinearBranches | None = None
+        if system.relaxation is not None:
+            self.branches = LinearBranches(system.relaxation, body.elements, self._B, self.reduced.basis)
 
     def _reduce(self, matrices: Matrices) -> Linearisation:
-        """Return the matrices of the motions that the supports leave free."""
+        """Return the matrices of the motions that supports, joints and held strains leave free."""
         self.system.matrix.blocks[:] = matrices.K
         residual = self._force.reshape(-1, 6).copy()
         stiffness, basis = self.supports.reduce_tangent(self.base, residual, self.system.matrix)
         damping, mass = (
             sparse.csr_array(basis.T @ matrix @ basis) for matrix in (self._sparse(matrices.C), self.mass)
         )
-        return Linearisation(stiffness, damping, mass, basis, None)
+        self.conditions: LinearConditions | None = None
+        if not self.system.problem.constrained:
+            return Linearisation(stiffness, damping, mass, basis, None)
+        held = (self.body.elements.order, matrices.operators.strain)
+        rows = held if len(self.system.problem.held.place) else None
+        self.conditions = LinearConditions(self.system.constraints, self.base, rows, basis)
+        return Linearisation(stiffness, damping, mass, basis, self.conditions.conditions).unconditional()
 
     def _sparse(self, blocks: Floats) -> sparse.csr_array:
-        return sparse.csr_array(self.body.pattern.sparse(blocks))
+        size = 6 * len(self.body.mass)  # multipliers come after the nodes
+        return sparse.csr_array(self.body.pattern.sparse(blocks)[:size, :size])
 
     def _matrices(self, strain: Floats, section_force: Floats, elements: Elements) -> Matrices:
         """Return operators, stiffness and damping matrix at rest (those of the loads too), not projected."""
         matrices = Matrices.of(self.body)
-        matrices.K[:], matrices.C[:] = self._load_stiffness, self._load_damping
+        matrices.K[:], matrices.C[:] = self._load_stiffness, self._load_damping + self._damper_blocks
         still = np.zeros_like(section_force)
         linearise_intrinsic(
             elements,
@@ -136,53 +166,96 @@ class LinearModel:
         self.actions.add_loads(t, self.base, external, before=before, given=means)
         return external.ravel()
 
-    def internal(self, xi: Floats, x: Floats) -> Floats:
-        """Return ``F_0 + K xi + C xi'``."""
-        stiff = self._B.T @ (self._weighted_stiffness @ (self._B @ xi))
+    def internal(self, xi: Floats, x: Floats, dashpot: Floats = NO_BRANCHES) -> Floats:
+        """Return ``F_0 + K xi + C xi'`` with the forces of branches at dashpot strains ``(n, m)``."""
+        strain = self._B @ xi
+        sections = self._weighted_stiffness @ strain
+        if self.branches is not None:
+            sections = sections + self.branches.force(strain, dashpot)
         soft = self._rest @ xi + self._skew @ xi
-        return np.asarray(self._force + stiff + soft + self.damping(x))
+        return np.asarray(self._force + self._B.T @ sections + soft + self.damping(x))
+
+    def strains(self, xi: Floats) -> Floats:
+        """Return the change of all strains ``(m,)``."""
+        return np.asarray(self._B @ xi)
+
+    def nodal(self, sections: Floats) -> Floats:
+        """Return the forces on the nodes ``(6 n,)`` of weighted section forces ``(m,)``."""
+        return np.asarray(self._B.T @ sections)
 
     def damping(self, x: Floats) -> Floats:
         """Return ``C x``."""
-        return np.asarray(self._B0.T @ (self._weighted_damping @ (self._B0 @ x)) + self._drag @ x)
+        viscous = self._B0.T @ (self._weighted_damping @ (self._B0 @ x))
+        return np.asarray(viscous + self._drag @ x + self._dampers @ x)
 
     def power(self, xi: Floats, x: Floats, load: Floats) -> tuple[float, float, float]:
-        """Return the power of loads, and what viscosity and loads that see motion dissipate [W]."""
+        """Return the power of loads, and what viscosity (not branches) and loads that see motion dissipate [W]."""
         rate = self._B0 @ x
-        viscous = float(rate @ (self._weighted_damping @ rate))
+        viscous = float(rate @ (self._weighted_damping @ rate)) + float(x @ (self._dampers @ x))
         return float(x @ load - x @ (self._skew @ xi)), viscous, float(x @ (self._drag @ x))
+
+    def allowed(self, x: Floats) -> Floats:
+        """Return the velocities ``(6 n,)`` nearest to given ones that joints and held strains allow."""
+        if self.conditions is None or self.conditions.conditions is None:
+            return x
+        return self._pushed(self.mass @ x)
+
+    def acceleration(self, force: Floats) -> Floats:
+        """Return how forces ``(6 n,)`` accelerate the nodes, on which forces of conditions depend; else 0."""
+        if self.conditions is None or self.conditions.conditions is None:
+            return np.zeros_like(force)
+        return self._pushed(force)
+
+    def _pushed(self, momentum: Floats) -> Floats:
+        """Return the motion within the conditions that has a momentum ``(6 n,)``."""
+        basis = self.reduced.basis
+        return np.asarray(basis @ factored(self.reduced.mass).solve(basis.T @ momentum))
 
     def kinetic(self, x: Floats) -> float:
         """Return the kinetic energy [J]."""
         return 0.5 * float(x @ (self.mass @ x))
 
-    def elastic(self, xi: Floats) -> float:
+    def elastic(self, xi: Floats, dashpot: Floats = NO_BRANCHES) -> float:
         """Return the elastic energy [J], that of the state it is linear about included."""
         strain = self._B @ xi
         second = strain @ (self._weighted_stiffness @ strain) + xi @ (self._rest @ xi)
-        return self._energy + float(self._force @ xi + 0.5 * second)
+        stored = 0.0 if self.branches is None else self.branches.energy(strain, dashpot)
+        return self._energy + float(self._force @ xi + 0.5 * second) + stored
 
     def state(self, xi: Floats, x: Floats) -> State:
         """Return poses and twists: positions are linear in the displacements, rotations made of rotation vectors."""
         n = len(self.base.r)
         moved, increment = xi.reshape(n, 6), np.zeros((n, 6))
         increment[:, 3:] = moved[:, 3:]
-        state = State(np.empty((n, 3)), np.empty((n, 4)), x.reshape(n, 6).copy())
+        state = State(np.empty((n, 3)), np.empty((n, 4)), x.reshape(n, 6).copy(), self.base.multiplier.copy())
         retract(self.base.r, self.base.q, increment, state.r, state.q)
         state.r[:] = self.base.r + rotated(self.base.q, moved[:, :3])
         return state
 
-    def snapshot(self, xi: Floats, x: Floats, acceleration: Floats, load: Floats) -> Snapshot:
-        """Return everything about a state with given accelerations and loads ``(6 n,)``."""
-        state = self.state(xi, x)
+    def snapshot(
+        self, xi: Floats, x: Floats, acceleration: Floats, load: Floats, dashpot: Floats = NO_BRANCHES
+    ) -> Snapshot:
+        """Return everything about a state with given accelerations and loads ``(6 n,)`` and dashpot strains."""
+        state, joints = self.state(xi, x), None
+        left = self.internal(xi, x, dashpot) + self.mass @ acceleration - load
+        if self.conditions is not None:
+            left, state.multiplier = self.conditions.balanced(left)
+            joints = self.conditions.joints(xi, x, state.multiplier)
+        residual = left.reshape(-1, 6)
         points, unused = GaussStates.of(self.body.elements, 1), np.zeros_like(state.twist)
         self._forces.set_strains(self._strain + (self._B @ xi).reshape(self._strain.shape))
+        if self.branches is not None:
+            self.branches.remember(dashpot)
         self._forces.evaluate(state, points, unused)
-        residual = (self.internal(xi, x) + self.mass @ acceleration - load).reshape(-1, 6)
         self.supports.impose(self.base, residual, self.system.matrix, tangent=False)
         strain, rate, force = (field[0].reshape(-1, 6)[self._places] for field in points[:3])
         reactions = self.supports.global_reactions(self.base)
-        return Snapshot(state, strain, rate, force, reactions, self.kinetic(x), self.elastic(xi))
+        energies_ = self.kinetic(x), self.elastic(xi, dashpot)
+        found = Snapshot(state, strain, rate, force, reactions, *energies_, joints)
+        if self.branches is None:
+            return found
+        power = self.branches.memory.power(points.strain[0])
+        return found._replace(branch_power=power.ravel()[self._places])
 
 
 def _operator(blocks: Floats, elements: Elements, nodes: int) -> sparse.csr_array:

@@ -13,7 +13,7 @@ from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.contract import StepReport
 from viscorod.solve.transient.integrators.linear_model import LinearModel
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
-from viscorod.solve.transient.integrators.tableau import MIDPOINT, RADAU, Tableau
+from viscorod.solve.transient.integrators.tableau import MIDPOINT, Tableau, radau
 from viscorod.solve.transient.load_content import StepContent
 from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
 from viscorod.solve.transient.time_step import first_time_step
@@ -21,9 +21,6 @@ from viscorod.typing import Floats
 
 SWEEPS = 3
 """Solutions with the same factors per step."""
-
-RECORDS = 4
-"""States per step that draw the motion smoothly."""
 
 
 class LinearMotion:
@@ -40,12 +37,10 @@ class LinearMotion:
     step_factor = 2.0
     """Error that a step may have by its estimate, over the tolerance, as for nonlinear motions."""
 
-    estimate_order = 3
-
     looks_within = True
 
     drift = 0.0, 0.0
-    """There are no joints in linear motions."""
+    """Linear conditions are fulfilled to round-off."""
 
     def __init__(
         self,
@@ -57,6 +52,7 @@ class LinearMotion:
         self.system, self.supports, self.tableau = system, supports, tableau
         self.tolerance = GivenTolerance(tolerance) if isinstance(tolerance, float) else tolerance
         problem, stages = system.problem, len(tableau.nodes)
+        self.estimate_order = stages
         self.t = 0.0
         self.state = State.reference(problem)
         self.kinetic = self.elastic = self.work = self.loss = self.outside = self.actuator = 0.0
@@ -67,11 +63,17 @@ class LinearMotion:
         self._now = np.zeros((2, 6 * problem.size))  # displacements and velocities at t
         self._stages = np.zeros((2, stages, 6 * problem.size))
         self._powers = np.zeros((stages, 3))
+        branches = 0 if system.relaxation is None else len(system.relaxation.times)
+        points = system.elements().reference.size if branches else 0
+        # strains of dashpots at t, at the start of the last step, at its stages; what they dissipate there
+        self._dashpot, self._earlier = np.zeros((2, branches, points))
+        self._dashpots = np.zeros((stages, branches, points))
+        self._branch_powers = np.zeros((stages, branches))
 
     @property
     def records(self) -> int:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return RECORDS if self._last else 1
+        return self._last + 2 if self._last else 1
 
     @property
     def strain(self) -> float:
@@ -97,9 +99,10 @@ class LinearMotion:
             self._now[1] = state.twist.ravel()
             held = self.supports.set.nodes[self.supports.complete]
             self._now[1].reshape(-1, 6)[held] = 0.0
+            self._now[1] = self.body.allowed(self._now[1])
         self._load = self.body.loads(t, False)
         self.evaluations += 1
-        self._set_state(self._now, np.zeros_like(self._load))
+        self._set_state(self._now, self.body.acceleration(self._imbalance().ravel()))
         if self.tolerance is not None:
             self.tolerance.begin(t, self.state, self._imbalance())
 
@@ -112,7 +115,11 @@ class LinearMotion:
 
     def _imbalance(self) -> Floats:
         """Return what accelerates the nodes ``(n, 6)``."""
-        return (self._load - self.body.internal(*self._now)).reshape(-1, 6)
+        return (self._load - self._internal_now()).reshape(-1, 6)
+
+    def _internal_now(self) -> Floats:
+        """Return the internal forces at t ``(6 n,)``."""
+        return self.body.internal(self._now[0], self._now[1], self._dashpot)
 
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -131,19 +138,23 @@ class LinearMotion:
         for _ in range(SWEEPS):  # the first solves, the others remove the rounding errors of stiff terms
             rates = D @ changes
             residual = D @ (rates - x) @ body.mass - self._stage_loads
-            residual += [body.internal(xi + c, r) for c, r in zip(changes, rates, strict=True)]
+            dashpots = self._at_stages(D, xi + changes)
+            residual += [
+                body.internal(xi + c, r, d) for c, r, d in zip(changes, rates, dashpots, strict=True)
+            ]
             modes = -(tableau.to_modes @ residual @ basis)
             change = np.empty_like(modes)
             change[0] = self._real.solve(modes[0])
-            if last:
-                pair = self._pair.solve(modes[1] + 1j * modes[2])
-                change[1], change[2] = pair.real, pair.imag
+            for m, pair in enumerate(self._pairs):
+                solution = pair.solve(modes[2 * m + 1] + 1j * modes[2 * m + 2])
+                change[2 * m + 1], change[2 * m + 2] = solution.real, solution.imag
             correction = (tableau.to_stages @ change) @ basis.T
             changes += correction
             size = float(np.abs(correction / body.unit).max())
             if not size < np.inf:
                 return StepReport(Outcome.NOT_FINITE, 1, 0.0, 0.0, 0)
         self._stages[0], self._stages[1] = xi + changes, D @ changes
+        self._dashpots = self._at_stages(D, self._stages[0])
         self._end = end
         report = StepReport(Outcome.CONVERGED, SWEEPS, size, 0.0, 0)
         if self.tolerance is None:
@@ -154,12 +165,23 @@ class LinearMotion:
         allowed = self.step_factor * self.tolerance.at(end, reached)
         return report._replace(error=float(error.max()) / allowed, node=node, component=component)
 
+    def _at_stages(self, D: Floats, xi: Floats) -> Floats:
+        """Return the strains of the dashpots at the stages of a step with displacements ``(s, 6 n)``."""
+        body = self.body
+        if body.branches is None:
+            return self._dashpots
+        return body.branches.at_stages(D, np.array([body.strains(one) for one in xi]), self._dashpot)
+
     def _error(self, h: float, changes: Floats) -> Floats:
         """Return estimated errors ``(6 n,)``: displacements over model length, rotations (see ``step_error``)."""
         tableau, body, x = self.tableau, self.body, self._now[1]
         p = x + tableau.error @ changes / h
         v = tableau.error @ (self._stages[1] - x) / h + tableau.real / h * p
-        side = self._load - body.internal(*self._now) + body.mass @ v + body.damping(p)
+        side = self._load - self._internal_now() + body.mass @ v + body.damping(p)
+        if body.branches is not None:
+            rates = body.branches.rates(body.strains(self._now[0]), self._dashpot)
+            rates = rates + np.tensordot(tableau.error / h, self._dashpots - self._dashpot, 1)
+            side = side + body.nodal(body.branches.unfinished(tableau.real / h, rates))
         basis = body.reduced.basis
         return np.asarray(np.abs(basis @ self._real.solve(basis.T @ side)) / body.unit)
 
@@ -182,6 +204,16 @@ class LinearMotion:
         self._powers = np.array(
             [body.power(xi, x, load) for xi, x, load in zip(*self._stages, self._stage_loads, strict=True)]
         )
+        self._earlier = self._dashpot
+        if body.branches is not None:
+            self._branch_powers = np.array(
+                [
+                    body.branches.powers(body.strains(xi), d)
+                    for xi, d in zip(self._stages[0], self._dashpots, strict=True)
+                ]
+            )
+            self._powers[:, 1] += self._branch_powers.sum(axis=1)
+            self._dashpot = self._dashpots[last] if last else 2.0 * self._dashpots[0] - self._dashpot
         self.work, self.loss, self.outside = (h * (tableau.weights @ self._powers)).tolist()
         end = self._stages[:, last].copy() if last else 2.0 * self._stages[:, 0] - self._now
         self._before, self._rates = self._now, rates
@@ -197,8 +229,8 @@ class LinearMotion:
 
     @property
     def branch_loss(self) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: there are no Maxwell branches."""
-        return np.zeros(0)
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return np.asarray(self._step * (self.tableau.weights @ self._branch_powers))
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: the next step factorises."""
@@ -206,7 +238,7 @@ class LinearMotion:
 
     def branch_losses(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return np.zeros((len(parts), 0))
+        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self._branch_powers)
 
     def outside_until(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -219,15 +251,24 @@ class LinearMotion:
     def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`.
 
-        Displacements are polynomials of degree 5 through both ends, with velocities and accelerations.
+        Displacements are polynomials of degree 5 through both ends, with velocities and accelerations, corrected
+        towards the stages if they are many.
         """
-        h, found, loss = self._step, [], 0.0
-        totals = h * self.tableau.partial_weights(parts) @ self._powers
-        for part, (work, lost, _) in zip(parts, totals, strict=True):
-            xi, x, a = _quintic(float(part), h, self._before, self._now, self._rates)
+        h, found, loss, tableau = self._step, [], 0.0, self.tableau
+        totals = h * tableau.partial_weights(parts) @ self._powers
+        ends = h, self._before, self._now, self._rates
+        missed = [
+            self._stages[:, i] - _quintic(float(c), *ends)[:2] for i, c in enumerate(tableau.exact_inside)
+        ]
+        weights, change = tableau.polynomials(parts), self._dashpots - self._earlier
+        dashpots = self._earlier + np.tensordot(weights, change, 1)
+        for part, own, dashpot, (work, lost, _) in zip(parts, weights, dashpots, totals, strict=True):
+            xi, x, a = _quintic(float(part), *ends)
+            for weight, (shift, speed) in zip(own, missed, strict=False):
+                xi, x = xi + weight * shift, x + weight * speed
             load = self.body.loads(self.t - (1.0 - float(part)) * h, False)
             loss = max(loss, min(float(lost), self.loss))  # interpolation must not give energy back
-            found.append((self.body.snapshot(xi, x, a, load), float(work), loss))
+            found.append((self.body.snapshot(xi, x, a, load, dashpot), float(work), loss))
         return found
 
     @property
@@ -246,21 +287,24 @@ class LinearMotion:
 
     def _set_state(self, now: Floats, acceleration: Floats) -> None:
         self._now = now
-        self._snapshot = self.body.snapshot(now[0], now[1], acceleration, self._load)
+        self._snapshot = self.body.snapshot(now[0], now[1], acceleration, self._load, self._dashpot)
         self.state = self._snapshot.state
         self.kinetic, self.elastic = self._snapshot.kinetic, self._snapshot.elastic
 
     def _factorise(self, h: float) -> bool:
         reduced = self.body.reduced
-        K, C, M = reduced.stiffness, reduced.damping, reduced.mass
+        K, C, M, branches = reduced.stiffness, reduced.damping, reduced.mass, self.body.branches
+
+        def matrix(mu: complex) -> sparse.csc_array:
+            whole = K + mu * C + mu**2 * M
+            return sparse.csc_array(whole if branches is None else whole + branches.added(mu))
+
         self._factor_step = h
         self.factorisations += 1
         mu = self.tableau.real / h
         try:
-            self._real = spla.splu(sparse.csc_array(K + mu * C + mu**2 * M))
-            if self._last:
-                pair = self.tableau.pair / h
-                self._pair = spla.splu(sparse.csc_array(K + pair * C + pair**2 * M))
+            self._real = spla.splu(matrix(mu))
+            self._pairs = [spla.splu(matrix(pair)) for pair in self.tableau.pairs / h]
         except RuntimeError:  # exactly singular
             return False
         return True
@@ -283,9 +327,11 @@ def _quintic(
     return xi, x, a
 
 
-def linear_radau(system: System, supports: SupportState, *, tolerance: float | Tolerance) -> LinearMotion:
-    """Return Radau IIA of order 5 with error control."""
-    return LinearMotion(system, supports, RADAU, tolerance)
+def linear_radau(
+    system: System, supports: SupportState, *, tolerance: float | Tolerance, stages: int = 3
+) -> LinearMotion:
+    """Return Radau IIA with error control."""
+    return LinearMotion(system, supports, radau(stages), tolerance)
 
 
 def linear_midpoint(system: System, supports: SupportState) -> LinearMotion:

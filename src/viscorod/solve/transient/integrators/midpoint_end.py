@@ -42,6 +42,15 @@ def place_end(
 
 
 @part
+def strains_at_end(start: Floats, middle: Floats, end: Floats) -> None:
+    """Write the strains at the end of a step ``(1, e, points, 6)`` from those at its start and in its middle."""
+    for e in range(start.shape[0]):
+        for g in range(start.shape[1]):
+            for a in range(6):
+                end[0, e, g, a] = 2.0 * middle[0, e, g, a] - start[e, g, a]
+
+
+@part
 def hold_ends(
     supports: SupportedNodes,
     target: Floats,

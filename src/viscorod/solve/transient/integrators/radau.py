@@ -1,4 +1,4 @@
-"""Radau IIA with three stages, steps that follow an error estimate."""
+"""Radau IIA, steps that follow an error estimate."""
 
 from __future__ import annotations
 
@@ -8,26 +8,27 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.collocation_step import largest_turn
-from viscorod.solve.transient.integrators.tableau import RADAU
+from viscorod.solve.transient.integrators.tableau import radau
 from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
 
 LEAST_CHANGE = 1e-13
 """Change of a pose (over the length, or in rad) below which rounding decides."""
 
-RECORDS = 4
-"""States recorded per step, so that what is drawn between them is smooth."""
-
 TURN_OF_RECORD = 0.25
-"""Rotation [rad] from record to record, if that takes more."""
+"""Rotation [rad] from record to record, if that takes more states than one above the stages."""
 
 
 class Radau(Collocation):
-    """Radau IIA with three stages: order 5, L-stable, stiffly accurate, with an error estimate.
+    """Radau IIA: order 2 s - 1 with s stages, L-stable, stiffly accurate, with an error estimate.
 
     Args:
         system, supports: the model.
         tolerance: wanted accuracy of the motion: displacement over model length, rotation in rad; a number, or one that
             follows the motion.
+        stages: their odd number.
+
+    Attributes:
+        estimate_order: of the embedded method that steps are compared with: the number of stages.
     """
 
     step_factor = 2.0
@@ -36,18 +37,18 @@ class Radau(Collocation):
     newton_factor, newton_power = 3e-3, 1.25
     """Error left by the iteration is ``factor tolerance^power``: it changes velocities, which free motion adds up."""
 
-    estimate_order = 3
-    """Of the estimate; the method itself is of order 5."""
-
     half_iteration = 0.03
     """Tolerance of the iteration in steps that are computed again, over that of the run."""
 
     largest_turn = 2.0
     """Rotation [rad] that a node may make in one step: coordinates of rotations are good to half a turn."""
 
-    def __init__(self, system: System, supports: SupportState, *, tolerance: float | Tolerance) -> None:
+    def __init__(
+        self, system: System, supports: SupportState, *, tolerance: float | Tolerance, stages: int = 3
+    ) -> None:
         self.tolerance = GivenTolerance(tolerance) if isinstance(tolerance, float) else tolerance
-        super().__init__(system, supports, RADAU, self._newton_tolerance())
+        self.estimate_order = stages
+        super().__init__(system, supports, radau(stages), self._newton_tolerance())
         self._turn = 0.0
 
     def _newton_tolerance(self) -> float:
@@ -83,4 +84,5 @@ class Radau(Collocation):
     @property
     def records(self) -> int:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return min(max(RECORDS, int(np.ceil(self._turn / TURN_OF_RECORD))), 4 * RECORDS)
+        least = self._last + 2
+        return min(max(least, int(np.ceil(self._turn / TURN_OF_RECORD))), 4 * least)

@@ -230,6 +230,12 @@ class Between(NamedTuple):
             np.empty((3, count)),
         )
 
+    def first(self, count: int) -> Between:
+        """Return what it has of the first ``count`` parts, with fields and energies that are not written yet."""
+        (_, _, points, _), (_, supports, _) = self.fields.points.shape, self.fields.reactions.shape
+        fresh = Between.of(count, self.r.shape[1], points, supports)
+        return fresh._replace(r=self.r[:count], q=self.q[:count], twist=self.twist[:count])
+
 
 @part
 def start_rates(method: Tableau, h: float, stages: Floats, twist: Floats, out: Floats) -> None:

@@ -158,9 +158,11 @@ class StageConstraints:
         weights = self.tableau.polynomials(parts)
         forces = self._earlier + weights @ (exerted - self._earlier)
         found = []
+        constraints.between_steps = True
         for state, force, t in zip(states, forces, times, strict=True):
             constraints.update(t)
             self.drift = max(self.drift[0], close_gaps(constraints, state, solve)), self.drift[1]
             value, rate, _ = constraints.measure(state)
             found.append(constraints.state_of(value, rate, force))
+        constraints.between_steps = False
         return found

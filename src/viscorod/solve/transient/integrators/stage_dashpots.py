@@ -26,7 +26,7 @@ class StageDashpots:
         self.memory, self.body, self.tableau = memory, body, tableau
         self.step = MaxwellArrays.of(body.elements, memory.times, memory.branches, len(tableau.nodes))
         self._length = 0.0
-        self._start_power: Floats
+        self._start_spring: Floats
 
     def prepare(self, h: float) -> None:
         """Write what the compiled step needs for a step of ``h`` [s] from the last accepted instant."""
@@ -54,7 +54,7 @@ class StageDashpots:
     def end_step(self, strain: Floats) -> None:
         """Take the end of the step, where the last stage has led; ``strain (s, e, points, 6)``."""
         step, memory = self.step, self.memory
-        self._start_power = memory.power(memory.strain)
+        self._start_spring = memory.strain - memory.dashpot
         found = strain[-1] - step.spring[-1]
         if len(self.tableau.nodes) > 1:
             memory.dashpot[:], memory.strain[:] = found, strain[-1]
@@ -70,9 +70,8 @@ class StageDashpots:
         """Return the energy that the branches dissipated up to ``parts (k,)`` of the last step ``(k, n)`` [J]."""
         return np.asarray(self._length * self.tableau.partial_weights(parts) @ self.step.power)
 
-    def power_between(self, parts: Floats) -> Floats:
-        """Return the power lost per length ``(k, e, points)`` [W/m] at ``parts (k,)`` of the last step."""
-        start = self._start_power
-        stages = np.array([self.memory.power_of(spring) for spring in self.step.spring])
-        found = start + np.einsum("ks,seg->keg", self.tableau.polynomials(parts), stages - start)
-        return np.asarray(np.maximum(found, 0.0))  # interpolation must not give energy back
+    def springs_between(self, parts: Floats) -> Floats:
+        """Return the strains of the springs ``(k, n, e, points, 6)`` at ``parts (k,)`` of the last step."""
+        start = self._start_spring
+        weights = self.tableau.polynomials(parts)
+        return np.asarray(start + np.einsum("ks,snegc->knegc", weights, self.step.spring - start))

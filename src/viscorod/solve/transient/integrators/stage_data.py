@@ -309,24 +309,27 @@ class Matrices(NamedTuple):
 
 
 class StageFactors(NamedTuple):
-    """Factors of the real and the complex matrix; scales ``(6 N,)`` of their rows and of the unknowns."""
+    """Factors of the real matrix, and of the complex ones as a stack; scales of their rows and of the unknowns.
+
+    Scales are ``(6 N,)``, those of the rows of the complex matrices ``(p, 6 N)``.
+    """
 
     real: MatrixFactors
-    complex: MatrixFactors
+    pairs: MatrixFactors
     real_rows: Floats
-    complex_rows: Floats
+    pair_rows: Floats
     scales: Floats
 
 
 class Work(NamedTuple):
-    """Scratch: one element; right sides ``(6 N,)``; rates of all stages; nodal vectors ``(n, 6)``; blocks of no matrix.
+    """Scratch: one element; rates of all stages; nodal vectors ``(n, 6)``; blocks of no matrix.
 
-    ``directions`` are those of the supports; ``square (6, 6)``.
+    ``real (6 N,)`` and ``pairs (p, 6 N)`` are right sides, ``directions`` those of the supports; ``square (6, 6)``.
     """
 
     element: ElementWork
     real: Floats
-    complex: Floats
+    pairs: Floats
     rates: Floats
     rate: Floats
     vector: Floats
@@ -343,7 +346,7 @@ class Work(NamedTuple):
         return cls(
             element=ElementWork.of(body.elements.nodes.shape[1] - 1),
             real=np.zeros(6 * body.pattern.size),
-            complex=np.zeros(6 * body.pattern.size, dtype=complex),
+            pairs=np.zeros((stages // 2, 6 * body.pattern.size), dtype=complex),
             rates=np.zeros((stages, n, 6)),
             rate=np.zeros((n, 6)),
             vector=np.zeros((n, 6)),

@@ -7,7 +7,7 @@ Unknowns are the coordinates ``X_i`` of all nodes at the stages, seen from the p
     R_i = M x_i' + L1(x_i) M x_i + f_int - f_ext = 0.
 
 With body increments ``dx = (increment)' + ad(x) increment``, and ``M, C, K`` from the frozen Jacobian, the linear
-system of all stages decouples in the eigenvectors of ``D``: one real and one complex matrix
+system of all stages decouples in the eigenvectors of ``D``: one real and some complex matrices
 ``(mu/h)^2 M + (mu/h) C + K`` of the size of the model (Hairer and Wanner 1996, IV.8, for the second-order form).
 
 Arrays have the stages ``s`` first. Functions take the arrays they need only: every argument costs compile time.
@@ -176,37 +176,39 @@ def evaluate_loads(
 
 @part
 def to_modes(
-    residual: Floats, T: Floats, rows: Floats, complex_rows: Floats, real: Floats, pair: Floats
+    residual: Floats, T: Floats, rows: Floats, pair_rows: Floats, real: Floats, pairs: Floats
 ) -> None:
-    """Write the right sides ``-T R`` of the real and the complex system, rows scaled.
+    """Write the right sides ``-T R`` of the real and the complex systems, rows scaled.
 
     Args:
-        residual: ``(s, N, 6)``; T: ``to_modes`` of the method; rows, complex_rows: scales ``(6 N,)``.
-        real, pair: outputs ``(6 N,)``; methods of one stage have no complex pair.
+        residual: ``(s, N, 6)``; T: ``to_modes`` of the method.
+        rows, pair_rows: scales ``(6 N,)`` of the real system and ``(p, 6 N)`` of the complex ones.
+        real, pairs: outputs ``(6 N,)`` and ``(p, 6 N)``.
     """
     for k in range(residual.shape[1]):
         for a in range(6):
             row = 6 * k + a
-            one = re = im = 0.0
+            one = 0.0
             for j in range(residual.shape[0]):
-                value = residual[j, k, a]
-                one -= T[0, j] * value
-                if residual.shape[0] > 1:
-                    re -= T[1, j] * value
-                    im -= T[2, j] * value
+                one -= T[0, j] * residual[j, k, a]
             real[row] = rows[row] * one
-            if residual.shape[0] > 1:
-                pair[row] = complex(complex_rows[row] * re, complex_rows[row] * im)
+            for m in range(pairs.shape[0]):
+                re = im = 0.0
+                for j in range(residual.shape[0]):
+                    value = residual[j, k, a]
+                    re -= T[2 * m + 1, j] * value
+                    im -= T[2 * m + 2, j] * value
+                pairs[m, row] = complex(pair_rows[m, row] * re, pair_rows[m, row] * im)
 
 
 @part
 def to_changes(
-    real: Floats, pair: Floats, T: Floats, scales: Floats, held: Floats, length: float, change: Floats
+    real: Floats, pairs: Floats, T: Floats, scales: Floats, held: Floats, length: float, change: Floats
 ) -> tuple[float, int]:
     """Write the changes of all stages from the solutions; return size and unknown of the largest.
 
     Args:
-        real, pair: solutions ``(6 N,)``; T: ``to_stages`` of the method; scales: of the unknowns.
+        real, pairs: solutions ``(6 N,)`` and ``(p, 6 N)``; T: ``to_stages`` of the method; scales: of the unknowns.
         length: displacements are measured in it; infinity is returned if any change is undefined.
         change: output ``(s, N, 6)``, zero at nodes that are ``held (n,)``; only the nodes' size counts.
     """
@@ -216,8 +218,8 @@ def to_changes(
             for a in range(6):
                 row = 6 * k + a
                 value = T[i, 0] * real[row]
-                if change.shape[0] > 1:
-                    value += T[i, 1] * pair[row].real + T[i, 2] * pair[row].imag
+                for m in range(pairs.shape[0]):
+                    value += T[i, 2 * m + 1] * pairs[m, row].real + T[i, 2 * m + 2] * pairs[m, row].imag
                 value *= scales[row]
                 if k >= held.shape[0]:
                     change[i, k, a] = value

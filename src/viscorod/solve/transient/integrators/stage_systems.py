@@ -1,4 +1,4 @@
-"""The two linear systems of a collocation step, real and complex, that are factorised once for many iterations."""
+"""The linear systems of a collocation step, one real, the others complex, factorised once for many iterations."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import numpy as np
 
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.solve.linear.direct import DirectSolver
-from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.linear.singular import SingularMatrixError
+from viscorod.solve.linear.stacked_solvers import StackedSolvers
 from viscorod.solve.transient.integrators import jacobian
 from viscorod.solve.transient.integrators.stage_dashpots import StageDashpots
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Matrices, StageFactors
@@ -36,36 +36,31 @@ class StageSystems:
         dashpots: StageDashpots | None,
     ) -> None:
         self.body, self.tableau, self.dashpots = body, tableau, dashpots
-        self._several = len(tableau.nodes) > 1
-        # without a complex system its solver is the smallest possible
-        pair = plan if self._several else Plan.of(Pattern.of(1, ()))
-        self.real, self.pair = DirectSolver(plan), DirectSolver(pair, complex)
-        self._real_blocks = np.zeros((len(body.pattern.rows), 6, 6))
-        self._pair_blocks = np.zeros((len(pair.pattern.rows), 6, 6), dtype=complex)
+        blocks, pairs = len(body.pattern.rows), len(tableau.pairs)
+        self.real, self.pairs = DirectSolver(plan), StackedSolvers(plan, pairs)
+        self._real_blocks = np.zeros((blocks, 6, 6))
+        self._pair_blocks = np.zeros((pairs, blocks, 6, 6), dtype=complex)
         self._real_of, self._pair_of = KnownTypes(jacobian.combine), KnownTypes(jacobian.combine)
         self.factors = StageFactors(
-            self.real.factors, self.pair.factors, np.ones_like(scales), np.ones_like(scales), scales
+            self.real.factors,
+            self.pairs.factors,
+            np.ones_like(scales),
+            np.ones((pairs, len(scales))),
+            scales,
         )
 
     def factorise(self, matrices: Matrices, h: float) -> bool:
         """Factorise for the step ``h`` [s]; False if a matrix is singular."""
+        rows, pair_rows = self.factors.real_rows, self.factors.pair_rows
+        self._combine(self._real_of, matrices, self.tableau.real / h, rows, self._real_blocks)
+        for m, pair in enumerate(self.tableau.pairs.tolist()):
+            self._combine(self._pair_of, matrices, pair / h, pair_rows[m], self._pair_blocks[m])
         try:
-            self._combine(
-                self._real_of, matrices, self.tableau.real / h, self.factors.real_rows, self._real_blocks
-            )
             self.real.factorise(self._real_blocks)
-            if self._several:
-                self._combine(
-                    self._pair_of,
-                    matrices,
-                    self.tableau.pair / h,
-                    self.factors.complex_rows,
-                    self._pair_blocks,
-                )
-                self.pair.factorise(self._pair_blocks)
+            self.pairs.factorise(self._pair_blocks)
         except SingularMatrixError:
             return False
-        self.factors = self.factors._replace(real=self.real.factors, complex=self.pair.factors)
+        self.factors = self.factors._replace(real=self.real.factors, pairs=self.pairs.factors)
         return True
 
     def solve_real(self, right: Floats) -> Floats:
@@ -77,7 +72,7 @@ class StageSystems:
     def check(self) -> None:
         """Raise what went wrong in solutions within compiled code."""
         self.real.check()
-        self.pair.check()
+        self.pairs.check()
 
     def _combine(
         self, combine: KnownTypes, matrices: Matrices, mu: complex, rows: Floats, blocks: Floats

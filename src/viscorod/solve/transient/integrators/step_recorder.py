@@ -9,6 +9,7 @@ import numpy as np
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate
+from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
@@ -118,8 +119,8 @@ class StepRecorder:
     ) -> list[tuple[Snapshot, float, float]]:
         """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start.
 
-        Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), Gauss points
-        and reactions follow the stages.
+        Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), corrected
+        towards the stages if they are many; Gauss points and reactions follow the stages.
 
         Args:
             parts: in ascending order.
@@ -128,10 +129,9 @@ class StepRecorder:
             whole_loss: viscous, of the step [J].
         """
         (old, start, start_reaction), stages = self._start, self.stages
-        count, corrected = len(parts), self.supports.moving and self.body.partly
-        found = Between.of(count, len(new.r), start.shape[1], len(start_reaction))
+        count, held, inner = len(parts), self.supports.moving and self.body.partly, self.tableau.exact_inside
+        found = Between.of(count + len(inner), len(new.r), start.shape[1], len(start_reaction))
         given = (
-            parts,
             h,
             self.tableau,
             MovingPoses(old.r, old.q, old.twist, self._start_rate),
@@ -143,14 +143,20 @@ class StepRecorder:
             whole_loss,
             self._reading,
         )
-        self._read_between(*given, True, not corrected, found)
+        corrected = held or len(inner) > 0
+        self._read_between(np.append(parts, inner), *given, True, not corrected, found)
+        if len(inner):
+            weights = self.tableau.polynomials(parts)[:, : len(inner)]
+            correct_inside(weights, (found.r, found.q, found.twist), (stages.r, stages.q, stages.twist))
+            found = found.first(count)
         states = [
             State(*fields, new.multiplier) for fields in zip(found.r, found.q, found.twist, strict=True)
         ]
-        if corrected:
+        if held:
             for state, part in zip(states, parts, strict=True):
                 self.supports.correct(state, t - (1.0 - part) * h)
-            self._read_between(*given, False, True, found)
+        if corrected:
+            self._read_between(parts, *given, False, True, found)
         kinetic, work, loss = found.energies.tolist()
         joints: Sequence[JointState | None] = [None] * count
         if self.stage_constraints is not None:
@@ -191,3 +197,22 @@ def interpolate_states(
         np.empty((10, 6)),
     )
     return [State(*fields, new.multiplier) for fields in zip(r, q, twist, strict=True)], twist
+
+
+def correct_inside(weights: Floats, found: tuple[Floats, Floats, Floats], stages: tuple[Floats, ...]) -> None:
+    """Correct poses and twists within a step so that they go through its stages.
+
+    Args:
+        weights: ``(k, m)`` of polynomials that are one at one stage, zero at the others and at the start.
+        found: poses and twists, ``k`` to be corrected and those at the first ``m`` stages, interpolated; overwritten.
+        stages: poses and twists there.
+    """
+    (r, q, twist), (r_stages, q_stages, twist_stages) = found, stages
+    k, m = weights.shape
+    r[:k] += np.tensordot(weights, r_stages[:m] - r[k:], 1)
+    twist[:k] += np.tensordot(weights, twist_stages[:m] - twist[k:], 1)
+    turn = product(conjugate(q[k:]), q_stages[:m])
+    turn /= turn[..., :1]  # one, and half of a small rotation vector
+    whole = np.tensordot(weights, turn, 1)
+    whole[..., 0] = 1.0
+    q[:k] = product(q[:k], whole / np.linalg.norm(whole, axis=2, keepdims=True))

@@ -7,6 +7,7 @@ values, and its eigenvalues decouple the stages in the simplified Newton iterati
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,14 +16,14 @@ from viscorod.typing import Floats
 
 
 class Tableau(NamedTuple):
-    """A collocation method with one real eigenvalue and at most one complex pair.
+    """A collocation method with an odd number of stages: one real eigenvalue, and complex pairs.
 
     Attributes:
         nodes: ``c (s,)``; weights: ``b (s,)`` of its quadrature.
         matrix: ``A (s, s)``; derivative: ``D = A^-1``.
         to_stages, to_modes: ``T`` and ``T^-1`` with ``D T = T Lambda``, Lambda in real blocks
-            ``real`` and ``[[a, -b], [b, a]]``.
-        real, pair: the eigenvalues of ``D`` (``pair`` is not used by one-stage methods).
+            ``real`` and ``[[a, -b], [b, a]]``, one for every pair.
+        real, pairs: the eigenvalues of ``D``, of pairs those above the real axis ``((s - 1)/2,)``.
         error: weights ``e (s,)`` of the error estimate ``f(u_0) + sum e_i (u_i - u_0)/h``, filtered by
             ``(real/h - J)^-1``: the difference to the embedded method of order s with the extra node 0
             (Hairer and Wanner 1996, IV.8.17).
@@ -38,7 +39,7 @@ class Tableau(NamedTuple):
     to_stages: Floats
     to_modes: Floats
     real: float
-    pair: complex
+    pairs: np.ndarray
     error: Floats
     start_derivative: Floats
     values: Floats
@@ -56,12 +57,10 @@ class Tableau(NamedTuple):
         values, vectors = np.linalg.eig(derivative)
         first = int(np.argmin(np.abs(values.imag)))
         real = float(values[first].real)
+        above = np.flatnonzero(values.imag > 0.0)
         columns = [vectors[:, first].real]
-        pair = complex(real)
-        if s > 1:
-            second = int(np.argmax(values.imag))
-            pair = complex(values[second])
-            columns += [vectors[:, second].real, -vectors[:, second].imag]
+        for at in above:
+            columns += [vectors[:, at].real, -vectors[:, at].imag]
         to_stages = np.ascontiguousarray(np.column_stack(columns))
         # embedded weights integrate polynomials up to degree s - 1 with the extra weight 1/real at node 0
         moments = 1.0 / k
@@ -75,7 +74,7 @@ class Tableau(NamedTuple):
             to_stages,
             np.linalg.inv(to_stages),
             real,
-            pair,
+            np.ascontiguousarray(values[above], dtype=np.complex128),
             real * (embedded - weights) @ derivative,
             np.asarray(np.linalg.solve(powers.T * nodes, np.eye(s)[0]), dtype=np.float64),
             np.asarray(np.linalg.inv(powers.T * nodes), dtype=np.float64),
@@ -90,6 +89,11 @@ class Tableau(NamedTuple):
         """Return the weights ``(k, s)`` of the integrals of stage values from 0 to ``parts (k,)`` of the step."""
         return self._powers(parts) @ self.integrals.T
 
+    @property
+    def exact_inside(self) -> Floats:
+        """Nodes inside of a step whose stages, of order s + 1, are as exact as Hermite's polynomial of degree 5."""
+        return self.nodes[:-1] if len(self.nodes) >= 5 else self.nodes[:0]
+
     def _powers(self, places: Floats) -> Floats:
         powers = np.empty((len(places), len(self.nodes)))
         powers[:, 0] = places
@@ -98,8 +102,21 @@ class Tableau(NamedTuple):
         return powers
 
 
-RADAU = Tableau.of(np.array([(4.0 - np.sqrt(6.0)) / 10.0, (4.0 + np.sqrt(6.0)) / 10.0, 1.0]))
-"""Radau IIA with three stages: order 5, L-stable, stiffly accurate."""
+def radau_nodes(stages: int) -> Floats:
+    """Return the nodes of Radau IIA, zeros of ``P_(s-1) - P_s`` in Legendre's polynomials (IV.5 there)."""
+    basis = np.polynomial.Legendre.basis
+    zeros = basis(stages - 1) - basis(stages)
+    nodes = np.sort(zeros.roots().real)
+    nodes -= zeros(nodes) / zeros.deriv()(nodes)  # what rounding in the roots has left
+    nodes[-1] = 1.0
+    return np.asarray(0.5 * (1.0 + nodes), dtype=np.float64)
+
+
+@cache
+def radau(stages: int) -> Tableau:
+    """Return Radau IIA with an odd number of stages s: order 2 s - 1, L-stable, stiffly accurate."""
+    return Tableau.of(radau_nodes(stages))
+
 
 MIDPOINT = Tableau.of(np.array([0.5]))
 """The implicit midpoint rule: order 2, symmetric."""

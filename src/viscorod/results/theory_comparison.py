@@ -1,0 +1,161 @@
+"""Theories of a planar straight beam beside the exact one: how much each of them errs, and which is enough."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from viscorod.results.text_table import table
+from viscorod.typing import Floats
+
+__all__ = ["TheoryComparison", "TheorySolution"]
+
+ROUND_OFF = 1e-9
+"""A force below this part of the largest reads 0."""
+LITTLE = 1e-4
+"""Moments over the length below this part of the forces, and the other way round, are not what errors are parts of."""
+
+
+@dataclass(frozen=True, eq=False)
+class TheorySolution:
+    """What one theory says of a beam; one state of an equilibrium, or many of a motion.
+
+    Attributes:
+        word, title: its name in Python and in reports.
+        displacement: along the beam and across it (states, nodes, 2), m.
+        section_force: axial force [N], shear force [N] and bending moment [N m] (states, points, 3).
+        frequencies: the slowest undamped ones in the plane about the equilibrium, Hz.
+        stable: whether no small motion in the plane grows from the equilibrium.
+    """
+
+    word: str
+    title: str
+    displacement: Floats
+    section_force: Floats
+    frequencies: Floats
+    stable: bool = True
+
+    @property
+    def deflection(self) -> float:
+        """The largest displacement across the beam, m, with its sign."""
+        across = self.displacement[..., 1].ravel()
+        return float(across[np.argmax(np.abs(across))])
+
+    @property
+    def largest_forces(self) -> Floats:
+        """The largest axial force [N], shear force [N] and bending moment [N m] by size (3,)."""
+        found: Floats = np.abs(self.section_force).max(axis=(0, 1))
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class TheoryComparison:
+    """Theories of a planar straight beam beside the exact one.
+
+    Attributes:
+        exact: the geometrically exact rod.
+        theories: the approximate ones by their words, from the simplest on.
+        s: arc lengths of the nodes (nodes,) and of the points of section forces (points,), m.
+        point_s: of the points.
+        time: of the states (states,), s; 0 of an equilibrium.
+        within: what a theory may err by to be enough.
+        warnings: doubts, one sentence each.
+    """
+
+    exact: TheorySolution
+    theories: Mapping[str, TheorySolution]
+    s: Floats
+    point_s: Floats
+    time: Floats
+    within: float
+    warnings: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "theories", MappingProxyType(dict(self.theories)))
+
+    def displacement_error(self, word: str) -> float:
+        """Return the largest difference of displacements from the exact ones over the largest of these."""
+        exact = self.exact.displacement
+        apart = np.linalg.norm(self.theories[word].displacement - exact, axis=-1).max()
+        size = np.linalg.norm(exact, axis=-1).max()
+        return float(apart / size) if size > 0.0 else 0.0
+
+    def force_errors(self, word: str) -> Floats:
+        """Return the largest differences of axial force, shear force and moment over the largest exact ones (3,).
+
+        The two forces count over the larger of both.
+        """
+        exact = self.exact.section_force
+        apart = np.abs(self.theories[word].section_force - exact).max(axis=(0, 1))
+        size = self.exact.largest_forces
+        size[:2] = size[:2].max()
+        length = float(self.s[-1])
+        least = LITTLE * max(float(size[0]), float(size[2]) / length) * np.array([1.0, 1.0, length])
+        size = np.maximum(size, least)
+        found: Floats = np.divide(apart, size, out=np.zeros(3), where=size > 0.0)
+        return found
+
+    def frequency_errors(self, word: str) -> Floats:
+        """Return the relative errors of the frequencies."""
+        exact, found = self.exact.frequencies, self.theories[word].frequencies
+        count = min(exact.size, found.size)
+        exact, found = exact[:count], found[:count]
+        return np.divide(found - exact, exact, out=np.zeros(count), where=exact > 0.0)
+
+    def error(self, word: str) -> float:
+        """Return what a theory errs by: the larger of the errors of displacements and of bending moments."""
+        return max(self.displacement_error(word), float(self.force_errors(word)[2]))
+
+    @property
+    def enough(self) -> str:
+        """The word of the simplest theory whose error is within what is wanted; "exact" if none is."""
+        return next((word for word in self.theories if self.error(word) <= self.within), self.exact.word)
+
+    @property
+    def sentence(self) -> str:
+        """The verdict in one sentence."""
+        errors = ", ".join(
+            f"{found.title} errs by {_per_cent(self.error(word))}" for word, found in self.theories.items()
+        )
+        what = "this motion" if self.time.size > 1 else "this load"
+        if self.enough == self.exact.word:
+            verdict = f"only the exact theory is within {100.0 * self.within:.3g} %"
+        else:
+            verdict = f"{self.theories[self.enough].title} is enough (within {100.0 * self.within:.3g} %)"
+        return f"For {what} {verdict}: {errors}."
+
+    def __str__(self) -> str:
+        header = (
+            "theory",
+            "deflection [m]",
+            "axial [N]",
+            "shear [N]",
+            "moment [N m]",
+            "first frequency [Hz]",
+        )
+        rows = [_row(self.exact)]
+        for word, found in self.theories.items():
+            own = _row(found)
+            errors = (self.displacement_error(word), *self.force_errors(word))
+            rows.append(own)
+            texts = [f"errs {_per_cent(error)}" for error in errors]
+            frequency = f"errs {_per_cent(float(self.frequency_errors(word)[0]), '+')}"
+            rows.append(("", *texts, frequency))
+        title = "Largest deflection and section forces; errors are the largest differences over the largest exact value"
+        warnings = "\n".join(f"  - {text}" for text in self.warnings)
+        return "\n".join(
+            [table(title, header, rows), self.sentence, *([f"Warnings\n{warnings}"] if warnings else [])]
+        )
+
+
+def _row(found: TheorySolution) -> tuple[str, ...]:
+    forces = found.largest_forces
+    forces[:2] = np.where(forces[:2] < ROUND_OFF * forces[:2].max(), 0.0, forces[:2])
+    return (found.title, *(f"{value:.6g}" for value in (found.deflection, *forces, found.frequencies[0])))
+
+
+def _per_cent(part: float, sign: str = "") -> str:
+    return f"{100.0 * part:{sign}.{2 if abs(part) < 0.1 else 0}{'g' if abs(part) < 0.1 else 'f'}} %"

@@ -1,0 +1,58 @@
+"""Direct solution with several complex matrices of one pattern, whose factors compiled code takes as one stack."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.solve.linear.direct import DirectSolver
+from viscorod.solve.linear.factors import Factors
+from viscorod.solve.linear.plan import Plan
+from viscorod.typing import Floats
+
+
+class StackedSolvers:
+    """One :class:`DirectSolver` per matrix; all follow the same plan, also where that turns out to be unfit for one.
+
+    Args:
+        plan: how; count: of matrices, none too.
+
+    Attributes:
+        factors: for :func:`~viscorod.solve.linear.substitution.solve_each`. Arrays that differ from matrix to matrix
+            have these first; they stay the same while the plan does: look here again after a factorisation.
+    """
+
+    factors: Factors
+
+    def __init__(self, plan: Plan, count: int) -> None:
+        self._count = count
+        self._take(plan)
+
+    def _take(self, plan: Plan) -> None:
+        self._plan = plan
+        self._solvers = [DirectSolver(plan, complex) for _ in range(self._count)]
+        one, count = Factors.of(plan, complex, 0), (self._count, 1)
+        self.factors = one._replace(
+            values=np.tile(one.values, count),
+            fronts=np.tile(one.fronts, count),
+            integers=np.tile(one.integers, count),
+            rest=np.tile(one.rest, count),
+        )
+        values, fronts, _, integers, *_, rest = self.factors
+        for m, solver in enumerate(self._solvers):
+            rest[m] = solver.factors.rest
+            solver.factors = one._replace(
+                values=values[m], fronts=fronts[m], integers=integers[m], rest=rest[m]
+            )
+
+    def factorise(self, blocks: Floats) -> None:
+        """Factorise all matrices, with values ``blocks (p, b, 6, 6)``; raises as :meth:`DirectSolver.factorise`."""
+        for solver, values in zip(self._solvers, blocks, strict=True):
+            solver.factorise(values)
+        if any(solver.plan is not self._plan for solver in self._solvers):
+            self._take(self._plan.plain)
+            self.factorise(blocks)
+
+    def check(self) -> None:
+        """Raise what went wrong in solutions within compiled code."""
+        for solver in self._solvers:
+            solver.check()

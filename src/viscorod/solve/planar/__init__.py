@@ -1,0 +1,1 @@
+"""Approximate theories of planar straight beams: Euler-Bernoulli, Timoshenko, von Karman."""
