@@ -162,8 +162,8 @@ class FrequencyResponse:
             )
         if "modal_error" in self.data.attrs:
             heading += (
-                f"\nSolved in {int(self.data.attrs['modal_modes'])} modes with static correction: the direct solution differs "
-                f"by {self.data.attrs['modal_error']:.2g} of the largest response where it was compared"
+                f"\nSolved in {int(self.data.attrs['modal_modes'])} modes with static correction: the direct solution "
+                f"differs by {self.data.attrs['modal_error']:.2g} of the largest response where it was compared"
             )
         blocks = [heading]
         for j, source in enumerate(self.inputs):

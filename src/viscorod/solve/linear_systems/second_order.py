@@ -102,6 +102,23 @@ class SecondOrder:
         out = self.direct + times * sum(k * part for k, part in zip(c, self.carried, strict=True))
         return np.asarray(out + sum(k * (rows @ x) for k, rows in zip(c, self.rows, strict=True)))
 
+    @property
+    def at_rest(self) -> sparse.csr_array:
+        """Stiffness at rest, with what measured moduli have there."""
+        return sparse.csr_array(sum(self.terms[self._first_measured :], self.terms[0]))
+
+    @property
+    def pushed_at_rest(self) -> Floats:
+        """The same of prescribed motions."""
+        found = self.pushed[0].copy()
+        for part in self.pushed[self._first_measured :]:
+            found += part
+        return found
+
+    @property
+    def _first_measured(self) -> int:
+        return 3 + len(self.times)
+
     @cached_property
     def _dense(self) -> Floats:
         """All terms as full matrices ``(terms, n, n)``."""
@@ -236,11 +253,12 @@ def _about_shapes_at_rest(system: SecondOrder) -> SecondOrder:
     if not moving.any():
         return system
     try:
-        shapes = -np.asarray(factored(system.terms[0]).solve(system.pushed[0]))
+        shapes = -np.asarray(factored(system.at_rest).solve(system.pushed_at_rest))
     except SolveError:
         return system
     pushed = [part + term @ shapes for part, term in zip(system.pushed, system.terms, strict=True)]
-    pushed[0] = np.zeros_like(shapes)
+    if not system.measured:
+        pushed[0] = np.zeros_like(shapes)
     return replace(
         system,
         pushed=tuple(pushed),
