@@ -361,6 +361,18 @@ def test_inputs_and_outputs_that_are_not_there():
         free.frequency_response(**(good | {"frequencies": [0.0], "about": "reference", "moduli": "law"}))
 
 
+def test_about_an_earlier_state():
+    """About the equilibrium of an earlier result, and not about what turns."""
+    model, settings = bent(), {"inputs": "beam.end fy", "outputs": "beam.end uy", "frequencies": [0.0, 1.0]}
+    earlier = model.frequency_response(**settings, about=model.equilibrium())
+    np.testing.assert_allclose(earlier.values, model.frequency_response(**settings).values, rtol=1e-7)
+    unloaded = vr.Model()
+    unloaded.add("beam", model.rods["beam"])
+    unloaded.clamp("beam.start")
+    with pytest.raises(vr.InputError, match=r"Steady\.modes"):
+        unloaded.linear("beam.end fy", "beam.end uy", about=unloaded.steady(spin=(0.0, 0.0, 1.0)))
+
+
 def test_a_load_is_an_input_and_results_are_stored(tmp_path):
     """A distributed force as input, against its closed form; files give all back, and pictures are drawn."""
     model = strip(constant_loss(), elements=1)
