@@ -122,16 +122,9 @@ class EnergyAccount:
 
     def copy(self) -> EnergyAccount:
         """Return an independent copy."""
-        return EnergyAccount(
-            self.kinetic,
-            self.elastic,
-            self.viscous,
-            self.external,
-            self.start,
-            self.outside,
-            self.actuator,
-            self.branches,
-        )
+        copied = EnergyAccount()
+        vars(copied).update(vars(self))
+        return copied
 
     def add(self, step: Progressing) -> None:
         """Add a step."""

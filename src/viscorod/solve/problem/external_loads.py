@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionTangent, MotionWork, add_motion_loads
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.problem.law_callbacks import MotionLaws
-from viscorod.solve.problem.problem import Problem
+from viscorod.solve.problem.problem import NodalLoad, Problem
 from viscorod.typing import Floats, Integers
 
 
@@ -129,6 +130,33 @@ NO_LOADS = LoadState(
 )
 
 
+class _Rows(NamedTuple):
+    """Values ``(k, ...)`` of a load at nodes ``(k,)``, which may be there several times if not ``distinct``."""
+
+    nodes: Integers
+    values: Floats
+    distinct: bool
+
+
+def _rows_of(load: NodalLoad) -> tuple[_Rows | None, _Rows | None, _Rows | None]:
+    """Return dead and following wrenches of a load, and its levers, where they are not zero."""
+    levers = load.arms[:, :, None] * load.dead[:, None, :3]
+    found: list[_Rows | None] = []
+    for values in (load.dead, load.following, levers):
+        here = values.any(axis=tuple(range(1, values.ndim)))
+        nodes = load.nodes[here]
+        distinct = len(np.unique(nodes)) == len(nodes)
+        found.append(_Rows(nodes, values[here], distinct) if len(nodes) else None)
+    return found[0], found[1], found[2]
+
+
+def _add_rows(factor: float, rows: _Rows, sums: Floats) -> None:
+    if rows.distinct:
+        sums[rows.nodes] += factor * rows.values
+    else:
+        np.add.at(sums, rows.nodes, factor * rows.values)
+
+
 class ExternalLoads:
     """Evaluates the loads of a problem; nodal sums are kept while the time factors stay the same.
 
@@ -147,6 +175,8 @@ class ExternalLoads:
         self._factored = [(load.load, load.factor, True) for load in problem.nodal_loads]
         # what does nothing at rest is no load that grows in statics
         self._factored += [(load.load, load.factor, load.law.at_rest) for load in problem.motion_loads]
+        self._sums = [_rows_of(load) for load in problem.nodal_loads]
+        self._loaded: dict[tuple[tuple[int, ...], bool], Integers] = {}
         self._factors: tuple[float, ...] | None = None
         self._state: LoadState | None = None
         self._driven = any(strain.changes for _, strain in problem.rest_strains)
@@ -203,24 +233,41 @@ class ExternalLoads:
         problem, n = self.problem, self.problem.size
         dead, following, gravity = np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3)
         levers = np.zeros((n if self.offset else 0, 3, 3))
-        for factor, load in zip(factors, problem.nodal_loads, strict=False):
-            if factor == 0.0:
-                continue
-            np.add.at(dead, load.nodes, factor * load.dead)
-            np.add.at(following, load.nodes, factor * load.following)
-            gravity += factor * load.gravity
-            if load.arms.any():
-                np.add.at(levers, load.nodes, factor * load.arms[:, :, None] * load.dead[:, None, :3])
-        if gravity.any():
-            nodes = np.arange(n, dtype=np.int64)
-        else:
-            nodes = np.flatnonzero(dead.any(axis=1) | following.any(axis=1)).astype(np.int64)
-        moving = list(zip(factors[len(problem.nodal_loads) :], problem.motion_loads, strict=True))
-        places = np.concatenate([np.zeros(0), *(factor * load.lengths for factor, load in moving)])
-        pushes = any(factor != 0.0 and load.law.at_rest for factor, load in moving)
+        acting = [(factor, k) for k, factor in enumerate(factors[: len(self._sums)]) if factor != 0.0]
+        for factor, k in acting:
+            for row, sums in zip(self._sums[k], (dead, following, levers), strict=True):
+                if row is not None:
+                    _add_rows(factor, row, sums)
+            gravity += factor * problem.nodal_loads[k].gravity
+        nodes = self._nodes_under(tuple(k for _, k in acting), everywhere=bool(gravity.any()))
+        places, pushes = np.zeros(0), False
+        if problem.motion_loads:
+            moving = list(zip(factors[len(problem.nodal_loads) :], problem.motion_loads, strict=True))
+            places = np.concatenate([factor * load.lengths for factor, load in moving])
+            pushes = any(factor != 0.0 and load.law.at_rest for factor, load in moving)
         return LoadState(
-            nodes, dead, following, gravity, levers, self.motion, places, pushes=pushes, laws=self.laws
+            nodes,
+            dead,
+            following,
+            gravity,
+            levers,
+            self.motion,
+            places,
+            pushes=pushes,
+            laws=self.laws,
         )
+
+    def _nodes_under(self, acting: tuple[int, ...], *, everywhere: bool) -> Integers:
+        """Return the nodes that nodal loads, by their numbers, act on; all of them under gravity."""
+        found = self._loaded.get((acting, everywhere))
+        if found is None:
+            marked = np.full(self.problem.size, everywhere)
+            for k in acting:
+                for row in self._sums[k]:
+                    if row is not None:
+                        marked[row.nodes] = True
+            found = self._loaded[acting, everywhere] = np.flatnonzero(marked).astype(np.int64)
+        return found
 
     def _motion_loads(self) -> MotionLoads:
         loads = self.problem.motion_loads

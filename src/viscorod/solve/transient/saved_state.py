@@ -34,6 +34,7 @@ from viscorod.solve.problem.joint_set import JointSet
 from viscorod.solve.problem.law_callbacks import LawCallbacks, MotionLaws
 from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
 from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, Relation, Solution
+from viscorod.solve.transient.integrators.record_kernels import Reading
 from viscorod.solve.transient.integrators.stage_data import (
     Discretisation,
     StageFactors,
@@ -54,7 +55,7 @@ UNCHANGED = (
     Problem, ElementSet, SupportSet, Elements, ElementGroup, Discretisation, Pattern, Plan, Tableau, HeldStrains,
     JointSet, LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads,
     LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, StageFactors, StageLoads, SupportMotion, Work,
-    Coefficients, Relation, Solution, GaussPositions, ElementWork, ImposedStrains, StackedSolvers,
+    Coefficients, Relation, Solution, GaussPositions, ElementWork, ImposedStrains, StackedSolvers, Reading,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 

@@ -291,6 +291,8 @@ class Collocation:
 
     def actuator_until(self, parts: Floats) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        if not len(self.stages.rest):
+            return np.zeros(len(parts))
         return self._step * np.asarray(self.tableau.partial_weights(parts) @ self.account.powers[3])
 
     def resume(self) -> None:
