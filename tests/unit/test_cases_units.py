@@ -227,12 +227,12 @@ def test_former_names_of_keys_take_units_too():
 
 @pytest.mark.parametrize("name", sorted(case_schema()["definitions"]))
 def test_every_number_knows_its_dimension(name):
-    """A quantity in the documented unit is taken as it is; one of temperature is refused, with the key's name."""
+    """A quantity in the documented unit is taken as it is; one of luminous intensity is refused, with the key's name."""
     definitions = case_schema()["definitions"]
     for path, unit in leaves(definitions[name], definitions, name, {name}):
         key = path.rpartition(".")[2]
         with pytest.raises(InputError, match=key):
-            si_value("3 K", unit.replace("*", "m"), key)
+            si_value("3 cd", unit.replace("*", "m"), key)
         if unit != "1":
             text = unit.replace("*", "m")
             assert si_value(f"3 {text}", text, key) == 3.0

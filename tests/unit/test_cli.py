@@ -41,6 +41,7 @@ REPORT = SimpleNamespace(
     joints=[{"joint": "elbow", "kind": "revolute", "gap [m]": 0.001}],
     springs=[],
     media=[{"load": "air", "kind": "drag", "linear across [Pa s]": 0.02}],
+    rest_strains=[],
     conditions=5,
     linear_solver="band of half width 35",
 )
