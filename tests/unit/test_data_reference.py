@@ -86,17 +86,36 @@ def test_tables_speak_of_the_same_variables():
             assert name in FRAMES, f"in which axes is {name}?"
 
 
-def test_what_probe_gives_is_on_the_page():
-    found = clamped().simulate(0.02).probe("beam.end")
-    text = PAGE.read_text(encoding="utf-8").partition("What `probe` gives")[2]
-    rows = {
+def rows_below(heading):
+    """Rows of the table below a heading of the page: name -> cells."""
+    text = PAGE.read_text(encoding="utf-8").partition(heading)[2].partition("\n## ")[0]
+    return {
         name.strip(" `"): [cell.strip() for cell in row.strip("|").split("|")[1:]]
         for row in text.splitlines()
         if row.startswith("| `")
         for name in row.strip("|").split("|")[0].split(",")
     }
+
+
+def test_what_probe_gives_is_on_the_page():
+    found = clamped().simulate(0.02).probe("beam.end")
+    rows = rows_below("What `probe` gives")
     assert set(rows) == set(found)
     for name, (dims, unit, *_) in rows.items():
         assert tuple(word.strip(" `") for word in dims.split(",") if word) == found[name].dims[2:], name
         if name not in ("strain", "section_force"):  # one unit for each component there
             assert unit == found[name].attrs["units"], name
+
+
+def test_what_stress_gives_is_on_the_page():
+    model, rubber = vr.Model(), vr.Material(1e6, 0.3, 1000.0, damping=vr.KelvinVoigt(0.01, 0.01))
+    given = {"section": vr.Circle(0.01), "material": rubber, "elements": 2, "order": 3}
+    model.add("beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), **given))
+    model.clamp("beam.start")
+    found = model.simulate(0.02).stress("beam.end")
+    rows = rows_below("What `stress` gives")
+    assert set(rows) == {*found, *(name for name in found.coords if name not in found.dims)}
+    for name, (dims, unit, _) in rows.items():
+        words = tuple(word.strip(" `") for word in dims.split(","))
+        assert words == tuple("states" if word == "time" else word for word in found[name].dims), name
+        assert unit == found[name].attrs["units"], name

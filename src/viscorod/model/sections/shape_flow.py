@@ -130,7 +130,7 @@ def ring_grid(halves: tuple[float, float], hole: float) -> ShapeGrid:
 def box_grid(a: float, b: float) -> ShapeGrid:
     """Return the grid of a rectangle with the half width ``a`` and the half height ``b`` [m]."""
     thin = min(a, b)
-    u, w = np.polynomial.legendre.leggauss(12)
+    u, w = np.polynomial.legendre.leggauss(10)
     lines, weights = [], []
     for half in (a, b):
         # the ends of a long side, where the stress changes over a distance like the short one, have their own pieces
