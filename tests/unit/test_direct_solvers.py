@@ -18,7 +18,8 @@ from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan, plans
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.linear.sparse_lu import SparseLU
-from viscorod.solve.linear.substitution import solve
+from viscorod.solve.linear.stacked_solvers import StackedSolvers
+from viscorod.solve.linear.substitution import solve, solve_each
 
 KINDS = [float, complex]
 
@@ -198,6 +199,39 @@ def test_interiors_without_stiffness_of_their_own_are_not_condensed(kind, size):
             np.testing.assert_allclose(found, right, atol=scale * np.abs(right).max(), rtol=0)
         solver.factorise(blocks)
         assert not solver.plan.elimination.fronts
+
+
+@kernel
+def solve_stack(factors, b):
+    solve_each(factors, b)
+
+
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_stacked_matrices_are_solved_one_by_one(count):
+    """Against dense solutions; where one of them needs another way, all go it."""
+    pattern, interiors, nodes = MODELS["chain"]
+    inner = interiors[0][2]
+    within = np.isin(pattern.rows, inner) & np.isin(pattern.columns, inner)
+    ways = [plan for plan in plans(pattern, interiors) if plan.elimination.fronts]
+    for plan in (ways[0], sparse_plan(pattern, interiors)):
+        solvers = StackedSolvers(plan, count)
+        blocks = np.zeros((count, len(pattern.rows), 6, 6), dtype=complex)
+        b = np.zeros((count, 6 * pattern.size), dtype=complex)
+        for k in range(count):
+            blocks[k] = values(pattern, nodes, complex, k)
+            b[k] = right_side(6 * pattern.size, complex, k)
+        for singular in (False, True):
+            if singular and count:
+                blocks[-1, within, 1:3] = 0.0
+            solvers.factorise(blocks)
+            found = b.copy()
+            solve_stack(solvers.factors, found)
+            solvers.check()
+            for own, x, y in zip(blocks, found, b, strict=True):
+                dense = pattern.sparse(own).toarray()
+                scale = 1e-13 * np.linalg.cond(dense)
+                expected = np.linalg.solve(dense, y)
+                np.testing.assert_allclose(x, expected, atol=scale * np.abs(expected).max(), rtol=0)
 
 
 def test_groups_that_touch_others_remain():

@@ -334,9 +334,6 @@ def stepping(
         tolerance = PartOfMotion(discrete.supports, linear, duration)
     make: Any = method.make_linear if settings.dynamics == "linear" else method.make
     given: dict[str, Any] = dict(method.parameters)
-    fine, finer = method.finer
-    if settings.tolerance is not None and settings.tolerance <= fine:
-        given |= finer
     given |= {name: getattr(settings, name) for name in given if getattr(settings, name) is not None}
     if tolerance is not None:
         largest = settings.time_step or duration / LEAST_STEPS

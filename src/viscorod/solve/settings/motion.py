@@ -54,8 +54,8 @@ class SimulateSettings(Meshed):
         default="equilibrium",
     )
     integrator: Annotated[str, OneOfRegistry(INTEGRATORS.keys)] = Key(
-        '"radau" (order 5 or more, steps that follow the error), "generalized_alpha" or "midpoint" (order 2, '
-        "which keeps energy exactly)",
+        '"radau" (order 5, or more with more stages; steps that follow the error), "generalized_alpha" or '
+        '"midpoint" (order 2, which keeps energy exactly)',
         default="radau",
     )
     spectral_radius: OptionalUnitInterval = Key(
@@ -64,7 +64,7 @@ class SimulateSettings(Meshed):
         default=None,
     )
     stages: Annotated[int | None, optional(one_number_of(3, 5, 7))] = Key(
-        'of "radau", whose order is twice that less one; unless given 3, or 5 for a given tolerance of 1e-6 and less',
+        'of "radau", whose order is twice that less one; 3 unless given, 5 pay for a tolerance of 1e-7 or less',
         default=None,
     )
     output_interval: OptionalPositive = Key(

@@ -27,7 +27,6 @@ class Method(NamedTuple):
         formulations: which ones it integrates.
         velocity_supports: it holds velocities along moving axes.
         parameters: settings that are its own, with their values unless given.
-        finer: other values of these from a given tolerance downwards, and that tolerance.
         make_linear: as ``make``, for linear dynamics; None: it has nonlinear dynamics only.
     """
 
@@ -39,7 +38,6 @@ class Method(NamedTuple):
     formulations: tuple[str, ...] = ("geometric", "intrinsic")
     velocity_supports: bool = True
     parameters: Mapping[str, float] = MappingProxyType({})
-    finer: tuple[float, Mapping[str, float]] = (0.0, MappingProxyType({}))
     make_linear: Callable[..., Integrator] | None = None
 
     def order_with(self, parameters: Mapping[str, float]) -> int:
@@ -56,7 +54,6 @@ INTEGRATORS: dict[str, Method] = {
         adaptive=True,
         tolerance=1e-4,
         parameters={"stages": 3},
-        finer=(1e-6, {"stages": 5}),
         make_linear=deferred("transient.integrators.linear_motion:linear_radau"),
     ),
     "generalized_alpha": Method(
