@@ -231,6 +231,7 @@ KINDS: dict[str, Kind] = {
     "s": numbers,
     "rest": number,
     "below": flag,
+    "sections": flag,
     "strain": word,
     "fit": word,
     "keep_modulus": flag,

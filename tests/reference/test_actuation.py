@@ -164,6 +164,16 @@ def test_jumps_are_refused_where_dashpots_would_answer_with_infinite_forces() ->
         model.simulate(0.2)
 
 
+def test_a_rod_is_let_go_by_its_muscle() -> None:
+    # at rest with a rest curvature, which ends at t = 0: it begins with the energy of the curvature that it has
+    model = cantilever()
+    model.rest_strain("arm", (0, 0, 0, CURVATURE, 0, 0), vr.Until(0.0))
+    energy = model.simulate(0.05, output_interval=0.025, tolerance=1e-5).energy
+    assert energy.elastic[0] == pytest.approx(0.5 * BENDING * CURVATURE**2 * L, rel=1e-6)
+    assert energy.viscous[-1] > 0.1 * energy.elastic[0]
+    assert not energy.actuator.any()
+
+
 def test_strains_that_constraints_hold_do_not_change() -> None:
     model = cantilever(constraints="inextensible")
     model.rest_strain("arm", (0, 0, 0.1, 0, 0, 0), vr.Ramp(0.0, 0.1))
@@ -194,6 +204,8 @@ def test_a_bimetal_strip_bends_as_timoshenko_says() -> None:
     found = model.equilibrium()
     turned = found.rotation("strip.end")
     assert abs(turned[1]) == pytest.approx(curvature * 0.1, rel=1e-9)
+    with pytest.raises(vr.InputError, match="balance each other"):  # they have no section force
+        found.stress("strip.end")
     assert np.abs(found.reactions.values).max() < 1e-6
 
 

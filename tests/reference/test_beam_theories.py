@@ -297,7 +297,9 @@ def test_a_case_file_is_compared(tmp_path):
     assert result.exit_code == 0, result.output
     assert "A shelf" in result.output
     assert "For this load von Karman is enough (within 5 %)" in result.output
-    one = CliRunner().invoke(app, ["theories", str(case), "--theory", "timoshenko"])
+    picture = tmp_path / "shelf.png"
+    one = CliRunner().invoke(app, ["theories", str(case), "--theory", "timoshenko", "-o", str(picture)])
+    assert picture.stat().st_size > 10_000
     assert "only the exact theory" in one.output
     wrong = CliRunner().invoke(app, ["theories", str(case), "--theory", "rayleigh"])
     assert wrong.exit_code != 0

@@ -5,6 +5,8 @@ import pytest
 
 import viscorod as vr
 from helpers.exact_response import bar_receptance, cantilever_receptance, shaken_cantilever
+from viscorod.casefile.case import load_case
+from viscorod.casefile.shipped import shipped_case
 from viscorod.solve.linear_systems.adaptive_frequencies import followed
 from viscorod.solve.linear_systems.measured_moduli import TableModulus
 
@@ -287,6 +289,33 @@ def test_following_stops_at_a_zero():
     assert found.error < 0.01
 
 
+def test_modal_solution_tells_its_error():
+    """Few modes with static correction, measured moduli and a shaken base included; the error is a true one."""
+    model = strip(constant_loss(0.02), elements=2)
+    settings = {"inputs": ["beam.end fz", "base az"], "outputs": ["beam.end uz", "beam@0.1 strain bend_1"]}
+    hertz = np.unique(np.concatenate([np.linspace(2.0, 120.0, 50), [15.42, 96.6]]))
+    direct = model.frequency_response(**settings, frequencies=hertz)
+    modal = model.frequency_response(**settings, frequencies=hertz, method="modal")
+    told = modal.data.attrs["modal_error"]
+    true = (np.abs(modal.values - direct.values) / np.abs(direct.values).max(axis=0)).max()
+    assert told < 1e-4
+    assert true < 3.0 * told
+    assert "modes with static correction" in modal.report()
+
+
+def test_comb_resonator_has_the_q_of_its_material():
+    """Q = 1/(omega tau), 1007 for the Kelvin-Voigt time 9.6e-9 s of the shipped case, read off the peak."""
+    model = load_case(shipped_case("comb_resonator")).model(vr.Model)
+    found = model.frequency_response(
+        inputs="shuttle fx", outputs="shuttle ux", band=(16.4e3, 16.53e3), about="reference"
+    )
+    (peak,) = found.resonances()
+    quality = 1.0 / (9.6e-9 * 2.0 * np.pi * peak.frequency)
+    assert quality == pytest.approx(1007.0, abs=1.0)
+    for ratio in (peak.half_power, peak.circle, peak.pole):
+        assert 0.5 / ratio == pytest.approx(quality, rel=2e-3)
+
+
 def test_damping_is_read_off_the_peaks():
     """Half power and circle give the damping of the poles where these lie apart; poles are those of the modes."""
     tau = 2e-5
@@ -330,6 +359,18 @@ def test_inputs_and_outputs_that_are_not_there():
     free.add("beam", model.rods["beam"])
     with pytest.raises(vr.SolveError, match="nothing holds the model"):
         free.frequency_response(**(good | {"frequencies": [0.0], "about": "reference", "moduli": "law"}))
+
+
+def test_about_an_earlier_state():
+    """About the equilibrium of an earlier result, and not about what turns."""
+    model, settings = bent(), {"inputs": "beam.end fy", "outputs": "beam.end uy", "frequencies": [0.0, 1.0]}
+    earlier = model.frequency_response(**settings, about=model.equilibrium())
+    np.testing.assert_allclose(earlier.values, model.frequency_response(**settings).values, rtol=1e-7)
+    unloaded = vr.Model()
+    unloaded.add("beam", model.rods["beam"])
+    unloaded.clamp("beam.start")
+    with pytest.raises(vr.InputError, match=r"Steady\.modes"):
+        unloaded.linear("beam.end fy", "beam.end uy", about=unloaded.steady(spin=(0.0, 0.0, 1.0)))
 
 
 def test_a_load_is_an_input_and_results_are_stored(tmp_path):

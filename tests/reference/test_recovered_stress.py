@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from viscorod.pictures.plots.plot_stress import draw_stress
+from viscorod.pictures.viewer import view
+from viscorod.results.largest_stress import peak_stresses
+from viscorod.results.stress import section_patch
 
 from .independent.solid_bar import bar_stress
 
@@ -227,3 +231,90 @@ def test_points_that_are_none_are_refused(points):
     model.clamp("beam.start")
     with pytest.raises(vr.InputError, match="points: give"):
         model.equilibrium().stress("beam.end", points)
+
+
+def test_a_spinning_rod_is_stretched():
+    """A steady rotation: s33 = rho w^2 (L^2 - s^2)/2 in a stiff rod that turns about its end."""
+    steel = vr.Material(2e11, 0.3, 7850.0)
+    length, rate = 0.5, 100.0
+    model = vr.Model()
+    rod = vr.Rod.straight(
+        (0, 0, 0), (length, 0, 0), section=vr.Circle(0.01), material=steel, elements=2, order=4
+    )
+    model.add("rod", rod)
+    model.clamp("rod.start")
+    found = model.steady(spin=(0, 0, rate), centre=(0, 0, 0))
+    for s in (0.0, 0.2):
+        stress = found.stress(f"rod@{s}", (0.003, 0.004)).stress.sel(stress_component="33").values
+        assert stress[0, 0] == pytest.approx(7850 * rate**2 * (length**2 - s**2) / 2, rel=1e-3)
+    assert "Largest von Mises stress" in found.report()
+    assert "Validity of the rod model" in found.report()
+
+
+def test_the_picture_of_a_section(tmp_path):
+    """Three panels; of a run at its worst stored state, or at a time; flat sections on top of each other."""
+    run = swing(RECTANGLE, VISCOUS)
+    figure = draw_stress(run, "beam.start")
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert titles[0].startswith("axial stress s33 [")
+    assert [title.split(" [")[0] for title in titles[1:3]] == [
+        "shear stress |(s13, s23)|",
+        "von Mises stress",
+    ]
+    whole = run.stress("beam.start", section_patch(run, "beam.start").points).von_mises
+    worst = whole.max("point")
+    (text,) = (one.get_text() for one in figure.texts if "largest von Mises" in one.get_text())
+    assert f"at {float(worst.time[int(worst.argmax())]):.4g} s" in text
+    assert f"{float(worst.max()) / 1e3:.4g} kPa" in text
+    assert run.plot_stress(tmp_path / "section.png", "beam@0.1", 0.01).stat().st_size > 10_000
+    model = vr.Model()
+    line = {"section": vr.Rectangle(0.02, 0.002), "material": VISCOUS, "elements": 1, "order": 2}
+    model.add("strip", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), **line))
+    model.clamp("strip.start")
+    model.gravity()
+    held = model.equilibrium()
+    assert held.plot_stress(tmp_path / "strip.png", "strip.start").stat().st_size > 10_000
+    with pytest.raises(vr.InputError, match="only a run has times"):
+        held.plot_stress(tmp_path / "no.png", "strip.end", 0.1)
+
+
+def test_surfaces_for_paraview_have_the_true_section_and_its_stress(tmp_path):
+    """Points of the outlines where frames put them, with the stresses of `stress`; holes too."""
+    pyvista = pytest.importorskip("pyvista")
+    model = vr.Model()
+    line = {"material": VISCOUS, "elements": 1, "order": 2}
+    model.add("tube", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=vr.Annulus(0.02, 0.01), **line))
+    model.add("bar", vr.Rod.straight((0, 0.1, 0), (0.3, 0.1, 0), section=RECTANGLE, **line))
+    C, _, M = RECTANGLE.matrices(VISCOUS)
+    model.add(
+        "plain", vr.Rod.straight((0, 0.2, 0), (0.3, 0.2, 0), section=vr.StiffnessSection(C, M), elements=1)
+    )
+    for name in ("tube", "bar", "plain"):
+        model.clamp(f"{name}.start")
+        model.force(f"{name}.end", (0, 0.02, 0.01))
+    held = model.equilibrium()
+    reader = pyvista.get_reader(held.save_paraview(tmp_path, sections=True))
+    reader.set_active_time_value(1.0)
+    surface = next(block for block in reader.read() if "von_mises" in block.point_data)
+    places, ring = 2 * 2 + 1, 48
+    assert surface.n_points == places * (2 * ring + 32)
+    assert surface.n_cells == (places - 1) * (2 * ring + 32)
+    largest = held.stress("bar.start", [(0.005, 0.01), (-0.005, 0.01), (0.005, -0.01), (-0.005, -0.01)])
+    corner = surface.point_data["von_mises"][surface.point_data["rod"] == 1]
+    assert corner.max() >= largest.von_mises.values[-1].max() * (1 - 1e-9)
+    start = surface.points[:ring]
+    assert np.hypot(start[:, 1], start[:, 2]) == pytest.approx(0.02, rel=1e-5)
+    assert list(tmp_path.glob("sections_*.vtp"))
+
+
+def test_the_page_shows_the_largest_stress_of_every_section(tmp_path):
+    """To a percent of the largest at the points of the section, at all Gauss points and instants."""
+    run = swing(RECTANGLE, RELAXING)
+    data = run.data
+    found = peak_stresses(run, data.strain.values, data.section_force.values, data.branch_strain.values)
+    points = section_patch(run, "beam.start").points
+    for k, s in enumerate(data.point_s.values.tolist()):
+        exact = run.stress(f"beam@{s!r}", points).von_mises.values.max(axis=1)
+        assert found[:, k] == pytest.approx(exact, rel=0.01)
+    page = view(run, tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "von Mises stress, largest in the section" in page

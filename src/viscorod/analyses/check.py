@@ -51,6 +51,7 @@ class CheckReport:
         joints: name, kind, places, motions that are free or driven, where it is and its gap [m] in the reference shape.
         springs: name, kind, places, motions with stiffness and damping.
         media: loads that see motion, with the numbers of their laws.
+        rest_strains: at the starts of their rods, with the factor 1, and how they change with time.
         frequencies: of the first small vibrations about the unloaded shape [Hz], rigid motions left out;
             damping_ratios, mode_names: of the same.
         rigid_motions: motions that nothing resists, in words.
@@ -76,6 +77,7 @@ class CheckReport:
     joints: list[dict[str, object]] = field(default_factory=list)
     springs: list[dict[str, object]] = field(default_factory=list)
     media: list[dict[str, object]] = field(default_factory=list)
+    rest_strains: list[dict[str, object]] = field(default_factory=list)
     conditions: int = 0
     materials: list[dict[str, object]] = field(default_factory=list)
     assumptions: list[str] = field(default_factory=list)
@@ -121,6 +123,9 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
             {"load": load.name or load.word, "rod": getattr(load, "rod", ""), **load.figures()}
             for load in model.loads
             if load.sees_motion
+        ],
+        rest_strains=[
+            {"rod": strain.rod, **strain.figures(model.rods[strain.rod])} for strain in model.rest_strains
         ],
         conditions=solver.system.constraints.rows,
         linear_solver=problem.plan.description,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +16,8 @@ from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.solve.linear_systems.adaptive_frequencies import MOST, followed
 from viscorod.solve.linear_systems.harmonic_response import HarmonicResponse
 from viscorod.solve.linear_systems.poles import Poles, poles_below
+from viscorod.solve.linear_systems.reductions import modal_basis
+from viscorod.solve.linear_systems.second_order import SecondOrder, second_order
 from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.signals import MotionInput
 from viscorod.typing import Floats
@@ -23,6 +26,11 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["frequency_response", "with_inputs"]
+
+FURTHER = 2.0
+"""Frequency up to which modes take part, over the highest of the band."""
+COMPARED = 20
+"""Frequencies at which a modal solution is compared with the direct one, beside the resonances."""
 
 
 def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> FrequencyResponse:
@@ -40,20 +48,62 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
         )
     response = HarmonicResponse(about.small, about.inputs, about.readings)
     poles = poles_below(discrete.static, about.state, linear, about.small, high)
+    solve = response.at
+    attributes: dict[str, float] = {}
+    if settings.method == "modal":
+        modal = ModalResponse.of(about, high)
+        solve = modal.at
+        attributes["modal_modes"] = modal.modes
+        attributes["modal_error"] = modal.error(response, low, high, poles.roots)
     notes = list(about.notes)
     if not poles.complete:
         notes.append("not all resonances of this band were sought: narrow peaks may be missing")
-    attributes: dict[str, float] = {}
     if settings.band is None:
-        hertz, values = given, response.over(given)
+        hertz, values = given, np.array([solve(float(f)) for f in given])
     else:
-        found = followed(response.at, (low, high), list(poles.roots), settings.tolerance)
+        found = followed(solve, (low, high), list(poles.roots), settings.tolerance)
         hertz, values = found.hertz, found.responses
         attributes["line_error"] = found.error
         if len(hertz) >= MOST:
             notes.append(f"lines between {MOST} frequencies do not follow all responses to the tolerance")
     attributes["systems"] = response.solved
     return FrequencyResponse(_data_set(discrete, settings, (hertz, values), poles, notes, attributes))
+
+
+@dataclass(frozen=True)
+class ModalResponse:
+    """Responses in few modes with static correction.
+
+    Attributes:
+        system: in these coordinates; modes: how many are modes.
+    """
+
+    system: SecondOrder
+    modes: int
+
+    @classmethod
+    def of(cls, about: LinearAbout, highest: float) -> ModalResponse:
+        """Return it with the modes up to twice the ``highest`` frequency [Hz]."""
+        system, _ = second_order(about.small, about.inputs, about.readings)
+        count = 8
+        while True:
+            basis, omega = modal_basis(system, min(count, system.size))
+            if omega[-1] > FURTHER * 2.0 * np.pi * highest or count >= system.size:
+                return cls(system.within(basis), len(omega))
+            count *= 2
+
+    def at(self, hertz: float) -> np.ndarray:
+        """Return the responses ``(outputs, inputs)`` at a frequency [Hz]."""
+        return self.system.response(hertz)
+
+    def error(self, exact: HarmonicResponse, low: float, high: float, poles: np.ndarray) -> float:
+        """Return the largest difference from the direct responses at some frequencies, as a part of the largest."""
+        resonances = poles.imag / (2.0 * np.pi)
+        inside = resonances[(resonances > low) & (resonances < high)]
+        hertz = np.unique(np.concatenate([np.linspace(low, high, COMPARED), inside]))
+        direct = exact.over(hertz)
+        found = np.array([self.at(float(f)) for f in hertz])
+        return float((np.abs(found - direct) / np.maximum(np.abs(direct).max(axis=0), 1e-300)).max())
 
 
 def with_inputs(model: ModelDescription, settings: object) -> ModelDescription:

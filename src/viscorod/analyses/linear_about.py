@@ -7,6 +7,7 @@ from typing import Any
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium_near, find_initial_equilibrium
+from viscorod.analyses.start_state import StartState
 from viscorod.errors import Fault, InputError
 from viscorod.model.actions.time_function import Constant
 from viscorod.model.description.model_description import ModelDescription
@@ -82,6 +83,15 @@ def linear_about(
     problem, model = discrete.problem, discrete.model
     before, scale = True, 1.0
     if isinstance(settings.about, Start):
+        if StartState(discrete, settings.about).result.kind == "steady":
+            raise InputError(
+                Fault(
+                    "about",
+                    "a steady rotation",
+                    "small motions about what turns are not those about an equilibrium",
+                    "its modes are in Steady.modes; for responses about it compute the motion with simulate",
+                )
+            )
         state, _ = equilibrium_near(discrete, settings.about)
     else:
         state = State.reference(problem)

@@ -68,6 +68,7 @@ def _text(report: CheckReport, conversions: Sequence[Conversion]) -> str:
         rows_text("Joints", report.joints),
         rows_text("Springs", report.springs),
         rows_text("Drag and other loads that see motion", report.media),
+        rows_text("Rest strains, at the start of the rod", report.rest_strains),
         rows_text("First natural modes about the reference shape (a quick estimate)", modes),
         "\n".join(
             [f"Rigid motions: {len(report.rigid_motions)}", *(f"  - {text}" for text in report.rigid_motions)]

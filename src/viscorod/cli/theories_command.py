@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from viscorod.cli.files import existing
-from viscorod.cli.options import CaseFile, OptionalNumber
+from viscorod.cli.options import CaseFile, OptionalNumber, output_option
 from viscorod.cli.terminal import readable_errors
 from viscorod.errors import Fault, InputError
 
@@ -22,6 +23,7 @@ def theories(
             metavar="S", help="Of the motion, s [default: that of the case; an equilibrium if it has none]"
         ),
     ] = None,
+    output: Annotated[Path | None, output_option("FILE.png", "Picture to draw")] = None,
     theory: Annotated[
         list[str] | None,
         typer.Option(
@@ -58,3 +60,5 @@ def theories(
             **{name: value for name, value in given.items() if value is not None}
         )
         typer.echo(f"{loaded.title}\n{found}" if loaded.title else str(found))
+        if output is not None:
+            typer.echo(f"\nWritten: {found.plot(output)}")

@@ -160,6 +160,11 @@ class FrequencyResponse:
                 f"\nLines between them follow every response to {100.0 * self.data.attrs['line_error']:.2g} % "
                 "(estimated)"
             )
+        if "modal_error" in self.data.attrs:
+            heading += (
+                f"\nSolved in {int(self.data.attrs['modal_modes'])} modes with static correction: the direct solution "
+                f"differs by {self.data.attrs['modal_error']:.2g} of the largest response where it was compared"
+            )
         blocks = [heading]
         for j, source in enumerate(self.inputs):
             for k, target in enumerate(self.outputs):

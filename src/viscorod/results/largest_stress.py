@@ -16,14 +16,14 @@ from viscorod.errors import InputError
 from viscorod.results.array_pieces import blocks
 from viscorod.results.reference_shape import reference_curvatures
 from viscorod.results.result_places import by_name, lagrange_weights
-from viscorod.results.stress import RodStress, von_mises
-from viscorod.solve.stress.section_stress import SectionStress
+from viscorod.results.stress import RodStress
+from viscorod.solve.stress.section_stress import SectionStress, von_mises
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     from viscorod.results.result import Result
 
-__all__ = ["LargestStress", "largest_stress"]
+__all__ = ["LargestStress", "largest_stress", "peak_stresses"]
 
 AT_ONCE = 32
 """States of a section whose stresses are computed together."""
@@ -46,6 +46,32 @@ class LargestStress:
     state: int
     level: float
     missing: tuple[str, ...]
+
+
+def peak_stresses(result: Result, strain: Floats, force: Floats, springs: Floats | None) -> Floats | None:
+    """Return the largest von Mises stress in the section at all Gauss points ``(n, m)`` [Pa], to about a percent.
+
+    Args:
+        result: whose sections these are.
+        strain, force: at the Gauss points ``(n, m, 6)``.
+        springs: strains of the branches' springs ``(n, m, branches, 6)``, None where there are none.
+
+    Returns:
+        None where the section of a rod is not known in three dimensions.
+    """
+    missing: list[str] = []
+    places = [some for some in _places(result, missing) if some.points.shape[1] == 1]
+    if missing:
+        return None
+    found = np.zeros(strain.shape[:2])
+    for some in places:
+        section = some.section
+        own = None
+        if springs is not None and len(section.times):
+            own = some.read(springs)[:, some.stress.branches_of(section)]
+        parts = section.parts(some.read(strain), some.read(force), own, moving=some.stress.moving)
+        found[:, some.points[:, 0]] = section.peaks(parts).reshape(len(strain), -1)
+    return found
 
 
 @dataclass(frozen=True)

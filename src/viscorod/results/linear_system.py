@@ -309,7 +309,7 @@ class LinearSystem:
             names = tuple(self.coordinates[k] for k in kept)
             names += tuple(f"mode {k + 1} with the ends held" for k in range(V.shape[1] - len(kept)))
         elif method == "modal":
-            V = modal_basis(second, modes)
+            V, _ = modal_basis(second, modes)
             names = tuple(
                 f"mode {k + 1}" if k < modes else f"static shape {k + 1 - modes}" for k in range(V.shape[1])
             )

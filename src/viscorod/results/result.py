@@ -333,18 +333,19 @@ class Result(ABC):
         return write(self.data, path)
 
     @checked
-    def save_paraview(self, folder: str | Path) -> Path:
+    def save_paraview(self, folder: str | Path, *, sections: bool = False) -> Path:
         """Write polylines of all stored states for ParaView (pip install 'viscorod[vtk]').
 
         Args:
             folder: it is made; files of this name in it are replaced.
+            sections: also write the surfaces of rods with their true sections, with axial and von Mises stress.
 
         Returns:
             The collection ``run.pvd``, to be opened in ParaView.
         """
         from viscorod.results.files.paraview import write_paraview
 
-        return write_paraview(self, folder)
+        return write_paraview(self, folder, sections=sections)
 
     @abstractmethod
     def report(self) -> str:

@@ -14,7 +14,8 @@ from viscorod.results.element_points import Stencil
 from viscorod.results.probe import PartsRead
 from viscorod.results.reference_shape import reference_curvature
 from viscorod.results.result_places import ResultPlace
-from viscorod.solve.stress.section_stress import ForceParts, SectionStress
+from viscorod.solve.stress.section_rings import section_rings
+from viscorod.solve.stress.section_stress import ForceParts, SectionStress, von_mises
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
     from viscorod.results.result import Result
 
-__all__ = ["STRESSES", "RodStress", "StressPatch", "section_patch", "stress_at", "von_mises"]
+__all__ = ["STRESSES", "RodStress", "StressPatch", "section_at", "section_patch", "stress_at"]
 
 STRESSES = ("11", "22", "33", "23", "13", "12")
 """Components of stress and strain along d1, d2 and d3."""
@@ -66,6 +67,10 @@ class RodStress:
         section: SectionStress = self._known[key]
         return section
 
+    def rings(self, s: float) -> list[Floats]:
+        """Return points ``(n, 2)`` [m] on the outline and the holes of the section at an arc length [m]."""
+        return section_rings(self._sections.at(s).section)
+
     def parts(
         self, sections: Sequence[SectionStress], strain: Floats, force: Floats, springs: Floats | None
     ) -> ForceParts:
@@ -97,7 +102,7 @@ def stress_at(
     import xarray as xr
 
     site = _site(result, place)
-    section, parts = _here(result, RodStress(result, site.rod), site, instants)
+    section, parts = section_at(result, RodStress(result, site.rod), site, instants)
     field = section.field
     samples = field.rule if points is None else field.at(_points(points))
     found = section.fields(samples, parts)
@@ -173,7 +178,7 @@ def section_patch(result: Result, place: str | int, time: float | None = None) -
             raise InputError(f"time = {time!r}: only a run has times; leave it out for the last state")
         known = np.asarray(result.data["time"].values, dtype=float)
         instants = Instants.of(known, np.array([time]), getattr(result, "step_ends", None))
-    section, parts = _here(result, RodStress(result, site.rod), site, instants)
+    section, parts = section_at(result, RodStress(result, site.rod), site, instants)
     patch = section.field.patch
     state = 0 if instants is not None else -1
     if result.kind == "simulate" and instants is None:
@@ -189,12 +194,7 @@ def section_patch(result: Result, place: str | int, time: float | None = None) -
     return StressPatch(site.label, float(level), patch.samples.points, patch.triangles, stress)
 
 
-def von_mises(stress: Floats) -> Floats:
-    """Return the von Mises stress of s31, s32, s33 ``(..., 3)``."""
-    return np.asarray(np.sqrt(stress[..., 2] ** 2 + 3.0 * (stress[..., 0] ** 2 + stress[..., 1] ** 2)))
-
-
-def _here(
+def section_at(
     result: Result, rod: RodStress, site: ResultPlace, instants: Instants | None
 ) -> tuple[SectionStress, ForceParts]:
     """Return the section at a place, and the parts of its forces in all states or at the instants."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
@@ -126,6 +127,13 @@ class TheoryComparison:
         else:
             verdict = f"{self.theories[self.enough].title} is enough (within {100.0 * self.within:.3g} %)"
         return f"For {what} {verdict}: {errors}."
+
+    def plot(self, path: str | Path) -> Path:
+        """Draw deflections and bending moments of all theories; returns the path."""
+        from viscorod.pictures.plots.plot_theories import draw_theories  # here: it loads Matplotlib
+        from viscorod.pictures.style import write
+
+        return write(draw_theories(self), path)
 
     def __str__(self) -> str:
         header = (

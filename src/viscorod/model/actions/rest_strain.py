@@ -187,6 +187,22 @@ class RestStrain(Definition):
         constant = isinstance(rod.section, AnySection)
         return RestStrain(self.rod, strain(0.0) if constant else strain, self.time)
 
+    def figures(self, rod: Rod) -> dict[str, float | str]:
+        """Return what ``viscorod check`` prints: the strains at the start of its rod, with the factor 1, and when."""
+        strains = self.on(rod).at(0.0)
+        when = "its function" if self.sees_time else "constant"
+        if self.time is not None:
+            when = str(type(self.time).model_fields["kind"].default)
+        return {
+            "shear 1": float(strains[0]),
+            "shear 2": float(strains[1]),
+            "stretch": float(strains[2]),
+            "bend 1 [1/m]": float(strains[3]),
+            "bend 2 [1/m]": float(strains[4]),
+            "twist [1/m]": float(strains[5]),
+            "in time": when,
+        }
+
     def _interpolated(self, s: float) -> Floats:
         """Return the strains of the table; at a jump those after it, beyond its ends those at the ends."""
         stations, values = np.asarray(self.stations), np.asarray(self.values)

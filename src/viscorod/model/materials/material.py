@@ -249,11 +249,14 @@ class Material(Definition):
         Raises:
             InputError: the damping does not go with the elastic constants.
         """
-        more = {name: getattr(self, name) for name in ("temperature", "shift", "specific_heat")}
+        more = {
+            name: getattr(self, name)
+            for name in ("temperature", "shift", "specific_heat", "thermal_expansion")
+        }
         kept = {
             name: value
             for name, value in more.items()
-            if value is not None and (damping is not None or name == "specific_heat")
+            if value is not None and (damping is not None or name not in ("temperature", "shift"))
         }
         other = Material.model_validate({**self._given, "density": self.density, "damping": damping, **kept})
         other._behaviour = other._behaviour.assuming(*assumptions)

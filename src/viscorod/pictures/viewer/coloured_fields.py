@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.pictures.style import scaled
+from viscorod.results.largest_stress import peak_stresses
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 __all__ = ["FieldPoints", "fields_of", "points_of", "speed_of"]
 
 _STRAIN = ("shear 1", "shear 2", "stretch", "bend 1", "bend 2", "twist")
+MOST_STRESSES = 200_000
+"""Gauss points times frames up to which a page shows stresses, which take a second or two then."""
 _FORCE = ("shear force 1", "shear force 2", "axial force", "moment 1", "moment 2", "torque")
 
 
@@ -92,6 +95,11 @@ def fields_of(result: Result, frames: Frames, points: FieldPoints) -> list[tuple
         force = frames.linear("section_force")
         for k, title in enumerate(_FORCE):
             add(f"force{k}", title, "N" if k < 3 else "N m", force[..., k])
+    if "section_force" in data and data.sizes["point"] * frames.count <= MOST_STRESSES:
+        springs = frames.linear("branch_strain") if "branch_strain" in data else None
+        peaks = peak_stresses(result, strain, force, springs)
+        if peaks is not None:
+            add("mises", "von Mises stress, largest in the section", "Pa", peaks)
     if "dissipation" in data:
         add("dissipation", "dissipation density", "W/m", frames.linear("dissipation"))
     return found

@@ -15,6 +15,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.results.element_points import Stencil
+from viscorod.results.files.section_surfaces import Surfaces
 from viscorod.results.probe import fields_at, instants_of
 from viscorod.results.result_places import ResultPlace
 from viscorod.results.run import Run
@@ -38,7 +39,9 @@ _COMPONENTS = {
 }
 
 
-def write_paraview(result: Result, folder: str | Path, times: Floats | None = None) -> Path:
+def write_paraview(
+    result: Result, folder: str | Path, times: Floats | None = None, *, sections: bool = False
+) -> Path:
     """Write a result for ParaView.
 
     Rods are polylines with their radius, directors ``d1, d2, d3``, velocity, angular velocity (body axes), strains,
@@ -49,6 +52,7 @@ def write_paraview(result: Result, folder: str | Path, times: Floats | None = No
         result: a run, an equilibrium (load factors, or numbers along a path, become times) or a steady rotation.
         folder: is made; files of this name in it are replaced.
         times: of a run [s]; all stored ones by default.
+        sections: also write the surfaces of rods with their true sections, with axial and von Mises stress.
 
     Returns:
         The collection ``run.pvd`` to open.
@@ -63,18 +67,23 @@ def write_paraview(result: Result, folder: str | Path, times: Floats | None = No
     on_bodies = [result.sites.at(body) for body in names["body"]]
     count = len(_levels(result)) if times is None else int(np.size(times))
     digits = max(4, len(str(count - 1)))
+    surfaces = Surfaces(result, sites) if sections else None
     collection = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     datasets = ElementTree.SubElement(collection, "Collection")
     with system_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        for number, (level, rods, bodies) in enumerate(_states(result, sites, on_bodies, times)):
-            for part, (kind, fields) in enumerate((("rod", rods), ("body", bodies))):
+        for number, (level, *kinds) in enumerate(_states(result, sites, on_bodies, times, surfaces)):
+            for part, (kind, fields) in enumerate(zip(("rod", "body", "section"), kinds, strict=True)):
                 if not fields:
                     continue
-                mesh = _lines(pv, fields, counts) if kind == "rod" else _points(pv, fields)
+                if kind == "section":
+                    assert surfaces is not None
+                    mesh = _surface(pv, fields, surfaces)
+                else:
+                    mesh = _lines(pv, fields, counts) if kind == "rod" else _points(pv, fields)
                 if kind == "rod":
                     mesh.point_data["radius"] = radius
-                mesh.field_data[f"{kind}_names"] = names[kind]
+                mesh.field_data[f"{kind}_names"] = names["body" if kind == "body" else "rod"]
                 mesh.field_data["TimeValue"] = [level]
                 target = f"{kind}s_{number:0{digits}d}.vtp"
                 _save(mesh, folder / target)
@@ -139,9 +148,13 @@ def _levels(result: Result) -> Floats:
 
 
 def _states(
-    result: Result, sites: list[ResultPlace], on_bodies: list[ResultPlace], times: Floats | None
-) -> Iterator[tuple[float, dict[str, Floats], dict[str, Floats]]]:
-    """Yield the level (time or load factor) of every state and the fields of rods and of bodies there."""
+    result: Result,
+    sites: list[ResultPlace],
+    on_bodies: list[ResultPlace],
+    times: Floats | None,
+    surfaces: Surfaces | None,
+) -> Iterator[tuple[float, dict[str, Floats], dict[str, Floats], dict[str, Floats]]]:
+    """Yield the level (time or load factor) of every state and the fields of rods, bodies and surfaces there."""
     levels = _levels(result) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
     step = _BLOCK if isinstance(result, Run) else len(levels)
     for first in range(0, len(levels), step):
@@ -149,8 +162,12 @@ def _states(
         instants = instants_of(result, part) if isinstance(result, Run) else None
         rods = fields_at(result, sites, instants)
         bodies = fields_at(result, on_bodies, instants) if on_bodies else {}
+        around: dict[str, Floats] = {}
+        if surfaces is not None and surfaces.quads.size:
+            around = surfaces.fields(rods["position"], rods["frame"], instants)
         for k, level in enumerate(part.tolist()):
-            yield level, *({name: field[k] for name, field in of.items()} for of in (rods, bodies))
+            here = [{name: field[k] for name, field in of.items()} for of in (rods, bodies, around)]
+            yield level, here[0], here[1], here[2]
 
 
 def _lines(pv: Any, fields: dict[str, Floats], counts: Integers) -> pyvista.PolyData:
@@ -174,6 +191,16 @@ def _lines(pv: Any, fields: dict[str, Floats], counts: Integers) -> pyvista.Poly
             _vector(mesh, f"{name}_global", np.einsum("nij,nj->ni", fields["frame"], values))
     if "dissipation" in fields:
         mesh.point_data["dissipation"] = fields["dissipation"]
+    return mesh
+
+
+def _surface(pv: Any, fields: dict[str, Floats], surfaces: Surfaces) -> pyvista.PolyData:
+    """Return the surfaces of rods with stresses."""
+    faces = np.insert(surfaces.quads, 0, 4, axis=1).ravel()
+    mesh: pyvista.PolyData = pv.PolyData(np.ascontiguousarray(fields["position"]), faces=faces)
+    mesh.point_data["rod"] = surfaces.rod
+    for name in ("stress_33", "von_mises"):
+        mesh.point_data[name] = fields[name]
     return mesh
 
 

@@ -23,32 +23,38 @@ def _symmetric(matrix: sparse.csr_array) -> sparse.csc_array:
     return sparse.csc_array(0.5 * (matrix + matrix.T))
 
 
-def _modes(K: sparse.csc_array, M: sparse.csc_array, count: int) -> Floats:
-    """Return the slowest undamped modes ``(n, count)``."""
+def _modes(K: sparse.csc_array, M: sparse.csc_array, count: int) -> tuple[Floats, Floats]:
+    """Return the slowest undamped modes ``(n, count)`` and their angular frequencies [rad/s]."""
     n = K.shape[0]
     if n <= max(FULL, 2 * count + 2):
-        found: Floats = scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=(0, min(count, n) - 1))[1]
-        return found
+        squares, vectors = scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=(0, min(count, n) - 1))
+        return vectors, np.sqrt(np.maximum(squares, 0.0))
     from scipy.sparse.linalg import LinearOperator, eigsh
 
     factor = factored(K)
     inverse = LinearOperator(K.shape, matvec=factor.solve, dtype=float)
     start = np.random.default_rng(1).standard_normal(n)
-    vectors: Floats = eigsh(K, count, M, sigma=0.0, OPinv=inverse, v0=start)[1]
-    return vectors
+    squares, vectors = eigsh(K, count, M, sigma=0.0, OPinv=inverse, v0=start)
+    order = np.argsort(squares)
+    return vectors[:, order], np.sqrt(np.maximum(squares[order], 0.0))
 
 
-def modal_basis(system: SecondOrder, modes: int) -> Floats:
-    """Return the slowest undamped modes, and the static shapes under all inputs that they lack (static correction).
+def modal_basis(system: SecondOrder, modes: int) -> tuple[Floats, Floats]:
+    """Return the slowest undamped modes and the static shapes under all inputs that they lack (static correction).
 
-    Those of prescribed motions are under the inertial forces of their quasi-static shapes.
+    Those of prescribed motions are under the inertial forces of their quasi-static shapes. The second array are the
+    angular frequencies of the modes [rad/s].
     """
-    K, M = _symmetric(system.terms[0]), _symmetric(system.terms[2])
-    vectors = _modes(K, M, modes)
-    factor = factored(system.terms[0])
+    K, M = _symmetric(system.at_rest), _symmetric(system.terms[2])
+    vectors, omega = _modes(K, M, modes)
+    factor = factored(system.at_rest)
     moving = system.derivative >= 0
-    right = [system.force[:, ~moving], *(part[:, moving] for part in (system.pushed[0], system.pushed[2]))]
-    return _joined(M, vectors, np.asarray(factor.solve(np.hstack(right))).reshape(K.shape[0], -1))
+    right = [
+        system.force[:, ~moving],
+        *(part[:, moving] for part in (system.pushed_at_rest, system.pushed[2])),
+    ]
+    static = np.asarray(factor.solve(np.hstack(right))).reshape(K.shape[0], -1)
+    return _joined(M, vectors, static), omega
 
 
 def _joined(M: sparse.csc_array, vectors: Floats, others: Floats) -> Floats:
@@ -82,8 +88,9 @@ def craig_bampton_basis(system: SecondOrder, kept: Integers, modes: int) -> Floa
         within = sparse.csc_array(K[inner][:, inner])
         basis[inner, : len(kept)] = -np.asarray(factored(within).solve(K[inner][:, kept].toarray()))
         if modes:
-            held = _modes(_symmetric(sparse.csr_array(within)), sparse.csc_array(M[inner][:, inner]), modes)
-            basis[inner, len(kept) :] = held
+            basis[inner, len(kept) :] = _modes(
+                _symmetric(sparse.csr_array(within)), sparse.csc_array(M[inner][:, inner]), modes
+            )[0]
     return basis
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -18,13 +19,15 @@ from viscorod.errors import SolveError
 from viscorod.solve.constraints.null_space import null_space
 from viscorod.solve.linear_systems.ports import Inputs
 from viscorod.solve.linear_systems.readings import Readings
-from viscorod.solve.linear_systems.small_motions import SmallMotions
+from viscorod.solve.linear_systems.small_motions import Coefficient, SmallMotions
 from viscorod.solve.modes.linearisation import factored
 from viscorod.typing import Floats
 
 __all__ = ["FirstOrderMatrices", "SecondOrder", "second_order"]
 
 ROUNDS, CONVERGED = 30, 1e-11
+DENSE = 60
+"""Coordinates up to which full matrices are faster."""
 
 
 class FirstOrderMatrices(NamedTuple):
@@ -49,6 +52,7 @@ class SecondOrder:
         times: relaxation times of the branches [s].
         derivative: of the prescribed motions by time, which the inputs are ``(inputs,)``; -1 for loads.
         basis: nodal body increments of the coordinates ``(6 N, n)``; carrying: of the prescribed motions.
+        measured: complex moduli over those at rest, functions of ``s``, of the terms after those of the branches.
     """
 
     terms: tuple[sparse.csr_array, ...]
@@ -61,6 +65,7 @@ class SecondOrder:
     derivative: np.ndarray
     basis: sparse.csr_array
     carrying: Floats
+    measured: tuple[Coefficient, ...] = ()
 
     @property
     def size(self) -> int:
@@ -69,7 +74,13 @@ class SecondOrder:
 
     def coefficients(self, s: complex) -> list[complex]:
         """Return by what terms, rows and the rest are multiplied at ``s`` [1/s]."""
-        return [1.0, s, s * s, *(s * tau / (1.0 + s * tau) for tau in self.times)]
+        return [
+            1.0,
+            s,
+            s * s,
+            *(s * tau / (1.0 + s * tau) for tau in self.times),
+            *(c(s) for c in self.measured),
+        ]
 
     def at(self, s: complex) -> sparse.csr_array:
         """Return the dynamic stiffness ``(n, n)`` at ``s`` [1/s]."""
@@ -83,9 +94,35 @@ class SecondOrder:
         c = self.coefficients(s)
         times = np.where(self.derivative > 0, s ** -np.maximum(self.derivative, 0).astype(float), 1.0)
         right = self.force - times * sum(k * part for k, part in zip(c, self.pushed, strict=True))
-        x = factored(self.at(s)).solve(np.asarray(right, dtype=complex))
+        right = np.asarray(right, dtype=complex)
+        if self.size <= DENSE:
+            x = np.linalg.solve(np.tensordot(c, self._dense, 1), right)
+        else:
+            x = factored(self.at(s)).solve(right)
         out = self.direct + times * sum(k * part for k, part in zip(c, self.carried, strict=True))
         return np.asarray(out + sum(k * (rows @ x) for k, rows in zip(c, self.rows, strict=True)))
+
+    @property
+    def at_rest(self) -> sparse.csr_array:
+        """Stiffness at rest, with what measured moduli have there."""
+        return sparse.csr_array(sum(self.terms[self._first_measured :], self.terms[0]))
+
+    @property
+    def pushed_at_rest(self) -> Floats:
+        """The same of prescribed motions."""
+        found = self.pushed[0].copy()
+        for part in self.pushed[self._first_measured :]:
+            found += part
+        return found
+
+    @property
+    def _first_measured(self) -> int:
+        return 3 + len(self.times)
+
+    @cached_property
+    def _dense(self) -> Floats:
+        """All terms as full matrices ``(terms, n, n)``."""
+        return np.array([term.toarray() for term in self.terms])
 
     def pole_near(self, s: complex) -> complex:
         """Return the pole next to ``s`` [1/s], by inverse iteration (Newton's method)."""
@@ -104,7 +141,7 @@ class SecondOrder:
     def _slope(self, s: complex, x: np.ndarray) -> np.ndarray:
         """Return the derivative of the dynamic stiffness by ``s``, applied to ``x``."""
         out = self.terms[1] @ x + 2.0 * s * (self.terms[2] @ x)
-        for term, tau in zip(self.terms[3:], self.times, strict=True):
+        for term, tau in zip(self.terms[3:], self.times, strict=False):
             out = out + tau / (1.0 + s * tau) ** 2 * (term @ x)
         return np.asarray(out)
 
@@ -205,6 +242,7 @@ def second_order(
         derivative=np.where(inputs.held.any(axis=0) | inputs.targets.any(axis=0), inputs.derivative, -1),
         basis=basis,
         carrying=carrying,
+        measured=small.coefficients[3 + len(small.times) :],
     )
     return _about_shapes_at_rest(system), Z
 
@@ -215,11 +253,12 @@ def _about_shapes_at_rest(system: SecondOrder) -> SecondOrder:
     if not moving.any():
         return system
     try:
-        shapes = -np.asarray(factored(system.terms[0]).solve(system.pushed[0]))
+        shapes = -np.asarray(factored(system.at_rest).solve(system.pushed_at_rest))
     except SolveError:
         return system
     pushed = [part + term @ shapes for part, term in zip(system.pushed, system.terms, strict=True)]
-    pushed[0] = np.zeros_like(shapes)
+    if not system.measured:
+        pushed[0] = np.zeros_like(shapes)
     return replace(
         system,
         pushed=tuple(pushed),

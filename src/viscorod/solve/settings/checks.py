@@ -161,9 +161,8 @@ def _changing_rest(model: ModelDescription, why: str, instead: str) -> Iterator[
 
 def _struck_dashpots(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
     """Refuse rest strains that jump where dashpots would answer with infinite forces."""
-    from_rest = settings.start is None and settings.initial == "equilibrium"
     for index, strain in enumerate(model.rest_strains):
-        jumps = [t for t in strain.jumps if (0.0 <= t if from_rest else 0.0 < t) and t < settings.duration]
+        jumps = [t for t in strain.jumps if 0.0 < t < settings.duration]
         if jumps and model.rods[strain.rod].viscous:
             yield Fault(
                 f"rest_strains[{index}].time",

@@ -101,6 +101,12 @@ class ResponseSettings(_Ported):
         default="measured",
     )
 
+    method: Annotated[str, one_of("direct", "modal")] = Key(
+        '"direct": the dynamic stiffness is solved at every frequency; "modal": in the modes up to twice the highest '
+        "frequency, with static correction, which is faster; its error is computed at some frequencies",
+        default="direct",
+    )
+
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:
         if (self.frequencies is None) == (self.band is None):

@@ -19,6 +19,7 @@ those of the energy.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -27,10 +28,14 @@ from viscorod.model.sections.stress_field import SectionSamples, resultants
 from viscorod.solve.stress.recorded_rods import SectionHere
 from viscorod.typing import Floats
 
-__all__ = ["ForceParts", "PointFields", "SectionStress"]
+__all__ = ["ForceParts", "PointFields", "SectionStress", "von_mises"]
 
 AXIAL, SHEAR = [2, 3, 4], [0, 1, 5]
 """Strains that stretch fibres, and those that shear."""
+DIRECTIONS = 150
+"""Section forces under which the points that carry most are sought."""
+AT_ONCE = 2000
+"""Section forces whose stresses are computed together."""
 LITTLE = 1e-10
 """Part of the largest eigenvalue of a matrix with a unit diagonal that counts as nothing."""
 
@@ -170,6 +175,28 @@ class SectionStress:
             total[1] += np.abs(force[..., SHEAR]) @ np.linalg.norm(shear, axis=1).max(axis=0)
         return np.asarray(np.sqrt(total[0] ** 2 + 3.0 * total[1] ** 2))
 
+    def peaks(self, parts: ForceParts) -> Floats:
+        """Return the largest von Mises stress in the section ``(t,)`` [Pa], to about a percent."""
+        found = [
+            von_mises(self.fields(self._likely, parts.at(rows)).stress).max(axis=1) for rows in _pieces(parts)
+        ]
+        return np.concatenate(found)
+
+    @cached_property
+    def _likely(self) -> SectionSamples:
+        """The points that carry most under some one of many forces: other forces are worst near one of these."""
+        samples = self.field.patch.samples
+        axial, shear = self._maps(samples, self._elastic, self.stiffness)
+        forces = np.random.default_rng(0).normal(size=(DIRECTIONS, 6))
+        forces[:, AXIAL] /= np.abs(axial).max(axis=0)
+        forces[:, SHEAR] /= np.linalg.norm(shear, axis=1).max(axis=0)
+        worst = [
+            np.argmax(von_mises(self._stress(samples, self._elastic, self.stiffness, force[None]))[0])
+            for force in forces
+        ]
+        chosen = np.unique(worst)
+        return SectionSamples(samples.points[chosen], samples.region[chosen], samples.flow[chosen])
+
     def _flow(self, samples: SectionSamples) -> Floats:
         """Return the shear stress of unit forces ``(n, 2, 3)``, over J0 and in balance with them."""
         return np.asarray(samples.flow / samples.curved(self.curvature)[:, None, None] @ self._balanced)
@@ -222,6 +249,17 @@ class SectionStress:
             size = np.einsum("ndi,ti->tnd", here, own) / samples.curved(self.curvature)[:, None]
             found += moduli[samples.region, kind] * np.sum(size**2, axis=-1)
         return found
+
+
+def von_mises(stress: Floats) -> Floats:
+    """Return the von Mises stress of s31, s32, s33 ``(..., 3)``."""
+    return np.asarray(np.sqrt(stress[..., 2] ** 2 + 3.0 * (stress[..., 0] ** 2 + stress[..., 1] ** 2)))
+
+
+def _pieces(parts: ForceParts) -> list[np.ndarray]:
+    """Return the rows of forces in pieces whose stresses fit into memory."""
+    count = len(parts.elastic)
+    return np.array_split(np.arange(count), max(1, count // AT_ONCE))
 
 
 def _scale(matrix: Floats) -> Floats:

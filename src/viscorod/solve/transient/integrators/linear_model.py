@@ -23,6 +23,7 @@ from viscorod.mechanics.elements.intrinsic_linearised import linearise_intrinsic
 from viscorod.mechanics.elements.poses_from_strains import rotated
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.dashpot_memory import at_points
 from viscorod.solve.formulations.element_forces import GeometricForces, IntrinsicForces
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
@@ -254,8 +255,11 @@ class LinearModel:
         found = Snapshot(state, strain, rate, force, reactions, *energies_, joints)
         if self.branches is None:
             return found
-        power = self.branches.memory.power(points.strain[0])
-        return found._replace(branch_power=power.ravel()[self._places])
+        memory, now = self.branches.memory, points.strain[0]
+        return found._replace(
+            branch_power=memory.power(now).ravel()[self._places],
+            branch_strain=at_points(now - memory.dashpot, self._places),
+        )
 
 
 def _operator(blocks: Floats, elements: Elements, nodes: int) -> sparse.csr_array:
