@@ -122,7 +122,7 @@ class EnergyAccount:
 
     def copy(self) -> EnergyAccount:
         """Return an independent copy."""
-        copied = EnergyAccount()
+        copied = EnergyAccount.__new__(EnergyAccount)
         vars(copied).update(vars(self))
         return copied
 

@@ -144,7 +144,8 @@ class StepRecorder:
             self._reading,
         )
         corrected = held or len(inner) > 0
-        self._read_between(np.append(parts, inner), *given, True, not corrected, found)
+        places = np.append(parts, inner) if len(inner) else parts
+        self._read_between(places, *given, True, not corrected, found)
         if len(inner):
             weights = self.tableau.polynomials(parts)[:, : len(inner)]
             correct_inside(weights, (found.r, found.q, found.twist), (stages.r, stages.q, stages.twist))
