@@ -169,6 +169,26 @@ def test_decay_of_a_linear_beam():
     assert found.displacement_error("euler_bernoulli") > 2.0 * found.displacement_error("timoshenko")
 
 
+def test_timoshenko_is_linear_dynamics():
+    # an independent formulation: the intrinsic one, linear about the unloaded beam, with linearised damping
+    model = beam({"beam.start": None}, tau=TAU, elements=2, order=5)
+    model.force("beam.end", (0.0, 0.0, 30.0), time=vr.Sine(5.0))
+    found = model.compare_theories(0.1, theory="timoshenko", output_interval=0.01)
+    linear = model.simulate(
+        0.1,
+        formulation="intrinsic",
+        damping="linearised",
+        dynamics="linear",
+        output_interval=0.01,
+        tolerance=1e-7,
+    )
+    wanted = [int(np.argmin(np.abs(linear.time - t))) for t in np.linspace(0.01, 0.1, 10)]
+    mine = [int(np.argmin(np.abs(found.time - t))) for t in np.linspace(0.01, 0.1, 10)]
+    expected = linear.history("beam.end", "displacement").values[wanted, 2]
+    timoshenko = found.theories["timoshenko"].displacement[mine, -1, 1]
+    assert timoshenko == pytest.approx(expected, abs=3e-6 * np.abs(expected).max())
+
+
 def test_frequencies_of_timoshenko_between_hinges():
     # w = W sin kx, phi = P cos kx: two frequencies for every k
     found = hinged(0.0).compare_theories(frequencies=3)
