@@ -20,10 +20,12 @@ from viscorod.casefile.units import Conversion
 from viscorod.cli.app import app
 from viscorod.cli.progress import reporting
 from viscorod.results.run import Equilibrium, Run
+from viscorod.results.validity import Condition, Validity
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.statics import EquilibriumSettings
 
 REPORT = SimpleNamespace(
+    validity=Validity((Condition("|J0 - 1|: half width x curvature", "LLT 2.2", 0.2, 0.1, "beam"),)),
     rods=[{"rod": "beam", "length [m]": 0.3, "mass [kg]": 0.03, "elements": 2, "order": 5}],
     sections=[
         {"section": "beam", "area [m2]": 1e-4, **{f"stiffness {k}": 10.0**k for k in range(12)}},
@@ -180,6 +182,7 @@ def test_check_prints_tables(invoke, solving, monkeypatch):
     assert (
         lines[lines.index("Assumptions about damping") + 1] == "- rod beam: the bulk modulus does not relax"
     )
+    assert "|J0 - 1|: half width x curvature 0.2 0.1 NO beam LLT 2.2" in lines
     assert max(map(len, result.stdout.splitlines())) <= 100
 
 

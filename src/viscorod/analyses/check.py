@@ -366,22 +366,22 @@ def _rod_warnings(name: str, rod: Rod) -> list[str]:
 def _validity(model: ModelDescription, frequencies: Floats) -> Validity:
     """Return the conditions of a rod model that are known before a solution, with the names that results give them."""
     known = {name: shape for name, rod in model.rods.items() if (shape := _shape(rod)) is not None}
-    names = ("|J0 - 1|, half width times reference curvature", "half width times reference twist")
+    names = ("|J0 - 1|: half width x curvature", "half width x reference twist")
     conditions = []
-    for k, name in enumerate((*names, "half width over length")):
+    for k, name in enumerate((*names, "half width / length")):
         if known:
             worst = max(known, key=lambda rod: known[rod][k])
             conditions.append(Condition(name, "LLT 2.2", known[worst][k], SLENDER, worst))
         else:
             conditions.append(unknown_width(name, "LLT 2.2", SLENDER))
-    for name in ("shear and stretch", "half width times bending and twist"):
+    for name in ("shear and stretch", "half width x bending, twist"):
         conditions.append(Condition(name, "LLT 2.2", math.nan, SMALL_STRAIN, "known of a solution"))
     times = {name: _longest_time(rod) for name, rod in model.rods.items()}
     slowest = max(times, key=lambda rod: times[rod], default="")
     if slowest and times[slowest] > 0.0:
         omega = 2 * np.pi * float(frequencies[0]) if len(frequencies) else math.nan
         where = f"{slowest}, first mode" if len(frequencies) else "no mode is known"
-        name = "angular frequency times retardation time"
+        name = "angular frequency x time"
         conditions.append(Condition(name, "LLT 2.6", omega * times[slowest], QUICK, where))
     return Validity(tuple(conditions))
 

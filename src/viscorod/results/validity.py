@@ -109,9 +109,9 @@ def _shape(result: Result) -> list[Condition]:
     rods = np.asarray(data["point_rod"].values, dtype=str)
     lengths = {rod: result.sites.ends(rod)[1].s for rod in result.sites.rods}
     rows = (
-        ("|J0 - 1|, half width times reference curvature", np.linalg.norm(curved[:, :2], axis=1)),
-        ("half width times reference twist", np.abs(curved[:, 2])),
-        ("half width over length", np.array([1.0 / lengths[rod] for rod in rods.tolist()])),
+        ("|J0 - 1|: half width x curvature", np.linalg.norm(curved[:, :2], axis=1)),
+        ("half width x reference twist", np.abs(curved[:, 2])),
+        ("half width / length", np.array([1.0 / lengths[rod] for rod in rods.tolist()])),
     )
     if not half.any():
         return [unknown_width(name, "LLT 2.2", SLENDER) for name, _ in rows]
@@ -123,7 +123,7 @@ def _strains(result: Result) -> list[Condition]:
     low, high = extremes(result, "strain")
     strain, half = np.maximum(np.abs(low), np.abs(high)), _half_widths(result)
     found = [Condition("shear and stretch", "LLT 2.2", *_worst(result, strain[:, :3], SMALL_STRAIN))]
-    name = "half width times bending and twist"
+    name = "half width x bending, twist"
     if not half.any():
         return [*found, unknown_width(name, "LLT 2.2", SMALL_STRAIN)]
     turning = Condition(name, "LLT 2.2", *_worst(result, strain[:, 3:] * half[:, None], SMALL_STRAIN, 3))
@@ -151,7 +151,7 @@ def _worst(result: Result, values: Floats, limit: float, first: int = 0) -> tupl
 
 def _rate(result: Result) -> tuple[Condition | None, str]:
     """Return how quick a motion is beside the material's relaxation, and a sentence on a known relaxation."""
-    name, source = "angular frequency times retardation time", "LLT 2.6"
+    name, source = "angular frequency x time", "LLT 2.6"
     laws = json.loads(str(result.data.attrs.get("damping_laws") or "{}"))
     if not laws:
         return None, ""
@@ -186,7 +186,7 @@ def _of_run(run: Result, name: str, source: str) -> tuple[Condition, str]:
     if bounded:
         worst = max(bounded, key=lambda strain: strain.bound)
         where = f"{worst.rod}, {worst.strain}"
-        name = "error of viscous stress over stress"
+        name = "error of the viscous stress"
         return Condition(name, source, worst.bound, found.tolerance, where), found.sentence
     worst = max(found.strains, key=lambda strain: strain.product)
     where = f"{worst.rod}, {worst.strain}, 95 % below {worst.high_frequency:.3g} Hz"
