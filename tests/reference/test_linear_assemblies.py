@@ -85,7 +85,7 @@ def relaxations(kind):
 
 @pytest.mark.parametrize("kind", ["joint spring", "held branches"])
 def test_small_motions_of_the_nonlinear_model(kind):
-    """Limit: positions, section forces, hinges, reactions and losses of a nonlinear motion by a thousandth of the length."""
+    """Limit: positions, section forces, hinges, reactions and losses under a force of 1e-3."""
     size = 1e-3
     linear = struck(kind, size, 0.5, 1e-9, **LINEAR).data
     exact = struck(kind, size, 0.5, 1e-9).data
