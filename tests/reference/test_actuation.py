@@ -204,6 +204,8 @@ def test_a_bimetal_strip_bends_as_timoshenko_says() -> None:
     found = model.equilibrium()
     turned = found.rotation("strip.end")
     assert abs(turned[1]) == pytest.approx(curvature * 0.1, rel=1e-9)
+    with pytest.raises(vr.InputError, match="balance each other"):  # they have no section force
+        found.stress("strip.end")
     assert np.abs(found.reactions.values).max() < 1e-6
 
 

@@ -89,7 +89,7 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
         relaxing = small_relaxing()
         relaxing.modes(1)
         for integrator in INTEGRATORS:
-            _simulate(assembly, integrator)
+            _simulate(assembly, integrator, _formulations(integrator, lambda kind: kind.laws))
             _simulate(relaxing, integrator, _formulations(integrator, lambda kind: kind.branches))
         await_compilation()
     if progress is not None:

@@ -48,7 +48,11 @@ class RecordedRods:
     """
 
     def __init__(self, attrs: Mapping[str, Any], lengths: Mapping[str, float]) -> None:
-        self._rods = json.loads(str(attrs.get("case") or "{}")).get("rods", {})
+        case = json.loads(str(attrs.get("case") or "{}"))
+        self._rods = case.get("rods", {})
+        self._warmed = {
+            s["rod"] for s in case.get("rest_strains", ()) if {"temperature", "gradient"} & s.keys()
+        }
         self._more = json.loads(str(attrs.get("sections") or "{}"))
         self._lengths = lengths
         self._alike: dict[str, RecordedRod] = {}
@@ -72,6 +76,15 @@ class RecordedRods:
         rod = self._rods[name] | self._more.get(name, {})
         described = {key: rod[key] for key in _KEYS if key in rod}
         key = json.dumps([described, self._lengths[name] if "taper" in rod else 0.0])
+        if name in self._warmed and '"composite"' in key:
+            raise InputError(
+                Fault(
+                    "place",
+                    name,
+                    "its temperature leaves stresses in its composite section that balance each other, not known here",
+                    "give value in place of temperature to leave them out; section forces are in probe",
+                )
+            )
         if key not in self._alike:
             self._alike[key] = RecordedRod.of(name, described, self._lengths[name])
         return self._alike[key]
