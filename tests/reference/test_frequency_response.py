@@ -7,6 +7,7 @@ import viscorod as vr
 from helpers.exact_response import bar_receptance, cantilever_receptance, shaken_cantilever
 from viscorod.casefile.case import load_case
 from viscorod.casefile.shipped import shipped_case
+from viscorod.solve.linear_systems import dynamic_stiffness
 from viscorod.solve.linear_systems.adaptive_frequencies import followed
 from viscorod.solve.linear_systems.measured_moduli import TableModulus
 
@@ -263,6 +264,20 @@ def test_conditions_and_motors():
         inputs="beam.end fz", outputs="beam@0.25 section_force shear_2", frequencies=[0.0], moduli="law"
     ).response()[0]
     assert abs(held) == pytest.approx(1.0, rel=1e-6)  # the shear force of a held strain is its multiplier
+
+
+def test_bands_and_sparse_factors_agree(monkeypatch):
+    """A held rod on a hinge by both ways to solve: multipliers have no diagonal of their own."""
+    model = strip(constant_loss(0.05), elements=2, order=3, constraints="unshearable")
+    model.supports.clear()
+    model.revolute("beam.start", "ground", (0, 1, 0), name="motor", motion={"rz": vr.Constant(0.0)})
+    settings = {"inputs": ["beam.end fz", "motor rz"], "outputs": ["beam.end uz", "beam.end ax"]}
+    band = model.frequency_response(**settings, frequencies=[1.0, 40.0]).values
+    for name in ("NARROW", "THIN"):
+        monkeypatch.setattr(dynamic_stiffness, name, 0.0)
+    np.testing.assert_allclose(
+        model.frequency_response(**settings, frequencies=[1.0, 40.0]).values, band, rtol=1e-7, atol=1e-15
+    )
 
 
 def test_chosen_frequencies_follow_the_curve():

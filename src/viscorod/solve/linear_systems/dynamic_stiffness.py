@@ -17,6 +17,8 @@ __all__ = ["DynamicStiffness"]
 
 NARROW = 0.2
 """Part of the size up to which a bandwidth is narrow."""
+THIN = 60.0
+"""Bandwidth that is narrow at any size."""
 
 
 class DynamicStiffness:
@@ -49,7 +51,7 @@ class DynamicStiffness:
         place[self._order] = np.arange(len(place))
         row, column = (place[x] for x in pattern.nonzero())
         self._width = int(np.abs(row - column).max(initial=0))
-        self._narrow = self._width <= max(NARROW * len(place), 60.0)
+        self._narrow = self._width <= max(NARROW * len(place), THIN)
         if self._narrow:
             self._parts = np.array([self._band(part, place) for part in scaled])
             self._buffer = np.zeros(self._parts.shape[1:], dtype=complex, order="F")

@@ -20,7 +20,7 @@ from viscorod.typing import Floats
 
 __all__ = ["Poles", "poles_below"]
 
-FIRST, MOST = 12, 400
+FIRST, MOST = 12, 200
 """Modes sought at first, and at most."""
 ROUNDS, CONVERGED = 40, 1e-10
 FURTHER = 2.0

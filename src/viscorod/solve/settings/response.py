@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import model_validator
 
-from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, POSITIVE, listed, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
 from viscorod.model.fields.values import frequency_band, number, numbers, one_of
@@ -46,7 +46,7 @@ Frequencies = Annotated[Sequence[float] | None, optional(_frequencies)]
 Band = Annotated[tuple[float, float] | None, optional(frequency_band)]
 
 
-class _Ported(Meshed):
+class _Ported(Definition):
     """What goes into a linear system, what comes out, and about what it is."""
 
     inputs: InputsField = Key(
@@ -78,10 +78,10 @@ class _Ported(Meshed):
 
 
 class LinearSettings(_Ported):
-    """Which linear system is wanted."""
+    """Which linear system is wanted: on the mesh that the rods have, whose nodes are its coordinates."""
 
 
-class ResponseSettings(_Ported):
+class ResponseSettings(_Ported, Meshed):
     """Which frequency responses are wanted.
 
     Exactly one of `frequencies` and `band` is given.
