@@ -227,7 +227,7 @@ def test_former_names_of_keys_take_units_too():
 
 @pytest.mark.parametrize("name", sorted(case_schema()["definitions"]))
 def test_every_number_knows_its_dimension(name):
-    """A quantity in the documented unit is taken as it is; one of luminous intensity is refused, with the key's name."""
+    """A quantity in the documented unit is taken as it is; candelas are refused, with the name of the key."""
     definitions = case_schema()["definitions"]
     for path, unit in leaves(definitions[name], definitions, name, {name}):
         key = path.rpartition(".")[2]
