@@ -420,18 +420,8 @@ def test_a_swinging_chain_loses_its_energy_in_the_branches():
 # --- what has no branches
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        (
-            {"formulation": "intrinsic", "dynamics": "linear", "damping": "linearised"},
-            "dynamics = 'nonlinear'",
-        ),
-        ({"formulation": "intrinsic", "damping": "linearised"}, "damping = 'full'"),
-    ],
-)
-def test_refused_by_name(given, words):
+def test_refused_by_name():
     with pytest.raises(vr.InputError, match="Maxwell branches") as error:
-        swing(section()).simulate(0.1, **given)
-    assert words in str(error.value)
+        swing(section()).simulate(0.1, formulation="intrinsic", damping="linearised")
+    assert "damping = 'full'" in str(error.value)
     assert "rods.beam" in str(error.value)
