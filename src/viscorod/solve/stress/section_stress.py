@@ -34,7 +34,7 @@ AXIAL, SHEAR = [2, 3, 4], [0, 1, 5]
 """Strains that stretch fibres, and those that shear."""
 DIRECTIONS = 150
 """Section forces under which the points that carry most are sought."""
-AT_ONCE = 2000
+AT_ONCE = 200
 """Section forces whose stresses are computed together."""
 LITTLE = 1e-10
 """Part of the largest eigenvalue of a matrix with a unit diagonal that counts as nothing."""
