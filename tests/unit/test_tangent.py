@@ -110,14 +110,14 @@ def cantilever(elements, *, clamped=True, constraints="kirchhoff"):
     return model
 
 
-@pytest.mark.parametrize("elements", [12, 20, 60, 120])
+@pytest.mark.parametrize("elements", [12, 20, 100])
 def test_modes_of_a_fine_mesh(elements):
     """Closed form (C1): Euler-Bernoulli, and damping ratios D omega/(2 EI); full matrices up to 16 elements."""
     modes = cantilever(elements).modes(4, about="reference")
     omega = np.repeat([1.875104068711961, 4.694091132974174], 2) ** 2
     assert 2 * np.pi * modes.frequencies == pytest.approx(omega, rel=1e-6)
     assert modes.damping_ratios == pytest.approx(1e-3 * omega / 2, rel=1e-4)
-    if elements <= 60:
+    if elements <= 20:
         again = cantilever(elements).modes(4, about="reference")
         np.testing.assert_array_equal(modes.eigenvalues, again.eigenvalues)
 
@@ -126,7 +126,7 @@ def test_modes_of_a_fine_mesh(elements):
 def test_free_modes_of_a_fine_mesh(constraints):
     """Closed form: six rigid motions, then free-free bending, beta L = 4.7300."""
     frequencies = (
-        cantilever(60, clamped=False, constraints=constraints).modes(16, about="reference").frequencies
+        cantilever(40, clamped=False, constraints=constraints).modes(16, about="reference").frequencies
     )
     slow = 2 * np.pi * frequencies
     assert np.count_nonzero(slow == 0.0) == 6
