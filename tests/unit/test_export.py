@@ -124,6 +124,7 @@ def test_joints_in_a_table(files):
         (["export", "run.nc", "--csv", "a.csv", "--quantity", "strain"], "no place is named"),
         (["export", "run.nc", "--vtk", "v", "--energy"], "go with --csv"),
         (["export", "run.nc", "--csv", "a.csv", "--energy", "--times", "1"], "goes with --vtk only"),
+        (["export", "run.nc", "--csv", "a.csv", "--energy", "--sections"], "goes with --vtk only"),
         (
             ["export", "run.nc", "--csv", "a.csv", "--history", "rod.end", "--quantity", "speed"],
             "quantity = 'speed'",
@@ -188,6 +189,28 @@ def test_round_trip_of_a_motion(pyvista, files):
         assert mesh.lines.tolist() == [s.size, *range(s.size)]
         assert list(mesh.field_data["rod_names"]) == ["rod"]
         assert mesh.field_data["TimeValue"] == pytest.approx([time])
+
+
+def test_surfaces_of_sections_by_command(pyvista, tmp_path):
+    """The command writes what the method does."""
+    model = vr.Model()
+    material = vr.Material(2e11, 0.3, 7850.0)
+    rod = vr.Rod.straight(
+        (0, 0, 0), (1, 0, 0), section=vr.Rectangle(0.02, 0.01), material=material, elements=1
+    )
+    model.add("beam", rod)
+    model.clamp("beam.start")
+    model.force("beam.end", (0, 0, -10.0))
+    held = model.equilibrium()
+    result = invoke("export", held.save(tmp_path / "held.nc"), "--vtk", tmp_path / "a", "--sections")
+    assert result.exit_code == 0, result.output
+    paths = tmp_path / "a" / "run.pvd", held.save_paraview(tmp_path / "b", sections=True)
+    found = []
+    for path in paths:
+        reader = pyvista.get_reader(path)
+        reader.set_active_time_value(1.0)
+        found += [block["von_mises"] for block in reader.read() if "von_mises" in block.point_data]
+    np.testing.assert_array_equal(*found)
 
 
 def test_all_stored_times_by_default_and_relative_names(pyvista, tmp_path):

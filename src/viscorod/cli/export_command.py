@@ -50,6 +50,12 @@ def export(
             show_default=False,
         ),
     ] = None,
+    sections: Annotated[
+        bool,
+        typer.Option(
+            "--sections", help="For --vtk: also surfaces of rods with their true sections and stresses."
+        ),
+    ] = False,
 ) -> None:
     """Write histories as CSV, or the motion for ParaView.
 
@@ -93,6 +99,8 @@ def export(
                 raise InputError(
                     Fault("--times", times, "goes with --vtk only", "use viscorod probe for a table")
                 )
+            if sections:
+                raise InputError(Fault("--sections", "", "goes with --vtk only", "add --vtk DIR"))
             return
         from viscorod.results.files.paraview import write_paraview
 
@@ -101,4 +109,4 @@ def export(
             raise InputError(
                 Fault("--times", str(times), f"{result} holds no motion over time", "leave --times out")
             )
-        typer.echo(f"Written: {write_paraview(found, vtk, chosen)}")
+        typer.echo(f"Written: {write_paraview(found, vtk, chosen, sections=sections)}")
