@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -75,3 +76,22 @@ def _parity(order: np.ndarray) -> int:
         if length and length % 2 == 0:
             sign = -sign
     return sign
+
+
+def solver_within(matrix: Any, gradients: Any) -> Callable[[Floats], Floats]:
+    """Return what solves systems with a matrix in the motions that conditions allow; right sides are columns.
+
+    Args:
+        matrix: ``(n, n)``.
+        gradients: of the conditions ``(rows, n)``, each of unit length; None without.
+
+    Raises:
+        RuntimeError: it is singular.
+    """
+    if gradients is None:
+        factor = SparseLU(matrix)
+        return lambda b: np.asarray(factor.solve(b))
+    held = gradients * float(np.abs(matrix.diagonal()).mean())
+    whole = SparseLU(sparse.block_array([[matrix, held.T], [held, None]]))
+    rows, size = held.shape[0], matrix.shape[0]
+    return lambda b: np.asarray(whole.solve(np.concatenate([b, np.zeros((rows, *b.shape[1:]))]))[:size])

@@ -21,7 +21,7 @@ from viscorod.solve.constraints.rigid_motions import RigidParts, motions_of_part
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.linear.matrix import Matrix
-from viscorod.solve.linear.sparse_lu import SparseLU
+from viscorod.solve.linear.sparse_lu import SparseLU, solver_within
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.second_variation import without_elements
 from viscorod.solve.statics.static_solver import StaticSolver
@@ -92,13 +92,10 @@ class Linearisation:
         Raises:
             SolveError: it is singular.
         """
-        if self.gradients is None:
-            factor = factored(matrix)
-            return lambda b: np.asarray(factor.solve(b))
-        held = self.gradients * float(np.abs(matrix.diagonal()).mean())
-        whole = factored(sparse.block_array([[matrix, held.T], [held, None]]))
-        rows, size = held.shape[0], matrix.shape[0]
-        return lambda b: np.asarray(whole.solve(np.concatenate([b, np.zeros((rows, *b.shape[1:]))]))[:size])
+        try:
+            return solver_within(matrix, self.gradients)
+        except RuntimeError:
+            raise beyond_precision() from None
 
     def strained(self) -> tuple[sparse.csr_array, sparse.csr_array | None]:
         """Return stiffness and gradients of all motions but the rigid ones."""

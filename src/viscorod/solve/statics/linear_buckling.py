@@ -16,7 +16,7 @@ from scipy import sparse
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.singular import SingularMatrixError
-from viscorod.solve.linear.sparse_lu import SparseLU
+from viscorod.solve.linear.sparse_lu import solver_within
 from viscorod.solve.statics.arc_length import ArcLength
 from viscorod.solve.statics.tangent import Tangent
 from viscorod.typing import Floats
@@ -48,7 +48,11 @@ def critical_factors(path: ArcLength, state: State, factor: float, count: int) -
         SingularMatrixError: the state is critical itself.
     """
     tangent = path.static.tangent(state, path.t, before=path.before, scale=factor)
-    solve, size = _solver(tangent), int(tangent.stiffness.shape[0])
+    size = int(tangent.stiffness.shape[0])
+    try:
+        solve = solver_within(tangent.stiffness, tangent.gradients)
+    except RuntimeError as error:
+        raise SingularMatrixError(0) from error
     slope, per_factor = _slope(path, state, factor)
 
     def apply(x: Floats) -> Floats:
@@ -94,25 +98,6 @@ def _slope(path: ArcLength, state: State, factor: float) -> tuple[sparse.csr_arr
 
     after, before = tangent_at(change), tangent_at(-change)
     return sparse.csr_array((after.stiffness - before.stiffness) / (2.0 * change)), per_factor
-
-
-def _solver(tangent: Tangent) -> Callable[[Floats], Floats]:
-    """Return what solves for motions under forces ``(size, ...)``, within the conditions.
-
-    Raises:
-        SingularMatrixError: nothing resists some of them.
-    """
-    matrix, size = tangent.stiffness, int(tangent.stiffness.shape[0])
-    rows = 0
-    if tangent.gradients is not None:
-        held = float(np.abs(matrix.diagonal()).mean()) * tangent.gradients
-        rows = int(held.shape[0])
-        matrix = sparse.block_array([[matrix, held.T], [held, None]])
-    try:
-        factor = SparseLU(matrix)
-    except RuntimeError as error:
-        raise SingularMatrixError(0) from error
-    return lambda b: np.asarray(factor.solve(np.concatenate([b, np.zeros((rows, *b.shape[1:]))]))[:size])
 
 
 def _largest(apply: Callable[[Floats], Floats], size: int, count: int) -> tuple[np.ndarray, np.ndarray]:
