@@ -28,7 +28,16 @@ from viscorod.cli.app import app
 from viscorod.pictures.viewer import view
 from viscorod.results.files import csv_text, folder_lock
 from viscorod.results.files import stream as streaming
-from viscorod.results.files.journal import FOLDER, Journal, contents, damaged, last_checkpoint, mended
+from viscorod.results.files.journal import (
+    FOLDER,
+    Journal,
+    contents,
+    damaged,
+    empty,
+    holds_run,
+    last_checkpoint,
+    mended,
+)
 from viscorod.results.files.paraview import write_paraview
 from viscorod.results.files.sealed_file import mend_twins, read_sealed, read_twins
 from viscorod.results.run import Run
@@ -201,6 +210,31 @@ def test_locks_of_windows(tmp_path, monkeypatch):
     with folder_lock.locked(tmp_path):
         pass
     assert runs.differences(runs.swing().simulate(**runs.GIVEN, folder=tmp_path)) == set()
+
+
+def test_a_journal_that_is_half_removed_holds_no_run(tmp_path):
+    """Identity, wherever an interrupt or a kill came while it was removed: the complete run is read, or one begins."""
+    journal = runs.stopped(tmp_path / "given")
+    whole = runs.whole().save(tmp_path / "given" / "run.nc")
+    with runs.Interrupt(-1) as counted:
+        empty(Path(shutil.copytree(journal, tmp_path / "count")))
+    read = []
+    for number in range(1, counted.count + 1, 3):
+        folder = tmp_path / str(number)
+        shutil.copytree(journal, folder / FOLDER)
+        with runs.Interrupt(number), pytest.raises(KeyboardInterrupt):
+            empty(folder / FOLDER)
+        if holds_run(folder / FOLDER):  # it had not begun
+            continue
+        with pytest.raises(vr.InputError, match="holds no state of a run yet"):
+            vr.load(folder)
+        shutil.copy(whole, folder)
+        assert runs.differences(vr.load(folder)) == set(), number
+        with folder_lock.locked(folder):  # the next who writes there tidies up
+            pass
+        assert [path.name for path in folder.iterdir()] == ["run.nc"], number
+        read.append(number)
+    assert len(read) > 5
 
 
 # --- a run that was stopped is not removed

@@ -17,7 +17,7 @@ from typing import IO, Any
 from weakref import WeakValueDictionary
 
 from viscorod.errors import InputError, warn
-from viscorod.results.files.journal import FOLDER, LOCK, holds_run
+from viscorod.results.files.journal import FOLDER, LOCK, empty, holds_run
 from viscorod.whole_files import system_errors
 
 __all__ = ["claimed", "locked", "require_free", "require_stopped"]
@@ -172,7 +172,7 @@ class FolderLock:
         )
 
     def release(self) -> None:
-        """Unlock it, and remove the file and what is empty then."""
+        """Unlock it, and remove the file, what an interrupt left of a journal without a run, and what is empty then."""
         file = self._file
         if file is not None and not file.closed:
             here = self._mine and _is_at(file, self._place)
@@ -180,6 +180,8 @@ class FolderLock:
                 file.close()
             if here:  # while it is locked, so that nobody has it by then
                 with suppress(OSError):
+                    if not holds_run(self._place.parent):
+                        empty(self._place.parent)
                     self._place.unlink()
                     self._place.parent.rmdir()
             if self._mine and not file.closed:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from viscorod.errors import InputError, warn
-from viscorod.results.files.journal import FOLDER, checkpoint, contents, damaged
+from viscorod.results.files.journal import FOLDER, checkpoint, contents, damaged, holds_run
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,7 +22,11 @@ def result_file(folder: Path) -> Path:
     Raises:
         InputError: the folder holds neither.
     """
-    for path in (folder / FOLDER, folder / "run.nc", folder / "sweep.nc"):
+    journal = folder / FOLDER
+    if holds_run(journal):
+        return journal
+    # a journal without a run may be what an interrupt left of one that is complete
+    for path in (folder / "run.nc", folder / "sweep.nc", journal):
         if path.exists():
             return path
     if folder.name == FOLDER:
