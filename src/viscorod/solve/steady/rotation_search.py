@@ -86,6 +86,12 @@ class Search:
             )
         return describe_rotation(self.solver, equations, self.effort.iterations, settings.modes)
 
+    def driven(self) -> GeometricSteady:
+        """Return the equations of rotations with the spin of the settings, from the unloaded or settled shape on."""
+        found = self._from_reference(float(np.linalg.norm(self.settings.spin)))
+        assert isinstance(found, GeometricSteady)
+        return found
+
     # --- first guesses
 
     def _from_start(self) -> SteadyEquations:

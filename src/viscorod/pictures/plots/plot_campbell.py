@@ -1,0 +1,179 @@
+"""Pictures of modes that were followed: frequencies and damping ratios over the speed or the load."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.pictures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    RED,
+    SKY,
+    SMALL,
+    TEXT,
+    clean,
+    figure,
+    heading,
+    legend_above,
+)
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from viscorod.results.campbell import Campbell
+    from viscorod.results.followed_modes import FollowedModes
+
+__all__ = ["draw_campbell", "followed_panels"]
+
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, "#7a5c00", "#005f46", "#444444")
+ROUND = 0.9
+"""Whirl from which on it is marked."""
+MARKS = 9
+"""Marks of whirl on a line."""
+APART = 0.042
+"""Least distance of two labels, as a part of the height of a panel."""
+SCALE = 1.25
+"""Part of the highest damping ratio but for overdamped modes that is shown."""
+
+
+def draw_campbell(result: Campbell) -> Figure:
+    """Return the figure of a Campbell diagram."""
+    picture, (above, below) = followed_panels(result, "angular speed [rad/s]")
+    speeds, f = result.speeds, result.frequencies
+    top = above.get_ylim()[1]
+    for order in result.engine_orders:
+        line = order * speeds / (2.0 * np.pi)
+        above.plot(speeds, line, color=GREY, linewidth=1.0, linestyle=(0, (6, 3)), zorder=1)
+        reached = min(float(speeds[-1]), 2.0 * np.pi * top / order)
+        above.annotate(
+            f"{order:g}x",
+            (0.97 * reached, 0.97 * reached * order / (2.0 * np.pi)),
+            xytext=(0, 3),
+            textcoords="offset points",
+            fontsize=SMALL - 1.0,
+            color=GREY,
+            ha="right",
+        )
+    above.set_ylim(0.0, top)
+    _mark_whirl(result, above, f)
+    critical = result.critical_speeds
+    if critical:
+        above.plot(
+            [one.speed for one in critical],
+            [one.frequency for one in critical],
+            "o",
+            color=INK,
+            markersize=6.5,
+            markerfacecolor="white",
+            markeredgewidth=1.4,
+            label="critical speed",
+            zorder=6,
+        )
+    if above.get_legend_handles_labels()[1]:
+        legend_above(above, 4)
+    seen = "on the model that turns" if result.frame == "turning" else "from space"
+    picture.text(0.01, 0.012, f"frequencies as seen {seen}", fontsize=SMALL - 0.5, color=GREY)
+    return picture
+
+
+def followed_panels(result: FollowedModes, along: str) -> tuple[Figure, tuple[Axes, Axes]]:
+    """Return a figure with frequencies above and damping ratios below, and both panels."""
+    picture = figure(9.5, 8.2)
+    picture.subplots_adjust(right=0.87, top=0.9 if result.title else 0.945, hspace=0.14, bottom=0.095)
+    above = picture.add_subplot(2, 1, 1)
+    below = picture.add_subplot(2, 1, 2, sharex=above)
+    values, f, d = result.values, result.frequencies, result.damping_ratios
+    for k in range(len(result.modes)):
+        line = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.6}
+        dashes = "-" if k < len(COLOURS) else (0, (5, 2))
+        above.plot(values, f[:, k], linestyle=dashes, **line)
+        below.plot(values, 100.0 * d[:, k], linestyle=dashes, **line)
+    clean(above, "", "frequency [Hz]")
+    clean(below, along, "damping ratio [%]")
+    above.tick_params(labelbottom=False)
+    above.set_xlim(values[0], values[-1])
+    above.set_ylim(0.0, 1.06 * float(f.max()) or 1.0)
+    mild = np.abs(d[np.abs(d) < 0.9])
+    most = 100.0 * SCALE * float(mild.max(initial=0.0))
+    low, high = 100.0 * float(d.min()), 100.0 * float(d.max())
+    margin = 0.08 * max(min(high, most) - max(min(low, 0.0), -most), 1e-9)
+    below.set_ylim(max(min(low, 0.0), -most) - margin, max(min(high, most), 0.0) + margin)
+    below.axhline(0.0, color=INK, linewidth=0.8)
+    for number, one in enumerate(result.limits):
+        for axes in (above, below):
+            axes.axvline(one.at, color=RED, linewidth=1.2, linestyle=(0, (1, 1.5)), zorder=1)
+        above.plot(
+            one.at,
+            one.frequency,
+            "X",
+            color=RED,
+            markersize=8,
+            zorder=7,
+            label="limit of stability" if number == 0 else "_",
+        )
+    _names(result, above, f[-1])
+    heading(below, "below zero: it grows") if low < -1e-5 else None
+    if result.title:
+        picture.suptitle(result.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+    if above.get_legend_handles_labels()[1]:
+        legend_above(above, 4)
+    return picture, (above, below)
+
+
+def _names(result: FollowedModes, axes: Axes, ends: Floats) -> None:
+    """Write the names of the modes beside the ends of their lines, moved apart where they would overlap."""
+    low, high = axes.get_ylim()
+    order = np.argsort(ends, kind="stable")
+    places = (ends[order] - low) / (high - low)
+    for k in range(1, len(places)):
+        places[k] = max(places[k], places[k - 1] + APART)
+    if len(places) and places[-1] > 1.0:  # from the top down
+        places[-1] = 1.0
+        for k in range(len(places) - 2, -1, -1):
+            places[k] = min(places[k], places[k + 1] - APART)
+    for place, mode in zip(places, order, strict=True):
+        axes.annotate(
+            result.modes[mode],
+            (1.0, (ends[mode] - low) / (high - low)),
+            xycoords="axes fraction",
+            xytext=(1.018, float(place)),
+            textcoords="axes fraction",
+            fontsize=SMALL - 1.0,
+            color=COLOURS[mode % len(COLOURS)],
+            va="center",
+            annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "color": "#bbbbbb", "linewidth": 0.6, "shrinkA": 0, "shrinkB": 0},
+        )
+
+
+def _mark_whirl(result: Campbell, axes: Axes, f: Floats) -> None:
+    """Mark lines with triangles upwards where a mode goes with the spin, downwards where it goes against it."""
+    speeds, whirl = result.speeds, result.whirl
+    spacing = (len(speeds) - 1) / MARKS
+    for way, mark, label in ((1.0, "^", "forward whirl"), (-1.0, "v", "backward whirl")):
+        named = False
+        first = (0.75 if way > 0.0 else 0.25) * spacing  # lines of both may lie upon each other
+        where = np.unique((first + spacing * np.arange(MARKS)).round().astype(int))
+        for k in range(whirl.shape[1]):
+            there = where[way * whirl[where, k] > ROUND]
+            if not len(there):
+                continue
+            axes.plot(
+                speeds[there],
+                f[there, k],
+                mark,
+                color=COLOURS[k % len(COLOURS)],
+                markersize=5.0,
+                zorder=4,
+            )
+            if not named:
+                axes.plot([], [], mark, color=GREY, markersize=5.0, label=label)
+                named = True
