@@ -209,6 +209,28 @@ def blade(axes: Axes, result: vr.Steady) -> None:
         axes.plot([rpm] * 3, values, "o", color=RED, label="flapping, measured" if rpm == 0 else "_")
 
 
+def whirl(axes: Axes, result: vr.Campbell) -> None:
+    """Draw damping ratios of the shaft over its speed, with the limit of the closed form."""
+    clean(axes, "speed [rad/s]", "damping ratio [%]")
+    for k, colour in enumerate((RED, BLUE)):
+        way = "forward" if result.whirl[-1, k] > 0.0 else "backward"
+        axes.plot(result.speeds, 100.0 * result.damping_ratios[:, k], color=colour, label=f"{way} whirl")
+    axes.axhline(0.0, color="#222222", linewidth=0.8)
+    axes.plot(252.904, 0.0, "o", color=GREEN, label="closed form")
+
+
+def lines(axes: Axes, result: vr.Campbell) -> None:
+    """Draw frequencies over the speed, with the critical speeds."""
+    clean(axes, "speed [rad/s]", "frequency [Hz]")
+    for k in range(3):
+        axes.plot(result.speeds, result.frequencies[:, k], color=(RED, BLUE, ORANGE)[k])
+    axes.plot(result.speeds, result.speeds / (2.0 * np.pi), "--", color="#8a8a8a")
+    found = result.critical_speeds
+    axes.plot([one.speed for one in found], [one.frequency for one in found], "o", color="#222222")
+    axes.set_ylim(0.0, 45.0)
+    heading(axes, "Frequencies from space, once per turn (dashed)")
+
+
 def path(place: str, axis: str, known: list[tuple[float, float]], name: str) -> Callable[..., None]:
     """Draw the load factor over a displacement, with known points."""
 
@@ -246,6 +268,7 @@ RIGHT: dict[str, Callable[..., None]] = {
     "soft_arm": decay("end_plate.rim", "y", 2.05687, 0.12589, "ratio of the small vibration"),
     "spinning_up_arm": lag,
     "swept_blade": blade,
+    "whirling_shaft": whirl,
 }
 
 
@@ -261,6 +284,8 @@ def draw(name: str) -> Path:
         if name == "helix_spring":
             window = (0.0, 0.4)
         snapshots(picture, left, result, *window)
+    elif isinstance(result, vr.Campbell):
+        lines(left, result)
     else:
         draw_shapes(left, result)
         left.get_legend().remove()

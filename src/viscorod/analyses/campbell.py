@@ -72,10 +72,16 @@ def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: Ca
     variables |= {
         "frequency": (along, np.abs(seen.imag) / (2.0 * np.pi)),
         "damping_ratio": (along, -seen.real / np.maximum(np.abs(seen), np.finfo(float).tiny) + 0.0),
-        "whirl": (along, np.array([whole.rounds(sample).whirl(sample.roots, sample.parameter) for sample in samples])),
+        "whirl": (
+            along,
+            np.array([whole.rounds(sample).whirl(sample.roots, sample.parameter) for sample in samples]),
+        ),
         "limit_frequency": (
             "limit",
-            np.array([abs(one.root.imag + waves[one.mode] * one.parameter) / (2.0 * np.pi) for one in found], dtype=float),
+            np.array(
+                [abs(one.root.imag + waves[one.mode] * one.parameter) / (2.0 * np.pi) for one in found],
+                dtype=float,
+            ),
         ),
         "critical_speed": ("critical", np.array([one.speed for one in critical], dtype=float)),
         "critical_mode": ("critical", np.array([one.mode for one in critical], dtype=np.int64)),
@@ -86,7 +92,10 @@ def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: Ca
         ),
         "critical_damping_ratio": (
             "critical",
-            np.array([-one.root.real / np.hypot(one.root.real, one.order * one.speed) for one in critical], dtype=float),
+            np.array(
+                [-one.root.real / np.hypot(one.root.real, one.order * one.speed) for one in critical],
+                dtype=float,
+            ),
         ),
         "critical_error": ("critical", critical_errors(better, critical, waves)),
     }
@@ -135,8 +144,8 @@ class _Diagram:
                 Fault(
                     "frame",
                     "'space'",
-                    f"at {middle.parameter:.6g} rad/s mode {number} goes round the axis both ways: the model is not alike "
-                    "all around it, so that from outside its motions have several frequencies",
+                    f"at {middle.parameter:.6g} rad/s mode {number} goes round the axis both ways: the model is not "
+                    "alike all around it, so that from outside its motions have several frequencies",
                     "take frame = 'turning'",
                 )
             )

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscorod.analyses.call_arguments import CallOptions, Progress
+from viscorod.analyses.campbell import campbell
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium
 from viscorod.analyses.frequency_response import frequency_response, with_inputs
@@ -21,6 +22,7 @@ from viscorod.analyses.refinement import refined, refined_modes, refined_motion,
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
+from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.response import ResponseSettings
@@ -28,6 +30,7 @@ from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
 if TYPE_CHECKING:
+    from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
@@ -67,7 +70,7 @@ def run_case(
     resume: bool = False,
     anew: bool = False,
     stop: Callable[[], str] | None = None,
-) -> Run | Equilibrium | Steady | Modes | FrequencyResponse:
+) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell:
     """Run the analysis of a case file.
 
     Args:
@@ -97,6 +100,8 @@ def run_case(
             return refined_modes(modes, discrete, settings)
         if isinstance(settings, ResponseSettings):
             return refined_response(frequency_response, discrete, settings)
+        if isinstance(settings, CampbellSettings):
+            return campbell(discrete, settings)
         return refined(ANALYSES[type(settings)], discrete, settings)
 
 

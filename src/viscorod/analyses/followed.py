@@ -36,8 +36,8 @@ def on_fine_mesh(
     """Return a model on a mesh that is fine enough, where the program may choose it, and that with elements halved.
 
     Args:
-        discrete: to begin with; family: returns its small motions over the parameter; at: value at which frequencies are
-            compared; count: of them; accuracy: wanted of each.
+        discrete: to begin with; family: returns its small motions over the parameter; at: value at which frequencies
+            are compared; count: of them; accuracy: wanted of each.
     """
     if not discrete.watch.feasible:
         return discrete, None
@@ -91,13 +91,15 @@ def common_variables(
     for low, high, numbers in doubts:
         which = ", ".join(names[k] for k in numbers)
         notes.append(
-            f"between {low:.8g} and {high:.8g} these modes may have been taken for one another, their shapes change too "
-            f"fast: {which}"
+            f"between {low:.8g} and {high:.8g} these modes may have been taken for one another, their shapes change "
+            f"too fast: {which}"
         )
     if not all(sample.spectrum.complete for sample in samples):
         notes.append("it is not known whether all slow motions were found: others may grow")
     if finer is None:
-        notes.append("errors of the mesh were not estimated: the model is too large for a finer one beside it")
+        notes.append(
+            "errors of the mesh were not estimated: the model is too large for a finer one beside it"
+        )
     tau = 2.0 * np.pi
     variables: dict[str, Any] = {
         "eigenvalue": ((along, "mode", "part"), np.stack([roots.real, roots.imag], axis=-1)),

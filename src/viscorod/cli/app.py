@@ -14,6 +14,7 @@ from typing import Annotated
 import typer
 
 from viscorod.cli.animate_command import animate
+from viscorod.cli.campbell_command import campbell
 from viscorod.cli.check_command import check
 from viscorod.cli.damping_commands import app as damping
 from viscorod.cli.example_command import example
@@ -44,6 +45,7 @@ for command in (
     resume,
     modes,
     response,
+    campbell,
     sweep,
     theories,
     view,

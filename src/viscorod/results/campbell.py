@@ -47,7 +47,11 @@ class Campbell(FollowedModes):
     along: ClassVar[str] = "speed"
     unit: ClassVar[str] = "rad/s"
     more: ClassVar[Variables] = {
-        "whirl": (("speed", "mode"), "1", "part across the axis that goes with the spin in space, less that against"),
+        "whirl": (
+            ("speed", "mode"),
+            "1",
+            "part across the axis that goes with the spin in space, less that against",
+        ),
         "engine_order": (("engine_order",), "1", "multiples of the speed at which something excites"),
         "critical_speed": (("critical",), "rad/s", "at which a frequency is a multiple of the speed"),
         "critical_mode": (("critical",), "", "number of the mode from 0"),

@@ -96,7 +96,11 @@ class FollowedModes:
             "mode": (("mode",), "", "what most of the strain energy is in, and its number among these"),
             "part": (("part",), "", "real and imaginary"),
             "eigenvalue": ((p, "mode", "part"), "1/s", "s of the motion exp(s t), as seen on the model"),
-            "frequency": ((p, "mode"), "Hz", "of the oscillation, Im s over 2 pi, in the frame of the diagram"),
+            "frequency": (
+                (p, "mode"),
+                "Hz",
+                "of the oscillation, Im s over 2 pi, in the frame of the diagram",
+            ),
             "damping_ratio": ((p, "mode"), "1", "-Re s over |s|, in the frame of the diagram"),
             "likeness": ((p, "mode"), "1", "MAC of the shape with the one next to it on the way"),
             "mesh_error": (("mode",), "1", "estimated error of the frequency by the mesh, in parts of it"),
@@ -117,6 +121,11 @@ class FollowedModes:
     def title(self) -> str:
         """Title of the case, empty if it has none."""
         return str(self.data.attrs.get("title", ""))
+
+    @property
+    def outcome(self) -> str:
+        """How it ended, "completed"."""
+        return str(self.data.attrs.get("outcome", ""))
 
     @property
     def values(self) -> Floats:
@@ -204,15 +213,27 @@ class FollowedModes:
             [name, f"{f[0, k]:.6g}", f"{d[0, k]:.4g}", f"{f[-1, k]:.6g}", f"{d[-1, k]:.4g}", f"{error:.1g}"]
             for k, (name, error) in enumerate(zip(self.modes, self.mesh_errors, strict=True))
         ]
-        header = ["mode", f"[Hz] at {first}", "damping ratio", f"[Hz] at {last}", "damping ratio", "mesh error"]
+        header = [
+            "mode",
+            f"[Hz] at {first}",
+            "damping ratio",
+            f"[Hz] at {last}",
+            "damping ratio",
+            "mesh error",
+        ]
         return table("Modes at both ends", header, rows)
 
     def _limits(self) -> str:
-        limits, growing = self.limits, int((self.eigenvalues.real[0] > 1e-7 * np.abs(self.eigenvalues[0])).sum())
+        limits, growing = (
+            self.limits,
+            int((self.eigenvalues.real[0] > 1e-7 * np.abs(self.eigenvalues[0])).sum()),
+        )
         start = f"{growing} of the modes grow from the beginning on. " if growing else ""
         if not limits:
             return start + (
-                "No other mode that was followed begins to grow" if growing else "No mode that was followed grows"
+                "No other mode that was followed begins to grow"
+                if growing
+                else "No mode that was followed grows"
             )
         rows = [
             [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -46,7 +46,7 @@ SCALE = 1.25
 
 def draw_campbell(result: Campbell) -> Figure:
     """Return the figure of a Campbell diagram."""
-    picture, (above, below) = followed_panels(result, "angular speed [rad/s]")
+    picture, (above, _) = followed_panels(result, "angular speed [rad/s]")
     speeds, f = result.speeds, result.frequencies
     top = above.get_ylim()[1]
     for order in result.engine_orders:
@@ -92,7 +92,7 @@ def followed_panels(result: FollowedModes, along: str) -> tuple[Figure, tuple[Ax
     below = picture.add_subplot(2, 1, 2, sharex=above)
     values, f, d = result.values, result.frequencies, result.damping_ratios
     for k in range(len(result.modes)):
-        line = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.6}
+        line: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.6}
         dashes = "-" if k < len(COLOURS) else (0, (5, 2))
         above.plot(values, f[:, k], linestyle=dashes, **line)
         below.plot(values, 100.0 * d[:, k], linestyle=dashes, **line)

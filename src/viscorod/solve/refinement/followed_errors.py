@@ -36,7 +36,7 @@ class FinerModes:
         return self.tracker.spectrum(parameter, BEYOND * largest).roots
 
     def errors(self, samples: list[Sample]) -> Floats:
-        """Return the estimated errors of the roots of all modes, in parts of them: the larger at both ends ``(modes,)``.
+        """Return the estimated errors of all roots, in parts of them ``(modes,)``, the larger at both ends.
 
         Roots that oscillate are compared in their order, so that a missing or an invented one shows.
         """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.response import ResponseSettings
@@ -14,6 +15,12 @@ __all__ = ["AnySettings"]
 
 
 AnySettings: TypeAlias = (
-    SimulateSettings | EquilibriumSettings | PathSettings | SteadySettings | ModesSettings | ResponseSettings
+    SimulateSettings
+    | EquilibriumSettings
+    | PathSettings
+    | SteadySettings
+    | ModesSettings
+    | ResponseSettings
+    | CampbellSettings
 )
 """Settings of one of the analyses."""

@@ -32,7 +32,9 @@ def increasing(value: Any) -> tuple[float, ...]:
         raise RefusedError("too many values", f"give {MOST} at most", found=f"{len(found)}")
     for index, (low, high) in enumerate(zip((-1.0, *found), found, strict=False)):
         if high < 0.0 or high <= low:
-            raise RefusedError("values are >= 0 and increase", "sort them, each once", found=show(high), at=(index,))
+            raise RefusedError(
+                "values are >= 0 and increase", "sort them, each once", found=show(high), at=(index,)
+            )
     return found
 
 
@@ -52,7 +54,9 @@ def _orders(value: Any) -> tuple[float, ...]:
     found = numbers(value, at_least=0)
     for index, order in enumerate(found):
         if not order > 0.0:
-            raise RefusedError("an engine order is > 0", "give whole numbers such as 1, 2", found=show(order), at=(index,))
+            raise RefusedError(
+                "an engine order is > 0", "give whole numbers such as 1, 2", found=show(order), at=(index,)
+            )
     return found
 
 
@@ -70,7 +74,9 @@ class CampbellSettings(Meshed):
         "lowest and highest angular speed, {}, between which there are `count` speeds", "rad/s", default=None
     )
     count: Annotated[int, whole_number(2, MOST)] = Key("number of speeds in the `band`", default=41)
-    modes: Annotated[int, whole_number(1, 200)] = Key("number of modes that are followed, 1 to 200", default=8)
+    modes: Annotated[int, whole_number(1, 200)] = Key(
+        "number of modes that are followed, 1 to 200", default=8
+    )
     engine_orders: Annotated[tuple[float, ...], _orders] = Key(
         "multiples of the speed at which something excites: critical speeds are where a frequency is one of them",
         default=(1.0,),

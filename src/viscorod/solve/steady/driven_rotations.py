@@ -11,10 +11,10 @@ from viscorod.errors import SolveError
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
+from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.static_solver import StaticSolver
-from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.steady.continuation import LARGEST_GAP, TOLERANCE, continue_to
 from viscorod.solve.steady.rotation_search import Search
 from viscorod.solve.steady.slow_motions import QuadraticPencil
@@ -24,13 +24,12 @@ from viscorod.solve.steady.whirl import Rounds, pure, rounds
 from viscorod.solve.tracking.moving_pencil import MovingPencil
 from viscorod.typing import Floats
 
-
 __all__ = ["AT_REST", "DrivenRotations"]
 
 AT_REST = 1e-9
 """Part of the highest speed that stands for none: its inertial forces are 1e-18 of those there."""
 QUICK, FAR = 8, 0.3
-"""Iterations from a rotation nearby, and the change of the unknowns, in sizes of theirs, beyond which it is not near."""
+"""Iterations from a rotation nearby, and the change, in sizes of the unknowns, beyond which it is not near."""
 
 
 class DrivenRotations:
@@ -45,7 +44,7 @@ class DrivenRotations:
         self._resting: object | None = None
         self._copies: int | None = None
         self._equations = self._search.driven()
-        self.highest = float(np.linalg.norm(settings.spin))
+        self.highest = float(np.linalg.norm(np.asarray(settings.spin, dtype=float)))
         self.direction = self._equations.line.direction
         self.problem = static.system.problem
         self._known: list[tuple[float, int]] = []
@@ -95,13 +94,14 @@ class DrivenRotations:
     def principal(self, speed: float, shapes: np.ndarray) -> np.ndarray:
         """Return combinations of motions with one root that go round one way each, as far as they can."""
         frames = matrices(self.state(speed).q)
-        return shapes @ pure(self._global(frames, shapes), self.problem.mass, frames, self.direction)
+        weights = pure(self._global(frames, shapes), self.problem.mass, frames, self.direction)
+        return np.asarray(shapes @ weights)
 
     @staticmethod
     def _global(frames: Floats, shapes: np.ndarray) -> np.ndarray:
         """Return translations and rotations of the nodes in global axes ``(n, 6, m)``."""
         local = shapes.reshape(len(frames), 2, 3, -1)
-        return np.einsum("nij,nbjm->nbim", frames, local).reshape(len(frames), 6, -1)
+        return np.asarray(np.einsum("nij,nbjm->nbim", frames, local).reshape(len(frames), 6, -1))
 
     def _newton(self, speed: float) -> bool:
         """Solve for the shape at a speed from one nearby, where no copies make it ambiguous; False if that fails."""

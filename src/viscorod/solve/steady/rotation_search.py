@@ -88,7 +88,7 @@ class Search:
 
     def driven(self) -> GeometricSteady:
         """Return the equations of rotations with the spin of the settings, from the unloaded or settled shape on."""
-        found = self._from_reference(float(np.linalg.norm(self.settings.spin)))
+        found = self._from_reference(float(np.linalg.norm(np.asarray(self.settings.spin, dtype=float))))
         assert isinstance(found, GeometricSteady)
         return found
 

@@ -70,7 +70,7 @@ def rounds(motions: np.ndarray, mass: Floats, frames: Floats, axis: Floats) -> R
 
 
 def pure(motions: np.ndarray, mass: Floats, frames: Floats, axis: Floats) -> np.ndarray:
-    """Return weights ``(m, m)`` of combinations of motions, arguments as above, that go round one way as far as they can."""
+    """Return weights ``(m, m)`` of combinations of motions that go round one way as far as they can; see above."""
     forwards, backwards, along = (
         np.einsum("nim,nij,njk->mk", part.conj(), mass, part) for part in _parts(motions, frames, axis)
     )
@@ -83,9 +83,7 @@ def pure(motions: np.ndarray, mass: Floats, frames: Floats, axis: Floats) -> np.
     return np.asarray(size[:, None] * (kept @ rest))
 
 
-def _parts(
-    motions: np.ndarray, frames: Floats, axis: Floats
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _parts(motions: np.ndarray, frames: Floats, axis: Floats) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return what goes round with the right-hand rule, the other way, and along the axis, body axes ``(n, 6, m)``."""
     first = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     first /= np.linalg.norm(first)
@@ -94,7 +92,7 @@ def _parts(
 
     def part(way: np.ndarray, weight: float) -> np.ndarray:
         found = np.einsum("nbim,i->nbm", both, way.conj())[:, :, None, :] * (weight * way)[:, None]
-        return np.einsum("nji,nbjm->nbim", frames, found).reshape(len(motions), 6, -1)
+        return np.asarray(np.einsum("nji,nbjm->nbim", frames, found).reshape(len(motions), 6, -1))
 
     # x exp(i w t) goes round where its components are (1, -i): the real part turns from the first to the second
     return part(first - 1j * second, 0.5), part(first + 1j * second, 0.5), part(axis + 0j, 1.0)

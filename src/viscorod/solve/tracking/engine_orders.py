@@ -1,4 +1,4 @@
-"""Speeds at which a frequency is a multiple of the speed: where something that turns, or stands still, excites a mode."""
+"""Speeds at which a frequency is a multiple of the speed: where something excites a mode."""
 
 from __future__ import annotations
 

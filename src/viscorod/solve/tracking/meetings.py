@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
 
 from viscorod.solve.tracking.mode_tracking import Sample
 
@@ -36,7 +37,7 @@ class Meeting:
     frequency: float
 
 
-def meetings(samples: list[Sample], mass: object) -> list[Meeting]:
+def meetings(samples: list[Sample], mass: sparse.csr_array) -> list[Meeting]:
     """Return where two modes cross or veer, in order of the parameter."""
     p = np.array([sample.parameter for sample in samples])
     frequencies = np.array([np.abs(sample.roots.imag) for sample in samples])
@@ -58,7 +59,10 @@ def meetings(samples: list[Sample], mass: object) -> list[Meeting]:
 
 
 def _veerings(
-    samples: list[Sample], mass: object, pair: tuple[int, int], course: tuple[np.ndarray, np.ndarray]
+    samples: list[Sample],
+    mass: sparse.csr_array,
+    pair: tuple[int, int],
+    course: tuple[np.ndarray, np.ndarray],
 ) -> list[Meeting]:
     apart, mean = course
     size, (i, j), found = np.abs(apart), pair, []
@@ -70,6 +74,6 @@ def _veerings(
         before = max(np.flatnonzero(wide[:k]), default=0)
         after = k + 1 + min(np.flatnonzero(wide[k + 1 :]), default=len(size) - k - 2)
         one, other = samples[before].shapes[:, i], samples[after].shapes[:, j]
-        if abs(np.vdot(one, mass @ other)) ** 2 > EXCHANGED:  # type: ignore[operator]
+        if abs(np.vdot(one, mass @ other)) ** 2 > EXCHANGED:
             found.append(Meeting(samples[k].parameter, pair, False, float(size[k]), float(mean[k])))
     return found

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
+from scipy import sparse
 from scipy.optimize import linear_sum_assignment
 
 from viscorod.errors import SolveError
@@ -36,7 +37,7 @@ BEND = 0.05
 REACH = 1.3
 """How far beyond the largest root of a mode others are sought."""
 STILL = 1e-6
-"""Part of the largest wanted root below which one is a motion that is at rest."""
+"""Part of the median of the slowest roots below which one is that of a motion at rest."""
 SWINGS = 0.04
 """Imaginary part, as a part of a root, from which on a mode is followed: damping ratios below 0.999."""
 SHIFTS, FIRST = 30, 4
@@ -48,7 +49,7 @@ SHIFT = 0.37
 class Family(Protocol):
     """Small motions that depend on a parameter."""
 
-    mass: object
+    mass: sparse.csr_array
     """Inertia of body increments of the nodes, sparse ``(6 n, 6 n)``."""
 
     def pencil(self, parameter: float) -> MovingPencil:
@@ -93,7 +94,7 @@ class Tracker:
     _shift: float = 0.0
 
     def follow(self, parameters: Sequence[float], first: int = 0) -> None:
-        """Follow the modes over increasing values of the parameter, from the one with the number ``first`` to both ends.
+        """Follow the modes over increasing values of the parameter, from the one numbered ``first`` to both ends.
 
         Raises:
             SolveError: the small motions were not found somewhere.
@@ -130,7 +131,7 @@ class Tracker:
         found = self.spectrum(parameter, 0.0)
         while True:
             s = found.roots
-            still = np.abs(s) <= STILL * np.abs(s).max(initial=0.0)
+            still = np.abs(s) <= STILL * float(np.median(np.abs(s)))
             swings = (s.imag > SWINGS * np.abs(s)) | (s.real > 1e-6 * np.abs(s))
             chosen = np.flatnonzero(~still & swings)[: self.count]
             if len(chosen) >= self.count or len(s) >= 4 * self.count + 40:
@@ -165,7 +166,7 @@ class Tracker:
         expected, mass = _course(way, parameter), self.family.mass
         likeness = alike(last.roots, last.shapes, found.roots, found.shapes, mass)
         mirrored = alike(last.roots, last.shapes, found.roots, found.shapes.conj(), mass)
-        momenta = (mass @ last.shapes).conj().T  # type: ignore[operator]
+        momenta = (mass @ last.shapes).conj().T
         products = [np.abs(momenta @ shapes) ** 2 for shapes in (found.shapes, found.shapes.conj())]
         far = [
             np.abs(roots[None, :] - expected[:, None])
@@ -186,7 +187,9 @@ class Tracker:
         roots, shapes = found.roots[chosen], found.shapes[:, chosen]
         roots = np.where(turned, roots.conj(), roots)
         shapes = np.where(turned, shapes.conj(), shapes)
-        macs = np.where(turned, mirrored[np.arange(len(chosen)), chosen], likeness[np.arange(len(chosen)), chosen])
+        macs = np.where(
+            turned, mirrored[np.arange(len(chosen)), chosen], likeness[np.arange(len(chosen)), chosen]
+        )
         return Sample(parameter, roots, shapes, np.asarray(macs), found)
 
     def _growing(self, found: Spectrum, chosen: np.ndarray, likeness: Floats) -> np.ndarray:
@@ -230,13 +233,13 @@ def _first_shift(pencil: MovingPencil) -> float:
 
 
 def alike(
-    roots: np.ndarray, shapes: np.ndarray, others: np.ndarray, theirs: np.ndarray, mass: object
+    roots: np.ndarray, shapes: np.ndarray, others: np.ndarray, theirs: np.ndarray, mass: sparse.csr_array
 ) -> Floats:
-    """Return the likeness (MAC) of shapes of unit inertia ``(m, k)``; among equal roots that of the nearest combination."""
-    products = np.abs(shapes.conj().T @ (mass @ theirs)) ** 2  # type: ignore[operator]
+    """Return the likeness (MAC) of shapes of unit inertia ``(m, k)``; of equal roots of the nearest combination."""
+    products = np.abs(shapes.conj().T @ (mass @ theirs)) ** 2
     mine, other = _equal(roots), _equal(others)
     within = np.maximum(mine @ products, products @ other.T)
-    return np.minimum(np.asarray(within), 1.0)
+    return np.asarray(np.minimum(within, 1.0))
 
 
 def _equal(roots: np.ndarray) -> Floats:
@@ -251,7 +254,9 @@ def _clusters(roots: np.ndarray) -> list[np.ndarray]:
     """Return the places of roots that are equal, where there are several."""
     near = _equal(roots) > 0.0
     groups = {tuple(np.flatnonzero(row).tolist()) for row in near}
-    return [np.array(group) for group in sorted(groups) if len(group) > 1 and near[np.ix_(group, group)].all()]
+    return [
+        np.array(group) for group in sorted(groups) if len(group) > 1 and near[np.ix_(group, group)].all()
+    ]
 
 
 def _course(way: list[Sample], parameter: float) -> np.ndarray:

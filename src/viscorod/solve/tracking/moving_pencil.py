@@ -71,7 +71,7 @@ class MovingPencil:
     @property
     def size(self) -> int:
         """Number of motions of first order."""
-        return 2 * self.quadratic.size - self.quadratic.Z.shape[1]
+        return 2 * self.quadratic.size - int(self.quadratic.Z.shape[1])
 
     def slowest(self, count: int, reach: float, shift: float) -> Spectrum:
         """Return at least ``count`` roots and all with ``|s| < reach`` [1/s], from a real ``shift`` [1/s].
@@ -186,9 +186,7 @@ def _again(roots: np.ndarray, vectors: np.ndarray, k: int) -> bool:
     return False
 
 
-def _orthonormal(
-    W: Floats, known: Floats, size: float, random: np.random.Generator
-) -> tuple[Floats, Floats]:
+def _orthonormal(W: Floats, known: Floats, size: float, random: np.random.Generator) -> tuple[Floats, Floats]:
     """Return an orthonormal block and its coefficients; random directions without any where the space is exhausted."""
     new, rest = np.linalg.qr(W)
     lost = np.abs(np.diag(rest)) <= EXHAUSTED * size
@@ -283,6 +281,8 @@ class _Krylov:
             enough = np.count_nonzero(upper) >= count and known_up_to > reach
             if full or enough:
                 s, z = s[upper], z[:, upper]
+                bound = 1.001 * max(reach, float(np.sort(np.abs(s))[: max(count, 1)].max(initial=0.0)))
+                s, z = s[np.abs(s) <= bound], z[:, np.abs(s) <= bound]
                 y = unit[: p.size] * (V[: p.size, :done] @ z)
                 s = np.where(np.abs(s.imag) <= 1e-9 * np.abs(s), s.real + 0j, s)
                 return s, y, full or bool(enough)

@@ -106,7 +106,9 @@ def solved(function: Callable[[float], float], low: float, high: float) -> tuple
         return known[x]
 
     size = max(abs(low), abs(high))
-    found = float(brentq(seen, low, high, xtol=PRECISION * size, rtol=4.0 * np.finfo(float).eps, maxiter=ROUNDS))
+    found = float(
+        brentq(seen, low, high, xtol=PRECISION * size, rtol=4.0 * np.finfo(float).eps, maxiter=ROUNDS)
+    )
     others = sorted(known, key=lambda x: abs(abs(x - found) - 1e-4 * size))
     beside = next(x for x in others if x != found)
     return found, (known[beside] - seen(found)) / (beside - found)
@@ -151,8 +153,8 @@ def _limit(tracker: Tracker, mode: int, ends: tuple[Sample, Sample], unstable: b
     found = _tried(lambda p: branch.root(p).real, low, high)
     if found is None:
         raise SolveError(
-            f"Mode {mode + 1} changes its stability between {low:.8g} and {high:.8g}, and the limit was not found. What "
-            "to try: more values in between"
+            f"Mode {mode + 1} changes its stability between {low:.8g} and {high:.8g}, and the limit was not found. "
+            "What to try: more values in between"
         )
     root = branch.root(found[0])
     kind = "flutter" if abs(root.imag) > GROWS * max(abs(s), abs(rest)) else "divergence"
