@@ -34,6 +34,7 @@ FILE = {
     "modes": ("table `[modes]`", "one of these", "see Analyses"),
     "response": ("table `[response]`", "one of these", "see Analyses"),
     "campbell": ("table `[campbell]`", "one of these", "see Analyses"),
+    "stability": ("table `[stability]`", "one of these", "see Analyses"),
 }
 ROD = {
     "section": (SECTION, "one of these three", "the section of the whole rod"),

@@ -231,6 +231,25 @@ def lines(axes: Axes, result: vr.Campbell) -> None:
     heading(axes, "Frequencies from space, once per turn (dashed)")
 
 
+def frequencies(axes: Axes, result: vr.Stability) -> None:
+    """Draw frequencies of the column over its load."""
+    clean(axes, "load [EI/L²]", "frequency [Hz]")
+    for k in range(len(result.modes)):
+        axes.plot(result.load_factors, result.frequencies[:, k], color=(RED, BLUE, ORANGE)[k])
+    heading(axes, "Frequencies over the load")
+
+
+def growth(axes: Axes, result: vr.Stability) -> None:
+    """Draw rates of growth of the column over its load, with the limit of the boundary value problem."""
+    clean(axes, "load [EI/L²]", "growth rate Re s [1/s]")
+    for k in range(len(result.modes)):
+        axes.plot(result.load_factors, result.eigenvalues[:, k].real, color=(RED, BLUE, ORANGE)[k])
+    axes.axhline(0.0, color="#222222", linewidth=0.8)
+    axes.plot(10.96611, 0.0, "o", color=GREEN, label="boundary value problem")
+    axes.plot(20.05095, 0.0, "x", color="#8a8a8a", label="without damping")
+    axes.set_ylim(-2.5, 1.5)
+
+
 def path(place: str, axis: str, known: list[tuple[float, float]], name: str) -> Callable[..., None]:
     """Draw the load factor over a displacement, with known points."""
 
@@ -269,6 +288,7 @@ RIGHT: dict[str, Callable[..., None]] = {
     "spinning_up_arm": lag,
     "swept_blade": blade,
     "whirling_shaft": whirl,
+    "becks_column": growth,
 }
 
 
@@ -286,6 +306,8 @@ def draw(name: str) -> Path:
         snapshots(picture, left, result, *window)
     elif isinstance(result, vr.Campbell):
         lines(left, result)
+    elif isinstance(result, vr.Stability):
+        frequencies(left, result)
     else:
         draw_shapes(left, result)
         left.get_legend().remove()

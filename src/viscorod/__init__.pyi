@@ -97,6 +97,7 @@ from .results.reduced_system import ReducedSystem as ReducedSystem
 from .results.resonances import Resonance as Resonance
 from .results.run import Equilibrium as Equilibrium
 from .results.run import Run as Run
+from .results.stability_result import Stability as Stability
 from .results.state_matrices import StateMatrices as StateMatrices
 from .results.steady_result import Steady as Steady
 from .results.sweep_result import Sweep as Sweep

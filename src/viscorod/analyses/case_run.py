@@ -19,6 +19,7 @@ from viscorod.analyses.motion import motion
 from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.path import equilibrium_path
 from viscorod.analyses.refinement import refined, refined_modes, refined_motion, refined_response
+from viscorod.analyses.stability import stability
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
@@ -26,6 +27,7 @@ from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.response import ResponseSettings
+from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
 
 __all__ = ["as_model", "discretised_case", "run_case"]
@@ -70,7 +73,7 @@ def run_case(
     resume: bool = False,
     anew: bool = False,
     stop: Callable[[], str] | None = None,
-) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell:
+) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Stability:
     """Run the analysis of a case file.
 
     Args:
@@ -102,6 +105,8 @@ def run_case(
             return refined_response(frequency_response, discrete, settings)
         if isinstance(settings, CampbellSettings):
             return campbell(discrete, settings)
+        if isinstance(settings, StabilitySettings):
+            return stability(discrete, settings)
         return refined(ANALYSES[type(settings)], discrete, settings)
 
 

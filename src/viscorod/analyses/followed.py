@@ -16,12 +16,14 @@ from viscorod.solve.refinement.followed_errors import FinerModes
 from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES
 from viscorod.solve.tracking.meetings import Meeting
 from viscorod.solve.tracking.mode_tracking import SWINGS, Family, Sample, Tracker
-from viscorod.solve.tracking.special_values import Limit
+from viscorod.solve.tracking.special_values import Limit, grows
 
 __all__ = ["common_variables", "names_of", "on_fine_mesh"]
 
 MOST_MESHES = 12
 """Meshes that are tried at most."""
+SAME = 1e-6
+"""Distance of two roots, as a part of them, within which they are one."""
 GAIN = 0.7
 """Part of the error before that refinement leaves at most, where it is the mesh that makes the error."""
 
@@ -64,6 +66,16 @@ def _frequencies(family: Family, at: float, count: int) -> np.ndarray:
     return np.sort(found.imag[found.imag > SWINGS * np.abs(found)])
 
 
+def _stray(samples: list[Sample]) -> float | None:
+    """Return the first value of the parameter at which a motion grows that is not followed; None without."""
+    for sample in samples:
+        known = np.concatenate([sample.roots, sample.roots.conj()])
+        for s in sample.spectrum.roots:
+            if grows(complex(s)) and np.abs(known - s).min() > SAME * abs(s):
+                return sample.parameter
+    return None
+
+
 def names_of(discrete: DiscreteModel, state: State, sample: Sample) -> list[str]:
     """Return the names of the modes by their strains in a sample, about a state."""
     energies = StrainEnergies(discrete.system, state, nodal_motions(discrete.problem))
@@ -96,6 +108,11 @@ def common_variables(
         )
     if not all(sample.spectrum.complete for sample in samples):
         notes.append("it is not known whether all slow motions were found: others may grow")
+    stray = _stray(samples)
+    if stray is not None:
+        notes.append(
+            f"motions that are not followed grow from {along.replace('_', ' ')} {stray:.6g} on: follow more modes"
+        )
     if finer is None:
         notes.append(
             "errors of the mesh were not estimated: the model is too large for a finer one beside it"

@@ -23,6 +23,7 @@ from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.response import LinearSettings, ResponseSettings
+from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.theories import TheorySettings
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from viscorod.results.linear_system import LinearSystem
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
     from viscorod.results.theory_comparison import TheoryComparison
 
@@ -242,6 +244,27 @@ class Model(ModelDescription):
         from viscorod.analyses.discrete import DiscreteModel
 
         return campbell(DiscreteModel.of(self), settings)
+
+    @takes(StabilitySettings)
+    def stability(self, settings: StabilitySettings) -> Stability:
+        """Follow modes about the equilibria over a load factor: where they begin to flutter, and to diverge.
+
+        Damping and loads that follow are included.
+
+        All loads, prescribed motions and rest strains grow with the load factor, but those that are ``constant``.
+        Limits of stability are roots that are solved for, not read off a curve.
+
+        Returns:
+            roots, frequencies and damping ratios over the load factor, and where modes begin to grow and cease to.
+
+        Raises:
+            InputError: the model is inconsistent, nothing holds it, or nothing grows.
+            SolveError: an equilibrium or its small motions were not found.
+        """
+        from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.stability import stability
+
+        return stability(DiscreteModel.of(self), settings)
 
     @checked
     def draw(self, path: str | Path, title: str = "") -> Path:

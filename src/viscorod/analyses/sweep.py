@@ -24,6 +24,7 @@ from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.response import ResponseSettings
+from viscorod.solve.settings.stability import StabilitySettings
 
 __all__ = ["sweep"]
 
@@ -65,7 +66,7 @@ def sweep(
     """
     if not isinstance(case, Case):
         case = load_case(case)
-    if isinstance(case.settings, ModesSettings | ResponseSettings | CampbellSettings):
+    if isinstance(case.settings, ModesSettings | ResponseSettings | CampbellSettings | StabilitySettings):
         why = "sweeps are of motions, equilibria, paths and steady rotations"
         raise InputError(Fault(case.kind, "", why, "compute every case by itself, in a loop"))
     if progress is not None:

@@ -40,6 +40,7 @@ from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.response import ResponseSettings
+from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
@@ -55,6 +56,7 @@ ANALYSES: dict[str, type[AnySettings]] = {
     "modes": ModesSettings,
     "response": ResponseSettings,
     "campbell": CampbellSettings,
+    "stability": StabilitySettings,
 }
 """The analyses by their table in a case file; exactly one of them stands in a file."""
 
@@ -176,7 +178,8 @@ class CaseReader:
                 f"the tables {' and '.join(given)}" if given else "",
                 "a case asks for exactly one analysis",
                 "give one table: [simulate] with a duration, [equilibrium], [path], [steady] with a spin, [modes], "
-                "[response] with inputs and outputs, or [campbell] with an axis and a band",
+                "[response] with inputs and outputs, [campbell] with an axis and a band, or "
+                "[stability] with a band",
             )
         for key in given:
             parsed = self._parsed(key, ANALYSES[key].model_validate, self.data[key])

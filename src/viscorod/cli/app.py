@@ -25,6 +25,7 @@ from viscorod.cli.probe_command import probe
 from viscorod.cli.response_command import response
 from viscorod.cli.run_commands import resume, run
 from viscorod.cli.schema_command import schema
+from viscorod.cli.stability_command import stability
 from viscorod.cli.sweep_command import sweep
 from viscorod.cli.theories_command import theories
 from viscorod.cli.view_command import view
@@ -46,6 +47,7 @@ for command in (
     modes,
     response,
     campbell,
+    stability,
     sweep,
     theories,
     view,

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
 
 __all__ = ["resume", "run"]
@@ -122,7 +123,7 @@ def _compute(
     settings = case.settings
     static = not isinstance(settings, SimulateSettings)
     total = settings.duration if isinstance(settings, SimulateSettings) else 1.0
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell
+    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Stability
     with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
         try:
             with _polite_stop() as stop, reporting(total, static=static) as progress:
@@ -182,7 +183,7 @@ def _polite_stop() -> Iterator[Callable[[], str]]:
 
 
 def _write(
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell,
+    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Stability,
     folder: Path,
     doubts: Sequence[str],
 ) -> list[Path]:
@@ -194,6 +195,8 @@ def _write(
         return [folder / "run.nc", *pictures]
     known: list[Any] = json.loads(result.data.attrs.get("warnings", "[]"))
     result.data.attrs["warnings"] = json.dumps([*doubts, *known])
-    word = {"modes": "modes", "response": "bode", "campbell": "campbell"}.get(result.kind, "shape")
+    word = {"modes": "modes", "response": "bode", "campbell": "campbell", "stability": "stability"}.get(
+        result.kind, "shape"
+    )
     picture = result.plot(folder / f"{word}.png")
     return [result.save(folder / "run.nc"), picture]

@@ -30,8 +30,9 @@ if TYPE_CHECKING:
 
     from viscorod.results.campbell import Campbell
     from viscorod.results.followed_modes import FollowedModes
+    from viscorod.results.stability_result import Stability
 
-__all__ = ["draw_campbell", "followed_panels"]
+__all__ = ["draw_campbell", "draw_stability"]
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, "#7a5c00", "#005f46", "#444444")
 ROUND = 0.9
@@ -40,8 +41,8 @@ MARKS = 9
 """Marks of whirl on a line."""
 APART = 0.042
 """Least distance of two labels, as a part of the height of a panel."""
-SCALE = 1.25
-"""Part of the highest damping ratio but for overdamped modes that is shown."""
+OVERDAMPED = 0.9
+"""Damping ratio from which on a mode may leave the picture."""
 
 
 def draw_campbell(result: Campbell) -> Figure:
@@ -84,28 +85,32 @@ def draw_campbell(result: Campbell) -> Figure:
     return picture
 
 
-def followed_panels(result: FollowedModes, along: str) -> tuple[Figure, tuple[Axes, Axes]]:
-    """Return a figure with frequencies above and damping ratios below, and both panels."""
+def draw_stability(result: Stability) -> Figure:
+    """Return the figure of stability along a load."""
+    return followed_panels(result, "load factor", growth=True)[0]
+
+
+def followed_panels(
+    result: FollowedModes, along: str, *, growth: bool = False
+) -> tuple[Figure, tuple[Axes, Axes]]:
+    """Return a figure with frequencies above and damping ratios, or rates of ``growth``, below, and both panels."""
     picture = figure(9.5, 8.2)
     picture.subplots_adjust(right=0.87, top=0.9 if result.title else 0.945, hspace=0.14, bottom=0.095)
     above = picture.add_subplot(2, 1, 1)
     below = picture.add_subplot(2, 1, 2, sharex=above)
-    values, f, d = result.values, result.frequencies, result.damping_ratios
+    values, f = result.values, result.frequencies
+    shown = result.eigenvalues.real if growth else 100.0 * result.damping_ratios
     for k in range(len(result.modes)):
         line: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.6}
         dashes = "-" if k < len(COLOURS) else (0, (5, 2))
         above.plot(values, f[:, k], linestyle=dashes, **line)
-        below.plot(values, 100.0 * d[:, k], linestyle=dashes, **line)
+        below.plot(values, shown[:, k], linestyle=dashes, **line)
     clean(above, "", "frequency [Hz]")
-    clean(below, along, "damping ratio [%]")
+    clean(below, along, "growth rate Re s [1/s]" if growth else "damping ratio [%]")
     above.tick_params(labelbottom=False)
     above.set_xlim(values[0], values[-1])
     above.set_ylim(0.0, 1.06 * float(f.max()) or 1.0)
-    mild = np.abs(d[np.abs(d) < 0.9])
-    most = 100.0 * SCALE * float(mild.max(initial=0.0))
-    low, high = 100.0 * float(d.min()), 100.0 * float(d.max())
-    margin = 0.08 * max(min(high, most) - max(min(low, 0.0), -most), 1e-9)
-    below.set_ylim(max(min(low, 0.0), -most) - margin, max(min(high, most), 0.0) + margin)
+    below.set_ylim(*_range(shown, result.damping_ratios))
     below.axhline(0.0, color=INK, linewidth=0.8)
     for number, one in enumerate(result.limits):
         for axes in (above, below):
@@ -120,12 +125,24 @@ def followed_panels(result: FollowedModes, along: str) -> tuple[Figure, tuple[Ax
             label="limit of stability" if number == 0 else "_",
         )
     _names(result, above, f[-1])
-    heading(below, "below zero: it grows") if low < -1e-5 else None
+    grows = result.eigenvalues.real > 1e-7 * np.abs(result.eigenvalues)
+    if grows.any():
+        heading(below, f"{'above' if growth else 'below'} zero: it grows")
     if result.title:
         picture.suptitle(result.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
     if above.get_legend_handles_labels()[1]:
         legend_above(above, 4)
     return picture, (above, below)
+
+
+def _range(shown: Floats, ratios: Floats) -> tuple[float, float]:
+    """Return the ends of an axis on which zero and what is not overdamped is seen."""
+    mild = shown[np.abs(ratios) < OVERDAMPED]
+    low, high = (float(end) for end in (min(mild.min(initial=0.0), 0.0), max(mild.max(initial=0.0), 0.0)))
+    if not mild.size or high - low <= 1e-9 * float(np.abs(shown).max(initial=0.0)):
+        low, high = min(float(shown.min()), 0.0), max(float(shown.max()), 0.0)
+    margin = 0.08 * (high - low) or 1.0
+    return low - margin, high + margin
 
 
 def _names(result: FollowedModes, axes: Axes, ends: Floats) -> None:

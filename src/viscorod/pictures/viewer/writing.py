@@ -79,6 +79,7 @@ def view(
             "Modes": ("a list of modes", "draw them with plot"),
             "FrequencyResponse": ("a frequency response", "draw it with plot"),
             "Campbell": ("a Campbell diagram", "draw it with plot"),
+            "Stability": ("stability along a load", "draw it with plot"),
             "Sweep": ("a sweep", "give one of its members"),
         }.get(type(result).__name__, ("this", "give a run, an equilibrium or a path"))
         raise InputError(

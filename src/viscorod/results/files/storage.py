@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
     from viscorod.results.sweep_result import Sweep
 
@@ -198,8 +199,10 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
 
 
 @checked
-def load(path: str | Path) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Sweep:
-    """Open a saved run, equilibrium, steady rotation, modes, frequency response, Campbell diagram or sweep.
+def load(
+    path: str | Path,
+) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Stability | Sweep:
+    """Open a saved result: of a motion, an equilibrium, a steady rotation, modes, a response, a sweep, and all others.
 
     It answers everything that a fresh one does.
 
@@ -226,6 +229,10 @@ def load(path: str | Path) -> Run | Equilibrium | Steady | Modes | FrequencyResp
         from viscorod.results.campbell import Campbell
 
         return Campbell(data)
+    if str(data.attrs.get("kind")) == "stability":
+        from viscorod.results.stability_result import Stability
+
+        return Stability(data)
     if str(data.attrs.get("kind")) == "sweep":  # a damaged one may be an array
         from viscorod.results.sweep_result import Sweep
 
@@ -251,7 +258,7 @@ def result_of(data: xr.Dataset, path: Path) -> Run | Equilibrium | Steady | Mode
     if found not in kinds:
         raise InputError(
             f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, response, "
-            "campbell, sweep)"
+            "campbell, stability, sweep)"
         )
     require_sound(data, path)
     return kinds[found](data)

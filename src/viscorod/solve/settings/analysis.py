@@ -8,6 +8,7 @@ from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.response import ResponseSettings
+from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
@@ -22,5 +23,6 @@ AnySettings: TypeAlias = (
     | ModesSettings
     | ResponseSettings
     | CampbellSettings
+    | StabilitySettings
 )
 """Settings of one of the analyses."""

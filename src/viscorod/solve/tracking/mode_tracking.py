@@ -38,8 +38,12 @@ REACH = 1.3
 """How far beyond the largest root of a mode others are sought."""
 STILL = 1e-6
 """Part of the median of the slowest roots below which one is that of a motion at rest."""
+PARTNER = 1e-6
+"""Distance of two roots from being mirror images, as a part of them."""
 SWINGS = 0.04
 """Imaginary part, as a part of a root, from which on a mode is followed: damping ratios below 0.999."""
+CROWD = 0.5
+"""Part of the rate at which overdamped motions crowd, below which one is a mode of its own."""
 SHIFTS, FIRST = 30, 4
 """Shifts that are tried at most, and roots by which one is judged."""
 SHIFT = 0.37
@@ -132,8 +136,7 @@ class Tracker:
         while True:
             s = found.roots
             still = np.abs(s) <= STILL * float(np.median(np.abs(s)))
-            swings = (s.imag > SWINGS * np.abs(s)) | (s.real > 1e-6 * np.abs(s))
-            chosen = np.flatnonzero(~still & swings)[: self.count]
+            chosen = np.flatnonzero(~still & self._worth(s, parameter))[: self.count]
             if len(chosen) >= self.count or len(s) >= 4 * self.count + 40:
                 break
             more = self.spectrum(parameter, 0.0, 2 * len(s))
@@ -143,6 +146,16 @@ class Tracker:
         if not len(chosen):
             raise SolveError("No small motion oscillates where modes begin to be followed")
         return Sample(parameter, s[chosen], found.shapes[:, chosen], np.ones(len(chosen)), found)
+
+    def _worth(self, s: np.ndarray, parameter: float) -> np.ndarray:
+        """Return which roots begin modes: those that swing or grow, and creeping ones slower than all of these.
+
+        Of the material's own damping very many motions creep about as fast as it relaxes; none of these is taken.
+        """
+        swings = (s.imag > SWINGS * np.abs(s)) | (s.real > 1e-6 * np.abs(s))
+        first = float(np.abs(s[swings]).min(initial=np.inf))
+        crowd = CROWD * self.family.pencil(parameter).quadratic.creep
+        return np.asarray(swings | (np.abs(s) < min(first, crowd)))
 
     def _step(self, way: list[Sample], parameter: float, depth: int) -> None:
         """Add the sample at the next value, with others before it where modes could not be told apart."""
@@ -193,17 +206,22 @@ class Tracker:
         return Sample(parameter, roots, shapes, np.asarray(macs), found)
 
     def _growing(self, found: Spectrum, chosen: np.ndarray, likeness: Floats) -> np.ndarray:
-        """Return the choice with the faster growing of two real roots where an oscillation has ended in both."""
-        taken = set(chosen.tolist())
-        better = chosen.copy()
-        real = np.flatnonzero(found.roots.imag == 0.0)
+        """Return the choice with the growing one of two roots where an oscillation, or two, have ended in both.
+
+        These are two real roots, or without damping two with the same frequency, of which one grows as the other fades.
+        """
+        s, taken, better = found.roots, set(chosen.tolist()), chosen.copy()
         for k, place in enumerate(chosen):
-            if found.roots[place].imag != 0.0:
-                continue
-            for other in real:
+            partners = np.flatnonzero(
+                (np.abs(s.imag - s[place].imag) <= PARTNER * np.abs(s[place])) & (s.real > s[place].real)
+            )
+            for other in partners:
+                mirrored = s[place].imag == 0.0 or abs(s[other] + s[place].conj()) <= PARTNER * abs(s[place])
+                grows = s[other].real > s[better[k]].real
                 if (
-                    int(other) not in taken
-                    and found.roots[other].real > found.roots[better[k]].real
+                    mirrored
+                    and grows
+                    and int(other) not in taken
                     and likeness[k, other] > 0.5 * likeness[k, place]
                 ):
                     taken.add(int(other))

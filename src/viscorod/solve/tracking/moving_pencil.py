@@ -189,7 +189,9 @@ def _again(roots: np.ndarray, vectors: np.ndarray, k: int) -> bool:
 def _orthonormal(W: Floats, known: Floats, size: float, random: np.random.Generator) -> tuple[Floats, Floats]:
     """Return an orthonormal block and its coefficients; random directions without any where the space is exhausted."""
     new, rest = np.linalg.qr(W)
-    lost = np.abs(np.diag(rest)) <= EXHAUSTED * size
+    new, again = np.linalg.qr(new - known @ (known.T @ new))  # what is small may not be orthogonal yet
+    lost = (np.abs(np.diag(rest)) <= EXHAUSTED * size) | (np.abs(np.diag(again)) < 0.5)
+    rest = again @ rest
     if lost.any():
         new[:, lost] = random.standard_normal((len(W), int(lost.sum())))
         for _ in range(3):

@@ -16,13 +16,15 @@ from scipy.optimize import brentq
 from viscorod.errors import SolveError
 from viscorod.solve.tracking.mode_tracking import Sample, Tracker, alike
 
-__all__ = ["Limit", "ModeBetween", "limits", "solved"]
+__all__ = ["Limit", "ModeBetween", "grows", "limits", "solved"]
 
 GROWS = 1e-7
 """Growth of a motion, as a part of its root, from which on it counts: round-off of undamped ones is less."""
 PRECISION = 1e-13
 """Part of the parameter to which roots are found."""
 ROUNDS = 100
+NARROWED, LIKE = 10, 0.3
+"""Halvings before two roots that meet are looked at, and likeness of their motions then."""
 
 
 @dataclass(frozen=True)
@@ -139,16 +141,12 @@ def _limit(tracker: Tracker, mode: int, ends: tuple[Sample, Sample], unstable: b
         if found is not None:
             return Limit(found[0], mode, 0j, "divergence", unstable, "stiffness", found[1])
     if rest.real >= -GROWS * abs(rest):
-        middle = 1j * 0.5 * (abs(s.imag) + abs(rest.imag))
-
-        def distance(p: float) -> float:
-            return pair_distance(tracker, p, middle, shape, 2.0 * max(abs(s), abs(rest)))
-
-        found = _tried(distance, low, high)
+        pair = _Pair.of(tracker, (growing.parameter, s, shape), (calm.parameter, rest))
+        low, high = sorted((pair.growing, pair.calm))
+        found = _tried(pair.distance, low, high)
         if found is not None:
-            between = tracker.spectrum(found[0], 2.0 * abs(s)).roots
-            root = between[np.argmin(np.abs(between - middle))]
-            return Limit(found[0], mode, 1j * float(root.imag), "flutter", unstable, "pair", found[1])
+            return Limit(found[0], mode, 1j * pair.frequency(found[0]), "flutter", unstable, "pair", found[1])
+        low, high = (end.parameter for end in ends)
     branch = ModeBetween(tracker, mode, ends)
     found = _tried(lambda p: branch.root(p).real, low, high)
     if found is None:
@@ -161,13 +159,66 @@ def _limit(tracker: Tracker, mode: int, ends: tuple[Sample, Sample], unstable: b
     return Limit(found[0], mode, 1j * root.imag, kind, unstable, "growth", found[1])
 
 
-def pair_distance(tracker: Tracker, p: float, middle: complex, shape: np.ndarray, reach: float) -> float:
-    """Return ``(s1 - s2)^2`` of the two roots nearest to ``middle`` that are like a shape [1/s^2]."""
-    spectrum = tracker.spectrum(p, reach)
-    like = alike(np.array([middle]), shape[:, None], spectrum.roots, spectrum.shapes, tracker.family.mass)[0]
-    order = np.argsort(np.abs(spectrum.roots - middle) / reach - like, kind="stable")[:2]
-    one, other = spectrum.roots[order]
-    return float(((one - other) ** 2).real)
+@dataclass
+class _Pair:
+    """Two roots without damping that meet between a value of the parameter where one grows and one where none does.
+
+    Attributes:
+        tracker: finds roots; growing, calm: these values; root: that grows [1/s]; shape: of it ``(6 n,)``.
+        reach: up to which roots are looked at [1/s].
+    """
+
+    tracker: Tracker
+    growing: float
+    calm: float
+    root: complex
+    shape: np.ndarray
+    reach: float
+
+    @classmethod
+    def of(
+        cls, tracker: Tracker, growing: tuple[float, complex, np.ndarray], calm: tuple[float, complex]
+    ) -> _Pair:
+        """Return the pair between two values so close that no other root is as near to both."""
+        reach = 2.0 * max(abs(growing[1]), abs(calm[1]))
+        pair = cls(tracker, growing[0], calm[0], growing[1], growing[2], reach)
+        for _ in range(NARROWED):
+            middle = 0.5 * (pair.growing + pair.calm)
+            roots, shapes = pair.alike(middle)
+            k = int(np.argmax(roots.real)) if len(roots) else -1
+            if k >= 0 and grows(complex(roots[k])):
+                pair.growing, pair.root, pair.shape = middle, complex(roots[k]), shapes[:, k]
+            else:
+                pair.calm = middle
+        return pair
+
+    def alike(self, parameter: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the roots whose motions are like the one that grows, and these."""
+        found = self.tracker.spectrum(parameter, self.reach)
+        both = [
+            alike(np.array([self.root]), self.shape[:, None], found.roots, shapes, self.tracker.family.mass)[
+                0
+            ]
+            for shapes in (found.shapes, found.shapes.conj())
+        ]
+        kept = np.maximum(*both) > LIKE
+        return found.roots[kept], found.shapes[:, kept]
+
+    def distance(self, parameter: float) -> float:
+        """Return ``(s1 - s2)^2`` of both [1/s^2]."""
+        one, other = self._roots(parameter)
+        return float(((one - other) ** 2).real)
+
+    def frequency(self, parameter: float) -> float:
+        """Return the mean of both frequencies [rad/s]."""
+        return float(self._roots(parameter).imag.mean())
+
+    def _roots(self, parameter: float) -> np.ndarray:
+        roots, _ = self.alike(parameter)
+        if len(roots) < 2:
+            raise SolveError("Two motions that meet were not found: follow more modes")
+        order = np.argsort(np.abs(roots.imag - self.root.imag), kind="stable")
+        return np.asarray(roots[order[:2]])
 
 
 def _tried(function: Callable[[float], float], low: float, high: float) -> tuple[float, float] | None:
