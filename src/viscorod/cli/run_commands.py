@@ -21,6 +21,7 @@ from viscorod.errors import InputError, SolveError
 if TYPE_CHECKING:
     from viscorod.analyses.discrete import DiscreteModel
     from viscorod.casefile.case import Case
+    from viscorod.results.buckling import Buckling
     from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
@@ -123,7 +124,7 @@ def _compute(
     settings = case.settings
     static = not isinstance(settings, SimulateSettings)
     total = settings.duration if isinstance(settings, SimulateSettings) else 1.0
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Stability
+    result: Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Stability
     with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
         try:
             with _polite_stop() as stop, reporting(total, static=static) as progress:
@@ -183,7 +184,7 @@ def _polite_stop() -> Iterator[Callable[[], str]]:
 
 
 def _write(
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Stability,
+    result: Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Stability,
     folder: Path,
     doubts: Sequence[str],
 ) -> list[Path]:

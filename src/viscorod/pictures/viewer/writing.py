@@ -78,6 +78,7 @@ def view(
             "Steady": ("a steady rotation", "give a run, an equilibrium or a path"),
             "Modes": ("a list of modes", "draw them with plot"),
             "FrequencyResponse": ("a frequency response", "draw it with plot"),
+            "Buckling": ("a list of critical loads", "draw them with plot"),
             "Campbell": ("a Campbell diagram", "draw it with plot"),
             "Stability": ("stability along a load", "draw it with plot"),
             "Sweep": ("a sweep", "give one of its members"),
