@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.periodic import Periodic
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
@@ -197,8 +198,8 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
 
 
 @checked
-def load(path: str | Path) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Sweep:
-    """Open a saved run, equilibrium, steady rotation, modes, frequency response or sweep.
+def load(path: str | Path) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Periodic | Sweep:
+    """Open a saved run, equilibrium, steady rotation, modes, frequency response, periodic motions or sweep.
 
     It answers everything that a fresh one does.
 
@@ -221,6 +222,10 @@ def load(path: str | Path) -> Run | Equilibrium | Steady | Modes | FrequencyResp
         from viscorod.results.frequency_response import FrequencyResponse
 
         return FrequencyResponse(data)
+    if str(data.attrs.get("kind")) == "periodic":
+        from viscorod.results.periodic import Periodic
+
+        return Periodic(data)
     if str(data.attrs.get("kind")) == "sweep":  # a damaged one may be an array
         from viscorod.results.sweep_result import Sweep
 
@@ -245,7 +250,7 @@ def result_of(data: xr.Dataset, path: Path) -> Run | Equilibrium | Steady | Mode
     found = str(data.attrs.get("kind", ""))
     if found not in kinds:
         raise InputError(
-            f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, response, sweep)"
+            f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, response, periodic, sweep)"
         )
     require_sound(data, path)
     return kinds[found](data)

@@ -61,6 +61,7 @@ class OrbitPoint:
         tangent: changes of all motions ``(N, N_b, 6)``, axes of supports, and of the parameter, per length.
         multipliers: the largest first; none where they are not wanted.
         size: of the orbit; bifurcation: what the curve does here, empty if nothing; iterations: it took.
+        bend: half of the second derivatives of body increments ``(N, N_b, 6)`` and parameter along the curve.
     """
 
     orbit: Orbit
@@ -71,6 +72,7 @@ class OrbitPoint:
     size: float
     bifurcation: str = ""
     iterations: int = 0
+    bend: tuple[Floats, float] | None = None
 
     @property
     def setting(self) -> Setting:
@@ -151,7 +153,7 @@ class Continuation:
             angle = 0.0 if new is None else self._angle(point, new)
             while new is None or angle > ANGLE:
                 length *= 0.5
-                if length < 1e-6 * step:
+                if length < 1e-3 * step:
                     raise SolveError(
                         f"the curve of periodic motions cannot be followed beyond {_told(point.setting)}: the iteration "
                         "does not converge however small the step; give more harmonics"
@@ -169,11 +171,21 @@ class Continuation:
                 yield special
             count += 1
             yield new
+            self._bend(point, new, length)
             point = new
             if new.iterations <= 6 and angle < 0.5 * ANGLE:
                 length = min(1.4 * length, step)
             elif new.iterations > 9:
                 length *= 0.6
+
+    def _bend(self, point: OrbitPoint, new: OrbitPoint, length: float) -> None:
+        """Take from the point before how the curve bends at a new one, for the prediction of the next."""
+        jacobian = self.solver.jacobian
+        assert jacobian is not None
+        back = self.balance.between(new.motion, point.motion)
+        along = jacobian.matrix.increments(length * new.tangent[0])
+        value = point.value - new.value + length * new.tangent[1]
+        new.bend = (back + along) / length**2, value / length**2
 
     def _ask(self, point: OrbitPoint) -> None:
         reason = self.stop() if self.stop is not None else ""
@@ -189,8 +201,11 @@ class Continuation:
         jacobian = self.solver.jacobian
         assert jacobian is not None
         change = jacobian.matrix.increments(length * point.tangent[0])
+        value = length * point.tangent[1]
+        if point.bend is not None:
+            change, value = change + length**2 * point.bend[0], value + length**2 * point.bend[1]
         orbit = self.balance.added(point.orbit, change)
-        setting = point.setting._replace(**{self.parameter.of: point.value + length * point.tangent[1]})
+        setting = point.setting._replace(**{self.parameter.of: point.value + value})
         if not setting.omega > 0.0:
             return None
         return self.solver.solve(orbit, setting, self._last_row)

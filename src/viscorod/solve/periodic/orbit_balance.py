@@ -31,9 +31,13 @@ from viscorod.solve.periodic.fourier import Fourier
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.sensitivity.balance import adjoint_map
+from viscorod.solve.sensitivity.step_linearisation import series_of_exponential
 from viscorod.solve.transient.integrators.jacobian import project
 from viscorod.solve.transient.integrators.stage_data import Discretisation
 from viscorod.typing import Floats
+
+STEP = 1e-30
+"""Of complex-step derivatives."""
 
 __all__ = ["Linearised", "Motion", "Orbit", "OrbitBalance", "Setting"]
 
@@ -59,6 +63,7 @@ class Motion:
     """What follows from an orbit: states, Gauss points and forces at all phases (first index).
 
     Attributes:
+        X, rates: coordinates of the nodes and their rates ``(N, n, 6)``.
         residual: unbalanced forces and scaled gaps ``(N, N_b, 6)``, in the directions that supports leave free; what
             supports hold has gaps there. force: the unbalanced forces of all nodes ``(N, n, 6)``, body axes.
         targets: of supports ``(N, m, 6)``; reaction: along their axes ``(N, m, 6)``.
@@ -68,6 +73,8 @@ class Motion:
     """
 
     setting: Setting
+    X: Floats
+    rates: Floats
     states: list[State]
     twist: Floats
     acceleration: Floats
@@ -87,6 +94,8 @@ class Linearised(NamedTuple):
     Attributes:
         K, C: blocks of the pattern as matrices ``(N, b, 6, 6)``; M: ``(N, n, 6, 6)``; rows projected on what supports
             leave free. ad: of the twists ``(N, n, 6, 6)``.
+        V: changes of the twists at all phases by body increments at all others ``(n, N, N, 6, 6)``, of the
+            trigonometric polynomials of the coordinates.
         Z: body increments of the nodes of partial supports ``(N, partial, 6, 6)``.
         strain: operators B of all elements ``(N, e, 6 points, 6 nodes)``, if there are Maxwell branches.
     """
@@ -95,6 +104,7 @@ class Linearised(NamedTuple):
     C: Floats
     M: Floats
     ad: Floats
+    V: Floats
     Z: Floats
     strain: Floats | None
 
@@ -162,6 +172,17 @@ class OrbitBalance:
         multiplier = orbit.multiplier + self.scale * change[:, n:].reshape(len(X), -1)[:, : len(self.scale)]
         return Orbit(X, multiplier)
 
+    def between(self, motion: Motion, other: Motion) -> Floats:
+        """Return the changes ``(N, N_b, 6)`` from one motion to another: body increments and scaled multipliers."""
+        count, problem = self.fourier.count, self.problem
+        found = np.zeros((count, problem.pattern.size, 6))
+        for i, (one, two) in enumerate(zip(motion.states, other.states, strict=True)):
+            for k in np.flatnonzero(self.body.held == 0.0):
+                coordinates(one.r[k], one.q[k], two.r[k], two.q[k], False, found[i, k])
+            scaled = (two.multiplier - one.multiplier) / self.scale
+            found[i, problem.size :] = scaled.reshape(-1, 6)
+        return found
+
     def moved(self, orbit: Orbit, setting: Setting) -> Motion:
         """Return the motion of an orbit, with its unbalanced forces."""
         problem, body, supports, base = self.problem, self.body, self.supports, self.base
@@ -221,6 +242,8 @@ class OrbitBalance:
         points = GaussStates(*(part.copy() for part in self._points))
         return Motion(
             setting,
+            orbit.X,
+            rates,
             states,
             twist,
             acceleration,
@@ -287,7 +310,25 @@ class OrbitBalance:
                 )
                 Z[i] = directions.Z[supports.partial]
         K, C = np.swapaxes(K, -1, -2), np.swapaxes(C, -1, -2)
-        return Linearised(K, C, mass, ad, Z, B)
+        return Linearised(K, C, mass, ad, self._twist_changes(motion, ad), Z, B)
+
+    def _twist_changes(self, motion: Motion, ad: Floats) -> Floats:
+        """Return ``V_ij = w D_ij T_i T_j^-1 + delta_ij (T_i' T_i^-1 + ad(x_i))``.
+
+        With ``p = T dX`` a change of ``x = T X'`` is ``T dX' + T' dX + ad(x) p``; ``T'`` is a complex-step derivative.
+        """
+        count, n = self.fourier.count, self.problem.size
+        X = motion.X + 1j * STEP * motion.rates
+        X[:, self.body.held != 0.0] = 0.0
+        terms = _terms(float(np.abs(motion.X[..., 3:]).max(initial=0.0)))
+        _, T = series_of_exponential(X.reshape(-1, 6), np.tile(self.body.split, count), terms)
+        T = T.reshape(count, n, 6, 6)
+        back = np.linalg.inv(T.real)
+        scaled = motion.setting.omega * self.D[:, :, None, None, None] * back
+        found = np.ascontiguousarray(np.moveaxis(T.real[:, None] @ scaled, 2, 0))
+        here = np.arange(count)
+        found[:, here, here] += np.swapaxes(T.imag / STEP @ back + ad, 0, 1)
+        return found
 
     def responses(self, omega: float) -> Floats:
         """Return by what the strains at all phases give those of the springs of all branches ``(branches, N, N)``."""
@@ -389,6 +430,15 @@ class OrbitBalance:
         internal_forces(elements, r, q, twist, points, self._work, force)
         points.section_force[:] = points.stress
         return force, spring
+
+
+def _terms(turn: float) -> int:
+    """Return how many terms of the series of the exponential round-off leaves of a rotation [rad]."""
+    size, terms = 1.0, 2
+    while size > 1e-17:
+        size *= (1.8 * turn + 1e-3) / terms
+        terms += 1
+    return terms
 
 
 def _gyroscopic(mass: Floats, twist: Floats) -> Floats:

@@ -1,11 +1,9 @@
 """The linear system of a whole orbit: its Jacobian over motions and phases, factorised with a border.
 
-Body increments ``p`` change twists by ``p' + ad(x) p``, so that with the derivative ``w D`` over the phases
+With the changes ``V p`` of the twists by body increments ``p`` at all phases (``p' + ad(x) p`` of the continuous
+motion), and the derivative ``w D`` over the phases,
 
-    J = K + (C + M w D) (w D + ad(x))  [+ B^T C_b w tau D (1 + w tau D)^-1 B of Maxwell branches].
-
-This is the derivative of the balance of the continuous motion; that of the balance at the phases differs from it by
-what the harmonics leave out, so that Newton's iteration with it converges linearly, fast where they suffice.
+    J = K + (C + M w D) V  [+ B^T C_b w tau D (1 + w tau D)^-1 B of Maxwell branches].
 
 Motions that do not couple, such as those across the plane in which a rod swings, make systems of their own
 (:func:`coupled_motions`): only those that are driven are solved.
@@ -139,13 +137,24 @@ class OrbitMatrix:
         balance, rows, count = self.balance, self.motions, self._count
         D, here = omega * balance.D, np.arange(count)
         columns = np.union1d(rows, _of_partial_nodes(balance)) if balance.body.partly else rows
-        K, C, M = (part[:, rows][:, :, columns].transpose(1, 0, 2) for part in whole[:3])
-        turned = whole.ad[:, columns][:, :, columns]  # of nodes, which are within the columns or do not couple
-        found = C[..., None] * D[None, :, None, :]
-        found += M[..., None] * (D @ D)[None, :, None, :]
-        twisted = np.tensordot(M, turned, axes=(2, 1)).transpose(0, 1, 3, 2)  # M_p ad_q
-        found += twisted * D[None, :, None, :]
-        found[:, here, :, here] += (K + np.einsum("ipk,pkj->ipj", C, turned)).transpose(1, 0, 2)
+        V = linear.V
+        node = columns // 6
+        K, C, M = (part[:, rows] for part in whole[:3])
+        found = np.zeros((len(rows), count, len(columns), count))
+        for k in np.unique(node[columns < 6 * balance.problem.size]).tolist():
+            own = slice(6 * k, 6 * k + 6)
+            mine = np.flatnonzero(node == k)
+            turned = V[k][..., columns[mine] % 6]  # of all twists of the node
+            pushed = np.tensordot(D, turned, axes=(1, 0))
+            viscous = np.flatnonzero(np.abs(C[:, :, own]).any(axis=(0, 2)))
+            found[np.ix_(viscous, np.arange(count), mine, np.arange(count))] += np.einsum(
+                "pik,pqkj->ipjq", C[:, viscous, own], turned, optimize=True
+            )
+            heavy = np.flatnonzero(np.abs(M[:, :, own]).any(axis=(0, 2)))
+            found[np.ix_(heavy, np.arange(count), mine, np.arange(count))] += np.einsum(
+                "pik,pqkj->ipjq", M[:, heavy, own], pushed, optimize=True
+            )
+        found[:, here, :, here] += K[:, :, columns]
         if linear.strain is not None:
             found += self._branches(linear.strain, omega, rows, columns)
         for number, k in enumerate(balance.supports.partial):
@@ -185,13 +194,12 @@ class OrbitMatrix:
         balance, count = self.balance, self._count
         pattern, n, here = balance.problem.pattern, balance.problem.size, np.arange(count)
         D = omega * balance.D
-        ad = np.zeros((count, pattern.size, 6, 6))
-        ad[:, :n] = linear.ad
-        blocks = np.einsum("psij,pq->spiqj", linear.C, D)
-        blocks[:, here, :, here] += np.swapaxes(linear.K + linear.C @ ad[:, pattern.columns], 0, 0)
-        inertia = np.einsum("pkij,pq->kpiqj", linear.M, D @ D)
-        inertia += np.einsum("pkij,pq,qkjl->kpiql", linear.M, D, linear.ad, optimize=True)
-        blocks[pattern.diagonal[:n]] += inertia
+        V = np.zeros((pattern.size, count, count, 6, 6))
+        V[:n] = linear.V
+        blocks = np.einsum("psij,spqjl->spiql", linear.C, V[pattern.columns], optimize=True)
+        blocks[:, here, :, here] += linear.K
+        pushed = np.einsum("pr,krqjl->kpqjl", D, linear.V, optimize=True)
+        blocks[pattern.diagonal[:n]] += np.einsum("pkij,kpqjl->kpiql", linear.M, pushed, optimize=True)
         supports = balance.supports
         for number, k in enumerate(supports.partial):
             mine = pattern.columns == supports.set.nodes[k]

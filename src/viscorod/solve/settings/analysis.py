@@ -6,6 +6,7 @@ from typing import TypeAlias
 
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
@@ -14,6 +15,12 @@ __all__ = ["AnySettings"]
 
 
 AnySettings: TypeAlias = (
-    SimulateSettings | EquilibriumSettings | PathSettings | SteadySettings | ModesSettings | ResponseSettings
+    SimulateSettings
+    | EquilibriumSettings
+    | PathSettings
+    | SteadySettings
+    | ModesSettings
+    | ResponseSettings
+    | PeriodicSettings
 )
 """Settings of one of the analyses."""
