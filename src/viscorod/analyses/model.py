@@ -22,7 +22,6 @@ from viscorod.checks import checked
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.modes import ModesSettings
-from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import LinearSettings, ResponseSettings
 from viscorod.solve.settings.theories import TheorySettings
 
@@ -30,9 +29,9 @@ if TYPE_CHECKING:
     from viscorod.analyses.co_simulation import CoSimulation
     from viscorod.results.buckling import Buckling
     from viscorod.results.frequency_response import FrequencyResponse
-    from viscorod.results.periodic import Periodic
     from viscorod.results.linear_system import LinearSystem
     from viscorod.results.modes_result import Modes
+    from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
     from viscorod.results.theory_comparison import TheoryComparison

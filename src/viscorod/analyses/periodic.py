@@ -56,12 +56,11 @@ def periodic(discrete: DiscreteModel, settings: PeriodicSettings) -> Periodic:
         parameter = Parameter("omega", turn * settings.frequencies[0], turn * settings.frequencies[1])
         setting = Setting(parameter.start, 1.0)
     else:
-        assert settings.levels is not None and settings.frequency is not None
+        assert settings.levels is not None
+        assert settings.frequency is not None
         parameter = Parameter("level", *settings.levels)
         setting = Setting(turn * settings.frequency, parameter.start)
-    continuation = Continuation(
-        balance, parameter, stability=settings.stability, stop=discrete.options.stop
-    )
+    continuation = Continuation(balance, parameter, stability=settings.stability, stop=discrete.options.stop)
     record = _Record(balance, outputs)
     try:
         first = continuation.first(balance.resting(), setting)
@@ -119,7 +118,9 @@ class _Record:
         return np.array([point[name] for point in self.points])
 
 
-def _data_set(discrete: DiscreteModel, settings: PeriodicSettings, record: _Record, outcome: str) -> xr.Dataset:
+def _data_set(
+    discrete: DiscreteModel, settings: PeriodicSettings, record: _Record, outcome: str
+) -> xr.Dataset:
     """Return the data set of periodic motions."""
     import xarray as xr
 
@@ -175,8 +176,8 @@ def _notes(settings: PeriodicSettings, record: _Record, outcome: str) -> list[st
     tail = float(np.nan_to_num(record.all("tail")).max())
     if tail > TAIL:
         found.append(
-            f"the highest two of {settings.harmonics} harmonics make {tail:.2g} of the motion where they make most: give "
-            "more harmonics"
+            f"the highest two of {settings.harmonics} harmonics make {tail:.2g} of the motion where they make most, "
+            "and what tells stability is as uncertain: give more harmonics"
         )
     if outcome == "points":
         found.append(f"the curve does not reach its end with {settings.points} points")

@@ -266,7 +266,7 @@ def refined_periodic(
     discrete: DiscreteModel,
     settings: PeriodicSettings,
 ) -> Periodic:
-    """Compute periodic motions on a mesh that resolves vibrations up to their frequency, see :func:`refined_response`."""
+    """Compute periodic motions on a mesh that resolves vibrations as high as they are; see :func:`refined_response`."""
     highest = max(settings.frequencies or (settings.frequency or 0.0,))
     discrete, errors = _resolving(discrete, highest, settings.accuracy)
     found = analysis(discrete, settings)

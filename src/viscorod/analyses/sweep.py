@@ -22,6 +22,7 @@ from viscorod.model.fields.definition import did_you_mean, show, some_of
 from viscorod.results.sweep_result import Sweep, SweepRun
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
 
 __all__ = ["sweep"]
@@ -64,7 +65,7 @@ def sweep(
     """
     if not isinstance(case, Case):
         case = load_case(case)
-    if isinstance(case.settings, ModesSettings | ResponseSettings):
+    if isinstance(case.settings, ModesSettings | ResponseSettings | PeriodicSettings):
         why = "sweeps are of motions, equilibria, paths and steady rotations"
         raise InputError(Fault(case.kind, "", why, "compute every case by itself, in a loop"))
     if progress is not None:

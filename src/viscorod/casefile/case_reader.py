@@ -38,6 +38,7 @@ from viscorod.model.sections.section_profile import Piecewise, Taper, one_sectio
 from viscorod.solve.settings.analysis import AnySettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
@@ -53,6 +54,7 @@ ANALYSES: dict[str, type[AnySettings]] = {
     "steady": SteadySettings,
     "modes": ModesSettings,
     "response": ResponseSettings,
+    "periodic": PeriodicSettings,
 }
 """The analyses by their table in a case file; exactly one of them stands in a file."""
 
@@ -174,7 +176,7 @@ class CaseReader:
                 f"the tables {' and '.join(given)}" if given else "",
                 "a case asks for exactly one analysis",
                 "give one table: [simulate] with a duration, [equilibrium], [path], [steady] with a spin, [modes], "
-                "or [response] with inputs and outputs",
+                "[response] with inputs and outputs, or [periodic] with inputs, amplitudes and outputs",
             )
         for key in given:
             parsed = self._parsed(key, ANALYSES[key].model_validate, self.data[key])

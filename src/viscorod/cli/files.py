@@ -67,10 +67,11 @@ def opened(path: Path) -> Run | Equilibrium | Steady | Modes:
     """Return the result in a file.
 
     Raises:
-        InputError: no such file, or it holds a sweep or a frequency response.
+        InputError: no such file, or it holds a sweep, a frequency response or periodic motions.
     """
     from viscorod.results.files.storage import load
     from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.periodic import Periodic
     from viscorod.results.sweep_result import Sweep
 
     found = load(path)
@@ -81,6 +82,15 @@ def opened(path: Path) -> Run | Equilibrium | Steady | Modes:
                 "",
                 "this is a frequency response, which has no states of a model",
                 "viscorod response writes its pictures; in Python: viscorod.load(path).plot(...)",
+            )
+        )
+    if isinstance(found, Periodic):
+        raise InputError(
+            Fault(
+                str(path),
+                "",
+                "these are periodic motions, of which the outputs are kept and no states of the model",
+                "viscorod periodic writes their pictures; in Python: viscorod.load(path).plot(...)",
             )
         )
     if isinstance(found, Sweep):

@@ -96,6 +96,11 @@ class Periodic:
         return str(self.data.attrs.get("title", ""))
 
     @property
+    def outcome(self) -> str:
+        """ "completed", "points" where the curve is longer than was asked for, or "stopped"."""
+        return str(self.data.attrs["outcome"])
+
+    @property
     def frequencies(self) -> Floats:
         """Frequencies of all motions [Hz] ``(points,)``, in their order on the curve."""
         return np.asarray(self.data["frequency"].values, dtype=float)
@@ -139,9 +144,16 @@ class Periodic:
         """
         unstable = np.asarray(self.data["unstable"].values)
         if (unstable < 0).any():
-            raise InputError("these motions were computed with stability = False: whether they are stable is not known")
+            raise InputError(
+                "these motions were computed with stability = False: whether they are stable is not known"
+            )
         found: np.ndarray = unstable == 0
         return found
+
+    @property
+    def has_loops(self) -> bool:
+        """Whether any input is a force or a moment, which has a hysteresis loop."""
+        return bool(self.data["conjugate"].values.any())
 
     @property
     def bifurcations(self) -> list[tuple[int, str]]:
@@ -232,7 +244,13 @@ class Periodic:
             at = int(size.argmax())
             unit = str(self.data["output_unit"].values[k])
             rows.append(
-                [name, f"{size[at]:.6g} {unit}", f"{hertz[at]:.6g}", f"{self.levels[at]:.4g}", f"{size.min():.4g}"]
+                [
+                    name,
+                    f"{size[at]:.6g} {unit}",
+                    f"{hertz[at]:.6g}",
+                    f"{self.levels[at]:.4g}",
+                    f"{size.min():.4g}",
+                ]
             )
         header = ["output", "largest amplitude", "at [Hz]", "level", "smallest"]
         blocks.append(table("Amplitudes (half of the way between extremes)", header, rows))

@@ -110,7 +110,11 @@ def _curve(axes: Axes, x: Floats, y: Floats, stable: np.ndarray | None, label: s
         piece = slice(max(start - 1, 0), end) if not stable[start] else slice(start, min(end + 1, len(x)))
         if stable[start]:
             piece = slice(start, end)
-        line: dict[str, Any] = {"color": colour, "linewidth": 1.6, "linestyle": "-" if stable[start] else "--"}
+        line: dict[str, Any] = {
+            "color": colour,
+            "linewidth": 1.6,
+            "linestyle": "-" if stable[start] else "--",
+        }
         if stable[start] and not named:
             line["label"], named = label, True
         axes.plot(x[piece], y[piece], **line)
@@ -147,7 +151,9 @@ def _loops(result: Periodic) -> Figure:
     """Draw the hysteresis loops of the first force, of motions from the smallest to the largest loss."""
     forces = [k for k in range(len(result.inputs)) if result.data["conjugate"].values[:, k].any()]
     if not forces:
-        raise InputError("kind = 'loops': no input is a force or a moment, whose work would be the area of a loop")
+        raise InputError(
+            "kind = 'loops': no input is a force or a moment, whose work would be the area of a loop"
+        )
     source = forces[0]
     picture = figure(7.2, 5.4)
     axes = picture.add_subplot(1, 1, 1)

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from viscorod.results.frequency_response import FrequencyResponse
-    from viscorod.results.periodic import Periodic
     from viscorod.results.modes_result import Modes
+    from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
     from viscorod.results.sweep_result import Sweep
@@ -250,7 +250,8 @@ def result_of(data: xr.Dataset, path: Path) -> Run | Equilibrium | Steady | Mode
     found = str(data.attrs.get("kind", ""))
     if found not in kinds:
         raise InputError(
-            f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, response, periodic, sweep)"
+            f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, response, periodic, "
+            "sweep)"
         )
     require_sound(data, path)
     return kinds[found](data)

@@ -125,8 +125,8 @@ class Continuation:
                 step *= 0.5
                 if step < 1e-3:
                     raise SolveError(
-                        f"no periodic motion was found at {_told(setting)}: the iteration converges up to {done:.3g} of "
-                        "the amplitudes; start farther from the resonance, give more harmonics, or smaller amplitudes"
+                        f"no periodic motion was found at {_told(setting)}: the iteration converges up to {done:.3g} "
+                        "of the amplitudes; start farther from the resonance, or give more harmonics"
                     )
             else:
                 orbit, done, step = found.orbit, part, 2.0 * step
@@ -155,8 +155,8 @@ class Continuation:
                 length *= 0.5
                 if length < 1e-3 * step:
                     raise SolveError(
-                        f"the curve of periodic motions cannot be followed beyond {_told(point.setting)}: the iteration "
-                        "does not converge however small the step; give more harmonics"
+                        f"the curve of periodic motions cannot be followed beyond {_told(point.setting)}: the "
+                        "iteration does not converge however small the step; give more harmonics"
                     )
                 new = self._step(point, length)
                 angle = 0.0 if new is None else self._angle(point, new)
@@ -173,9 +173,9 @@ class Continuation:
             yield new
             self._bend(point, new, length)
             point = new
-            if new.iterations <= 6 and angle < 0.5 * ANGLE:
+            if new.iterations <= 7 and angle < 0.5 * ANGLE:
                 length = min(1.4 * length, step)
-            elif new.iterations > 9:
+            elif new.iterations > 10:
                 length *= 0.6
 
     def _bend(self, point: OrbitPoint, new: OrbitPoint, length: float) -> None:
@@ -208,7 +208,13 @@ class Continuation:
         setting = point.setting._replace(**{self.parameter.of: point.value + value})
         if not setting.omega > 0.0:
             return None
-        return self.solver.solve(orbit, setting, self._last_row)
+        stress = self.balance.carried(
+            point.motion.points.section_force, jacobian.linear, change, point.setting.omega
+        )
+        found = self.solver.solve(orbit, setting, self._last_row, stress=stress)
+        if found is None:
+            self.solver.jacobian, self.solver.rows = jacobian, self._last_row
+        return found
 
     def _point(self, found: Solved, before: OrbitPoint | None) -> OrbitPoint:
         """Return a solved orbit with its tangent and multipliers."""
@@ -234,7 +240,7 @@ class Continuation:
         right[-1] = 1.0
         found = matrix.solve(right)
         own, slope = found[:-1], float(found[-1])
-        length = np.sqrt(matrix.weights @ own**2 / size**2 + (slope / self.parameter.unit) ** 2)
+        length = float(np.sqrt(matrix.weights @ own**2 / size**2 + (slope / self.parameter.unit) ** 2))
         return matrix.whole(own) / length, slope / length
 
     def _row(self, point: OrbitPoint) -> tuple[Floats, Floats]:

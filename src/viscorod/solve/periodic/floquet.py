@@ -40,7 +40,8 @@ def multipliers(
     """Return all Floquet multipliers, the largest first.
 
     Args:
-        balance: of the model; omega: angular frequency [rad/s]; linear: derivatives at the orbit, and the same as ``matrices``.
+        balance: of the model; omega: angular frequency [rad/s]; linear: derivatives at the orbit,
+            and the same as ``matrices``.
         groups: of motions that do not couple; steps: of a period, chosen unless given.
     """
     steps = steps or max(STEPS, balance.fourier.harmonics * 3 // 2)
@@ -57,11 +58,9 @@ def multipliers(
 
 
 class _Coefficients:
-    """Coefficients of small motions at all stages of all steps of a period ``(steps, stages, ...)``, displacements scaled."""
+    """Coefficients of small motions at all stages of all steps of a period ``(steps, stages, ...)``, scaled."""
 
-    def __init__(
-        self, balance: OrbitBalance, linear: Linearised, whole: WholeMatrices, steps: int
-    ) -> None:
+    def __init__(self, balance: OrbitBalance, linear: Linearised, whole: WholeMatrices, steps: int) -> None:
         self.balance, self.steps, self.method = balance, steps, radau(STAGES)
         problem = balance.problem
         self.size, self.stages = 6 * problem.size, STAGES
@@ -83,7 +82,7 @@ class _Coefficients:
                 Z[:, first : first + 6, first : first + 6] = linear.Z[:, number]
             self.Z0, self.Z = Z[0] * turns, self._at(Z * turns)
         self.B = None
-        if linear.strain is not None:
+        if problem.relaxing:
             self.B = self._at(strains_of_nodes(balance, linear.strain) * self.unit[: self.size])
             self.moduli = _weighted_moduli(balance)
 
@@ -118,12 +117,16 @@ class _Period:
         partial = 6 * supports.set.nodes[supports.partial]
         if len(partial):  # twists there are along all axes
             nodes = np.unique(nodal // 6)
-            mine = np.concatenate([first + np.arange(6) for first in partial if first // 6 in nodes] or [nodal[:0]])
+            mine = np.concatenate(
+                [first + np.arange(6) for first in partial if first // 6 in nodes] or [nodal[:0]]
+            )
             self.twists = np.union1d(nodal, mine.astype(np.int64))
         both = np.ix_(np.arange(self.steps), np.arange(self.stages), self.rows, self.twists)
         self.K = whole.K[both]
         self.C, self.M = whole.C[both], whole.M[both]
-        self.own = whole.K[np.ix_(*[np.arange(k) for k in (self.steps, self.stages)], self.rows, self.conditions)]
+        self.own = whole.K[
+            np.ix_(*[np.arange(k) for k in (self.steps, self.stages)], self.rows, self.conditions)
+        ]
         square = np.ix_(np.arange(self.steps), np.arange(self.stages), self.twists, self.twists)
         self.ad = whole.ad[square]
         columns = np.searchsorted(self.twists, self.poses)
@@ -165,7 +168,7 @@ class _Period:
         found = np.linalg.solve(
             J.reshape(self.steps, s * u, s * u), right.reshape(self.steps, s * u, right.shape[-1])
         )
-        y = found.reshape(self.steps, s, u, -1)[:, :, :f]
+        y: Floats = found.reshape(self.steps, s, u, -1)[:, :, :f]
         last = turned[:, -1] @ y[:, -1] + sum(d[-1, j] * (Z[:, j] @ y[:, j]) for j in range(s))
         last[..., :f] -= starts[-1] * self.Z0
         parts = [y[:, -1], last]

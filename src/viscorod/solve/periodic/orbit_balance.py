@@ -88,6 +88,13 @@ class Motion:
     drive: Floats
 
 
+class Frozen(NamedTuple):
+    """Stresses ``(N, e, points, 6)`` as iterates of their own, with the derivatives by which they are carried."""
+
+    stress: Floats
+    linear: Linearised
+
+
 class Linearised(NamedTuple):
     """Derivatives of the balance by body increments (K), twists (C) and their rates (M), at all phases.
 
@@ -97,7 +104,8 @@ class Linearised(NamedTuple):
         V: changes of the twists at all phases by body increments at all others ``(n, N, N, 6, 6)``, of the
             trigonometric polynomials of the coordinates.
         Z: body increments of the nodes of partial supports ``(N, partial, 6, 6)``.
-        strain: operators B of all elements ``(N, e, 6 points, 6 nodes)``, if there are Maxwell branches.
+        strain, force, viscous: operators of all elements ``(N, e, 6 points, 6 nodes)``: changes of the strains, and of
+            section forces, by body increments at constant twists and by twists.
     """
 
     K: Floats
@@ -106,7 +114,9 @@ class Linearised(NamedTuple):
     ad: Floats
     V: Floats
     Z: Floats
-    strain: Floats | None
+    strain: Floats
+    force: Floats
+    viscous: Floats
 
 
 class OrbitBalance:
@@ -183,8 +193,12 @@ class OrbitBalance:
             found[i, problem.size :] = scaled.reshape(-1, 6)
         return found
 
-    def moved(self, orbit: Orbit, setting: Setting) -> Motion:
-        """Return the motion of an orbit, with its unbalanced forces."""
+    def moved(self, orbit: Orbit, setting: Setting, frozen: Frozen | None = None) -> Motion:
+        """Return the motion of an orbit, with its unbalanced forces.
+
+        With stresses of their own their differences from those of the strains are forces through frozen operators: only
+        strains, never stiffness times strains, are linearised about other poses (see ``collocation``).
+        """
         problem, body, supports, base = self.problem, self.body, self.supports, self.base
         count, n, omega = self.fourier.count, self.problem.size, setting.omega
         rates = omega * np.tensordot(self.D, orbit.X, axes=1)
@@ -210,7 +224,7 @@ class OrbitBalance:
         acceleration = omega * np.tensordot(self.D, twist, axes=1)
         acceleration[:, held] = known
         states = [State(r[i], q[i], twist[i], orbit.multiplier[i].copy()) for i in range(count)]
-        internal, spring = self._internal(r, q, twist, orbit.multiplier, omega)
+        internal, spring = self._internal(r, q, twist, orbit.multiplier, omega, frozen)
         powers, gaps = np.zeros((3, count)), np.zeros((count, len(self.scale)))
         force = internal
         drive = np.zeros(count)
@@ -238,6 +252,8 @@ class OrbitBalance:
             directions = Directions.of(len(targets[0]))
             for i in range(count):
                 impose_supports(supports.nodes, targets[i], r[i], q[i], residual[i], reaction[i], directions)
+        if frozen is not None:
+            residual[:, :n] += self._through(frozen)
         residual[:, held] = 0.0
         points = GaussStates(*(part.copy() for part in self._points))
         return Motion(
@@ -266,11 +282,10 @@ class OrbitBalance:
         mass = np.tile(body.mass, (count, 1, 1, 1))
         ad = adjoint_map(motion.twist)
         still, square = np.zeros((n, 6, 6)), np.empty(6)
-        operators = Operators.of(self.elements)
+        shape = (count, *Operators.of(self.elements).strain.shape)
+        B, A, P = (np.zeros(shape) for _ in range(3))
         directions = Directions.of(len(body.complete))
         Z = np.zeros((count, len(supports.partial), 6, 6))
-        B = np.zeros((count, *operators.strain.shape)) if problem.relaxing else None
-        held = (self.elements.order, operators.strain) if len(problem.held.place) else None
         own = pattern.diagonal[:n]
         gyroscopic = np.swapaxes(_gyroscopic(body.mass, motion.twist) - motion.setting.lack * mass, -1, -2)
         C[:, own] += gyroscopic
@@ -278,12 +293,12 @@ class OrbitBalance:
         into_rows = np.ones(6 * pattern.size)
         for i, load in enumerate(self._loads(motion.setting.omega, motion.setting.level)):
             state = motion.states[i]
+            operators = Operators(B[i], A[i], P[i])
             self.system.linearise(state, still, motion.points.stress[i], operators, K[i], C[i])
-            if B is not None:
-                B[i] = operators.strain
             if problem.constrained:
                 self._aim_joints(of_joints, i)
                 constraints.add_forces(state, np.zeros((n, 6)))
+                held = (self.elements.order, B[i]) if len(problem.held.place) else None
                 constraints.add_tangent(state, still, K[i], C[i], moving=True, held=held)
                 ratio = np.where(constraints.scale != 0.0, self.scale / constraints.scale, 1.0)
                 into_rows[6 * n : 6 * n + len(ratio)] = ratio
@@ -310,7 +325,7 @@ class OrbitBalance:
                 )
                 Z[i] = directions.Z[supports.partial]
         K, C = np.swapaxes(K, -1, -2), np.swapaxes(C, -1, -2)
-        return Linearised(K, C, mass, ad, self._twist_changes(motion, ad), Z, B)
+        return Linearised(K, C, mass, ad, self._twist_changes(motion, ad), Z, B, A, P)
 
     def _twist_changes(self, motion: Motion, ad: Floats) -> Floats:
         """Return ``V_ij = w D_ij T_i T_j^-1 + delta_ij (T_i' T_i^-1 + ad(x_i))``.
@@ -328,6 +343,40 @@ class OrbitBalance:
         found = np.ascontiguousarray(np.moveaxis(T.real[:, None] @ scaled, 2, 0))
         here = np.arange(count)
         found[:, here, here] += np.swapaxes(T.imag / STEP @ back + ad, 0, 1)
+        return found
+
+    def carried(self, stress: Floats, linear: Linearised, change: Floats, omega: float) -> Floats:
+        """Return section forces ``(N, e, points, 6)`` after body increments ``(N, N_b, 6)``, to first order."""
+        elements, n = self.elements, self.problem.size
+        poses = np.ascontiguousarray(change[:, :n])
+        twists = np.einsum("kpqij,qkj->pki", linear.V, poses, optimize=True)
+        at = [part[:, elements.nodes].reshape(len(part), len(elements.nodes), -1) for part in (poses, twists)]
+        own = (linear.force @ at[0][..., None] + linear.viscous @ at[1][..., None])[..., 0]
+        found = stress + own.reshape(stress.shape)
+        memory = self.system.relaxation
+        if memory is not None:
+            strain = (linear.strain @ at[0][..., None])[..., 0].reshape(stress.shape)
+            for j, response in enumerate(self.responses(omega)):
+                modulus = memory.branches[elements.section, j]
+                found += np.einsum("egij,pegj->pegi", modulus, np.tensordot(response, strain, axes=1))
+        return np.asarray(found)
+
+    def _through(self, frozen: Frozen) -> Floats:
+        """Return the forces ``(N, n, 6)`` of what stresses lack, through frozen operators."""
+        elements, points, supports = self.elements, self._points, self.supports
+        lacking = (points.section_force - frozen.stress) * self._weights()[..., None]
+        lacking[:, self.problem.held.element, self.problem.held.point, self.problem.held.component] = 0.0
+        flat = lacking.reshape(*lacking.shape[:2], -1, 1)
+        nodal = (np.swapaxes(frozen.linear.strain, -1, -2) @ flat)[..., 0]
+        nodal = nodal.reshape(*nodal.shape[:2], -1, 6)
+        found = np.zeros((len(nodal), self.problem.size, 6))
+        for e, nodes in enumerate(elements.nodes):
+            for k in range(int(elements.order[e]) + 1):
+                found[:, nodes[k]] += nodal[:, e, k]
+        for number, k in enumerate(supports.partial):
+            node = int(supports.set.nodes[k])
+            along = np.einsum("pij,pi->pj", frozen.linear.Z[:, number], found[:, node])
+            found[:, node] = np.where(supports.set.fixed[k] != 0.0, 0.0, along)
         return found
 
     def responses(self, omega: float) -> Floats:
@@ -410,25 +459,39 @@ class OrbitBalance:
         return constraints.motor_power(), lost
 
     def _internal(
-        self, r: Floats, q: Floats, twist: Floats, multiplier: Floats, omega: float
+        self,
+        r: Floats,
+        q: Floats,
+        twist: Floats,
+        multiplier: Floats,
+        omega: float,
+        frozen: Frozen | None,
     ) -> tuple[Floats, Floats]:
         """Return internal forces ``(N, n, 6)`` and strains of the springs of branches; write the Gauss points."""
         points, elements, held = self._points, self.elements, self.problem.held
         force = np.zeros_like(twist)
-        internal_forces(elements, r, q, twist, points, self._work, force)
-        points.stress[:] = points.section_force
         memory, spring = self.system.relaxation, np.zeros((0, *points.strain.shape))
+        simple = memory is None and not len(held.place)
+        if frozen is not None:
+            points.stress[:] = frozen.stress
+        own = points._replace(stress=points.section_force) if simple and frozen is None else points
+        internal_forces(elements, r, q, twist, own, self._work, force)
+        if simple:
+            if frozen is None:
+                points.stress[:] = points.section_force
+            return force, spring
+        forces = points.section_force.copy()
         if memory is not None:
             spring = np.tensordot(self.responses(omega), points.strain, axes=1)
             for j in range(len(memory.times)):
                 modulus = memory.branches[elements.section, j]
-                points.stress[:] += np.einsum("egij,pegj->pegi", modulus, spring[j])
-        if len(held.place):
-            points.stress[:, held.element, held.point, held.component] = (
-                multiplier[:, held.place] / held.weight
-            )
+                forces += np.einsum("egij,pegj->pegi", modulus, spring[j])
+        at = held.element, held.point, held.component
+        forces[:, *at] = multiplier[:, held.place] / held.weight
+        points.stress[:] = forces if frozen is None else frozen.stress
+        points.stress[:, *at] = forces[:, *at]
         internal_forces(elements, r, q, twist, points, self._work, force)
-        points.section_force[:] = points.stress
+        points.section_force[:] = forces
         return force, spring
 
 

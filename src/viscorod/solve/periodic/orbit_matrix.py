@@ -87,7 +87,10 @@ class OrbitMatrix:
             whole[:n, n:], whole[n:, :n], whole[n:, n:] = columns, rows, corner
             self._factors = linalg.lu_factor(whole, overwrite_a=True, check_finite=False)
         else:
-            parts = [[self.matrix, sparse.csc_array(columns)], [sparse.csr_array(rows), sparse.csr_array(corner)]]
+            parts = [
+                [self.matrix, sparse.csc_array(columns)],
+                [sparse.csr_array(rows), sparse.csr_array(corner)],
+            ]
             self._lu = SparseLU(sparse.csc_array(sparse.block_array(parts)))
 
     def solve(self, right: Floats) -> Floats:
@@ -121,7 +124,7 @@ class OrbitMatrix:
         return np.asarray(flat / self._scales)
 
     def increments(self, changes: Floats, residual: Floats | None = None) -> Floats:
-        """Return changes of all motions ``(N, N_b, 6)`` as body increments; partial supports close gaps in a residual."""
+        """Return changes of all motions ``(N, N_b, 6)`` as body increments, in which supports close their gaps."""
         found = changes.copy()
         supports = self.balance.supports
         for number, k in enumerate(supports.partial):
@@ -155,7 +158,7 @@ class OrbitMatrix:
                 "pik,pqkj->ipjq", M[:, heavy, own], pushed, optimize=True
             )
         found[:, here, :, here] += K[:, :, columns]
-        if linear.strain is not None:
+        if balance.problem.relaxing:
             found += self._branches(linear.strain, omega, rows, columns)
         for number, k in enumerate(balance.supports.partial):
             first = 6 * int(balance.supports.set.nodes[k])
@@ -185,7 +188,9 @@ class OrbitMatrix:
                 for b, modulus in enumerate(memory.branches[elements.section[e, g]] * weight):
                     if modulus.any():
                         pushed = np.einsum("pai,ab->pib", left[:, mine], modulus)
-                        part += np.einsum("pib,pq,qbj->ipjq", pushed, responses[b], right[:, mine], optimize=True)
+                        part += np.einsum(
+                            "pib,pq,qbj->ipjq", pushed, responses[b], right[:, mine], optimize=True
+                        )
         found[np.ix_(inside[0], np.arange(self._count), inside[1], np.arange(self._count))] = part
         return found
 

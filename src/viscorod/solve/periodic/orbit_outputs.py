@@ -67,10 +67,12 @@ class OrbitOutputs:
         turns, order = reading.output.component >= 3, reading.output.derivative
         if order == 0:
             if not turns:
-                return np.einsum("k,pki->pi", weights, r[:, at] - self._r0[at])
+                return np.asarray(np.einsum("k,pki->pi", weights, r[:, at] - self._r0[at]))
             turned = product(q[:, at], conjugate(np.broadcast_to(self._q0[at], q[:, at].shape).copy()))
             vectors = rotation_vectors(turned.reshape(-1, 4)).reshape(*turned.shape[:2], 3)
-            return np.einsum("k,pki->pi", weights, vectors)
-        rates = np.einsum("pkij,pkj->pki", matrices(q[:, at].reshape(-1, 4)).reshape(len(q), len(at), 3, 3), w[:, at])
+            return np.asarray(np.einsum("k,pki->pi", weights, vectors))
+        rates = np.einsum(
+            "pkij,pkj->pki", matrices(q[:, at].reshape(-1, 4)).reshape(len(q), len(at), 3, 3), w[:, at]
+        )
         found = np.einsum("k,pki->pi", weights, rates if turns else v[:, at])
-        return found if order == 1 else omega * self.balance.D @ found
+        return np.asarray(found if order == 1 else omega * self.balance.D @ found)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscorod.solve.periodic.orbit_balance import Linearised, Motion, Orbit, OrbitBalance, Setting
+from viscorod.solve.periodic.orbit_balance import Frozen, Linearised, Motion, Orbit, OrbitBalance, Setting
 from viscorod.solve.periodic.orbit_matrix import OrbitMatrix, WholeMatrices, coupled_motions, whole_matrices
 from viscorod.typing import Floats, Integers
 
@@ -72,22 +72,30 @@ class OrbitSolver:
         self.rows: tuple[Floats, Floats]
 
     def solve(
-        self, orbit: Orbit, setting: Setting, rows: tuple[Floats, Floats], *, fresh: bool = False
+        self,
+        orbit: Orbit,
+        setting: Setting,
+        rows: tuple[Floats, Floats],
+        *,
+        stress: Floats | None = None,
+        fresh: bool = False,
     ) -> Solved | None:
         """Return the orbit near another one; None if the iteration does not converge.
 
         Args:
             orbit, setting: to begin from.
             rows: conditions on changes: of all motions ``(k, N, N_b, 6)`` and of the unknown parameters ``(k, k)``.
+            stress: section forces ``(N, e, points, 6)`` to begin from; those of the strains by default.
             fresh: linearise anew.
         """
-        motion = self.balance.moved(orbit, setting)
+        balance = self.balance
         if fresh or self.jacobian is None or not _same(rows, self.rows):
-            self.linearise(orbit, motion, rows)
-        renewed, last, floor = fresh, 0.0, orbit_size(self.balance, orbit)
+            self.linearise(orbit, balance.moved(orbit, setting), rows)
+        renewed, last, floor = fresh, 0.0, orbit_size(balance, orbit)
         for iteration in range(1, ITERATIONS + 1):
             assert self.jacobian is not None
-            matrix = self.jacobian.matrix
+            matrix, linear = self.jacobian.matrix, self.jacobian.linear
+            motion = balance.moved(orbit, setting, None if stress is None else Frozen(stress, linear))
             right = np.concatenate([-matrix.right(motion.residual), np.zeros(len(self.unknown))])
             solution = matrix.solve(right)
             if not np.isfinite(solution).all():
@@ -96,23 +104,24 @@ class OrbitSolver:
             size = float(np.sqrt(matrix.weights @ own**2))
             if size > max(5.0 * floor, 1.0):
                 return None
-            orbit = self.balance.added(orbit, matrix.increments(matrix.whole(own), motion.residual))
+            change = matrix.increments(matrix.whole(own), motion.residual)
+            orbit = balance.added(orbit, change)
+            stress = balance.carried(motion.points.section_force, linear, change, setting.omega)
             setting = moved_setting(setting, self.unknown, parameters)
             if not setting.omega > 0.0 or np.abs(orbit.X[..., 3:]).max() > TURNED:
                 return None
-            motion = self.balance.moved(orbit, setting)
-            whole = orbit_size(self.balance, orbit)
+            whole = orbit_size(balance, orbit)
             small = np.abs(parameters) <= 1e-8 * np.array([abs(getattr(setting, u)) for u in self.unknown])
             if size <= CONVERGED * whole + SMALLEST and small.all():
+                motion = balance.moved(orbit, setting)
                 beside, among = matrix.others(motion.residual)
                 if beside <= max(1e-6 * among, 1e-9 * float(np.abs(motion.force).max())) or renewed:
                     return Solved(orbit, motion, iteration)
                 self.linearise(orbit, motion, rows)
                 renewed = True
                 continue
-            slow = last > 0.0 and size > SLOW * last
-            if slow and iteration > 2:
-                self.linearise(orbit, motion, rows)
+            if last > 0.0 and size > SLOW * last and iteration > 2:
+                self.linearise(orbit, balance.moved(orbit, setting, Frozen(stress, linear)), rows)
                 size = 0.0
             last = size
         return None
@@ -169,7 +178,9 @@ def driven_motions(
 
 def moved_setting(setting: Setting, unknown: Sequence[str], change: Floats) -> Setting:
     """Return a setting after changes of some of its parameters."""
-    return setting._replace(**{n: getattr(setting, n) + float(c) for n, c in zip(unknown, change, strict=True)})
+    return setting._replace(
+        **{n: getattr(setting, n) + float(c) for n, c in zip(unknown, change, strict=True)}
+    )
 
 
 def _same(one: tuple[Floats, Floats], other: tuple[Floats, Floats]) -> bool:

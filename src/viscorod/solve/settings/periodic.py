@@ -60,13 +60,15 @@ class PeriodicSettings(Meshed):
         "what they are just before t = 0"
     )
     amplitudes: Annotated[tuple[float, ...], _amplitudes] = Key(
-        "of the inputs, plain numbers > 0, each in its own SI unit (N, N m, m, rad, m/s, m/s^2, or the factor of a load)"
+        "of the inputs, plain numbers > 0, each in its SI unit (N, N m, m, rad, m/s, m/s^2, or the factor of a load)"
     )
     outputs: OutputsField = Key(
         "what is read: as of frequency responses. Displacements and rotations are those from the reference shape"
     )
     frequencies: Range = Key(
-        "where the curve over frequency starts and where it ends, 2 numbers > 0 in either order", "Hz", default=None
+        "where the curve over frequency starts and where it ends, 2 numbers > 0 in either order",
+        "Hz",
+        default=None,
     )
     frequency: OptionalPositive = Key("of a curve over `levels`", "Hz", default=None)
     levels: Range = Key(
@@ -84,7 +86,8 @@ class PeriodicSettings(Meshed):
     )
     points: Annotated[int, whole_number(2, 20_000)] = Key("motions at most", default=1000)
     stability: Flag = Key(
-        "whether the Floquet multipliers of every motion are computed, which tell whether it is stable", default=True
+        "whether the Floquet multipliers of every motion are computed, which tell whether it is stable",
+        default=True,
     )
 
     @model_validator(mode="after")
@@ -93,7 +96,10 @@ class PeriodicSettings(Meshed):
         for name, given in (("amplitudes", self.amplitudes), ("phases", self.phases)):
             if given is not None and len(given) != count:
                 raise RefusedError(
-                    f"{count} inputs have {count} {name}", "give one for each", found=f"{len(given)}", at=(name,)
+                    f"{count} inputs have {count} {name}",
+                    "give one for each",
+                    found=f"{len(given)}",
+                    at=(name,),
                 )
         if (self.frequencies is None) == (self.levels is None):
             raise RefusedError(
