@@ -18,7 +18,13 @@ from viscorod.analyses.motion import motion
 from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.path import equilibrium_path
 from viscorod.analyses.periodic import periodic
-from viscorod.analyses.refinement import refined, refined_modes, refined_motion, refined_periodic, refined_response
+from viscorod.analyses.refinement import (
+    refined,
+    refined_modes,
+    refined_motion,
+    refined_periodic,
+    refined_response,
+)
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription

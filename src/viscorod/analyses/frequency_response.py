@@ -116,7 +116,11 @@ class ModalResponse:
 
 def with_inputs(model: ModelDescription, settings: object) -> ModelDescription:
     """Return the model with the loads of the inputs, if the settings have some."""
-    return with_input_loads(model, settings) if isinstance(settings, ResponseSettings | PeriodicSettings) else model
+    return (
+        with_input_loads(model, settings)
+        if isinstance(settings, ResponseSettings | PeriodicSettings)
+        else model
+    )
 
 
 def _require_known(about: LinearAbout, low: float, high: float) -> None:

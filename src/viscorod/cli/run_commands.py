@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from viscorod.analyses.discrete import DiscreteModel
     from viscorod.casefile.case import Case
     from viscorod.results.frequency_response import FrequencyResponse
-    from viscorod.results.periodic import Periodic
     from viscorod.results.modes_result import Modes
+    from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
 

@@ -97,7 +97,7 @@ class Periodic:
 
     @property
     def outcome(self) -> str:
-        """ "completed", "points" where the curve is longer than was asked for, or "stopped"."""
+        """How it ended: "completed", "points" where the curve is longer than was asked for, "stopped"."""
         return str(self.data.attrs["outcome"])
 
     @property

@@ -90,11 +90,11 @@ def _amplitude(result: Periodic) -> Figure:
             at = [k for k, kind in result.bifurcations if kind == word]
             if at:
                 axes.plot(x[at], first[at], mark, color=GREY, markersize=6, label=word, zorder=4)
+        if stable is not None and not stable.all():
+            axes.plot([], [], "--", color=GREY, linewidth=1.6, label="unstable")
         clean(axes, label if number == len(units) - 1 else "", f"amplitude [{unit}]")
         axes.set_ylim(bottom=0.0)
-        legend_above(axes, 3)
-    if stable is not None and not stable.all():
-        heading(panels[-1], "dashed: unstable")
+        legend_above(axes, 4)
     return picture
 
 
@@ -104,12 +104,11 @@ def _curve(axes: Axes, x: Floats, y: Floats, stable: np.ndarray | None, label: s
         axes.plot(x, y, color=colour, linewidth=1.6, label=label)
         return
     changes = np.flatnonzero(np.diff(stable.astype(int))) + 1
-    starts, ends = [0, *changes], [*changes, len(x)]
+    starts, ends = [0, *changes.tolist()], [*changes.tolist(), len(x)]
     named = False
     for start, end in zip(starts, ends, strict=True):
-        piece = slice(max(start - 1, 0), end) if not stable[start] else slice(start, min(end + 1, len(x)))
-        if stable[start]:
-            piece = slice(start, end)
+        # what is unstable reaches to the stable motions beside it
+        piece = slice(start, end) if stable[start] else slice(max(start - 1, 0), end + 1)
         line: dict[str, Any] = {
             "color": colour,
             "linewidth": 1.6,
@@ -127,23 +126,20 @@ def _multipliers(result: Periodic) -> Figure:
     values = result.multipliers
     if not values.shape[1]:
         raise InputError("kind = 'multipliers': these motions were computed with stability = False")
-    picture = figure(6.4, 6.2)
+    picture = figure(6.6, 5.6)
     axes = picture.add_subplot(1, 1, 1)
     turn = np.linspace(0.0, 2.0 * np.pi, 400)
     axes.plot(np.cos(turn), np.sin(turn), color=LIGHT, linewidth=1.5, zorder=0)
-    x, label = _along(result)
-    del x
     number = np.repeat(np.arange(len(values)), values.shape[1])
     flat = values.ravel()
     inside = np.abs(flat) <= 1.0 + 1e-6
     dots = axes.scatter(flat.real[inside], flat.imag[inside], c=number[inside], s=7, cmap="viridis")
-    axes.scatter(flat.real[~inside], flat.imag[~inside], c=RED, s=14, marker="x", label="unstable", zorder=3)
+    axes.scatter(flat.real[~inside], flat.imag[~inside], c=RED, s=14, marker="x", zorder=3)
     picture.colorbar(dots, ax=axes, label="number of the motion on the curve", shrink=0.8)
     axes.set_aspect("equal")
     clean(axes, "real part", "imaginary part")
-    if (~inside).any():
-        legend_above(axes, 2)
-    heading(axes, f"Floquet multipliers along the curve over {label.split(' [')[0]}; grey: unit circle")
+    beyond = "; crosses: beyond it, unstable" if (~inside).any() else ""
+    heading(axes, f"Floquet multipliers; grey: unit circle{beyond}")
     return picture
 
 
@@ -155,11 +151,12 @@ def _loops(result: Periodic) -> Figure:
             "kind = 'loops': no input is a force or a moment, whose work would be the area of a loop"
         )
     source = forces[0]
-    picture = figure(7.2, 5.4)
+    picture = figure(7.6, 5.6)
+    picture.subplots_adjust(top=0.83)
     axes = picture.add_subplot(1, 1, 1)
     order = np.argsort(result.loss)
     chosen = order[np.unique(np.linspace(len(order) // 2, len(order) - 1, MOST - 1).astype(int))]
-    for colour, k in enumerate(chosen.tolist()):
+    for colour, k in enumerate(sorted(chosen.tolist())):
         y, force = result.loop(k, source, 401)
         y, force = np.append(y, y[0]), np.append(force, force[0])
         level = "" if result.data.attrs.get("over") != "level" else f", level {result.levels[k]:.3g}"
@@ -172,7 +169,8 @@ def _loops(result: Periodic) -> Figure:
         )
     unit = str(result.data["input_unit"].values[source])
     along = {"N": "m", "N m": "rad"}.get(unit, "J")
-    clean(axes, f"displacement of {result.inputs[source]} [{along}]", f"{result.inputs[source]} [{unit}]")
+    name = result.inputs[source]
+    told = "each loop encloses the work of the force in a cycle"
+    clean(axes, f"displacement along {name} [{along}]; {told}", f"{name} [{unit}]")
     legend_above(axes, 3)
-    heading(axes, "a loop encloses the work of the force in a cycle")
     return picture

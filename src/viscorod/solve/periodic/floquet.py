@@ -168,7 +168,7 @@ class _Period:
         found = np.linalg.solve(
             J.reshape(self.steps, s * u, s * u), right.reshape(self.steps, s * u, right.shape[-1])
         )
-        y: Floats = found.reshape(self.steps, s, u, -1)[:, :, :f]
+        y: Floats = np.asarray(found.reshape(self.steps, s, u, -1)[:, :, :f], dtype=np.float64)
         last = turned[:, -1] @ y[:, -1] + sum(d[-1, j] * (Z[:, j] @ y[:, j]) for j in range(s))
         last[..., :f] -= starts[-1] * self.Z0
         parts = [y[:, -1], last]
