@@ -35,6 +35,7 @@ FILE = {
     "response": ("table `[response]`", "one of these", "see Analyses"),
     "campbell": ("table `[campbell]`", "one of these", "see Analyses"),
     "stability": ("table `[stability]`", "one of these", "see Analyses"),
+    "periodic": ("table `[periodic]`", "one of these", "see Analyses"),
 }
 ROD = {
     "section": (SECTION, "one of these three", "the section of the whole rod"),

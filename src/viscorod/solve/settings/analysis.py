@@ -7,6 +7,7 @@ from typing import TypeAlias
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
@@ -24,5 +25,6 @@ AnySettings: TypeAlias = (
     | ResponseSettings
     | CampbellSettings
     | StabilitySettings
+    | PeriodicSettings
 )
 """Settings of one of the analyses."""
