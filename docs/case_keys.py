@@ -36,6 +36,7 @@ FILE = {
     "buckling": ("table `[buckling]`", "one of these", "see Analyses"),
     "campbell": ("table `[campbell]`", "one of these", "see Analyses"),
     "stability": ("table `[stability]`", "one of these", "see Analyses"),
+    "periodic": ("table `[periodic]`", "one of these", "see Analyses"),
 }
 ROD = {
     "section": (SECTION, "one of these three", "the section of the whole rod"),

@@ -93,6 +93,7 @@ from .results.followed_modes import Meeting as Meeting
 from .results.frequency_response import FrequencyResponse as FrequencyResponse
 from .results.linear_system import LinearSystem as LinearSystem
 from .results.modes_result import Modes as Modes
+from .results.periodic import Periodic as Periodic
 from .results.reduced_system import ReducedSystem as ReducedSystem
 from .results.resonances import Resonance as Resonance
 from .results.run import Equilibrium as Equilibrium

@@ -12,6 +12,8 @@ from viscorod.results.buckling import Buckling
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import EnergyAccount, History, Snapshot, StationReader
 from viscorod.solve.linear.singular import SingularMatrixError
+from viscorod.solve.modes.linearisation import nodal_motions
+from viscorod.solve.modes.mode_names import StrainEnergies
 from viscorod.solve.modes.vibrations import station_shapes
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.statics.critical_loads import CriticalPoint, CriticalSearch
@@ -75,7 +77,7 @@ def _found(
     for point in points:
         still = np.zeros((problem.size, 6))
         place = reader.read(point.state.r, point.state.q, still)[0]
-        own, turned = station_shapes(problem, point.state, point.increments)
+        own, turned = station_shapes(problem, point.state, _principal(discrete, point))
         for k in range(len(own)):
             shapes.append(own[k].real)
             rotations.append(turned[k].real)
@@ -102,3 +104,12 @@ def _found(
             linear_load=("linear", np.asarray(linear, dtype=float)),
         )
     )
+
+
+def _principal(discrete: DiscreteModel, point: CriticalPoint) -> Floats:
+    """Return the directions of a point; of several, any combination is one, those that strain the rods in one way."""
+    increments = point.increments
+    if increments.shape[1] < 2:
+        return increments
+    energies = StrainEnergies(discrete.system, point.state, nodal_motions(discrete.problem))
+    return np.asarray(energies.principal(increments, np.ones(increments.shape[1])))

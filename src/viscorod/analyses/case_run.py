@@ -19,11 +19,13 @@ from viscorod.analyses.modes import modes
 from viscorod.analyses.motion import motion
 from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.path import equilibrium_path
+from viscorod.analyses.periodic import periodic
 from viscorod.analyses.refinement import (
     refined,
     refined_buckling,
     refined_modes,
     refined_motion,
+    refined_periodic,
     refined_response,
 )
 from viscorod.analyses.stability import stability
@@ -34,6 +36,7 @@ from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
@@ -44,6 +47,7 @@ if TYPE_CHECKING:
     from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
+    from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
@@ -82,7 +86,7 @@ def run_case(
     resume: bool = False,
     anew: bool = False,
     stop: Callable[[], str] | None = None,
-) -> Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Stability:
+) -> Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Periodic | Stability:
     """Run the analysis of a case file.
 
     Args:
@@ -118,6 +122,8 @@ def run_case(
             return campbell(discrete, settings)
         if isinstance(settings, StabilitySettings):
             return stability(discrete, settings)
+        if isinstance(settings, PeriodicSettings):
+            return refined_periodic(periodic, discrete, settings)
         return refined(ANALYSES[type(settings)], discrete, settings)
 
 

@@ -13,6 +13,7 @@ from viscorod.analyses.call_arguments import (
     CoSimulationArguments,
     EquilibriumArguments,
     PathArguments,
+    PeriodicArguments,
     SimulateArguments,
     SteadyArguments,
     takes,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.linear_system import LinearSystem
     from viscorod.results.modes_result import Modes
+    from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
@@ -205,6 +207,33 @@ class Model(ModelDescription):
 
         discrete = DiscreteModel.of(with_input_loads(self, settings))
         return refined_response(frequency_response, discrete, settings)
+
+    @takes(PeriodicArguments)
+    def periodic(self, call: PeriodicArguments) -> Periodic:
+        """Follow periodic motions under harmonic inputs, of any size: over frequency or level, through folds.
+
+        Motions are trigonometric polynomials of the frequency that are in balance at all their phases (harmonic
+        balance by collocation; see Krack and Gross, Harmonic Balance for Nonlinear Vibration Problems, 2019). Loads of
+        the model itself stay what they are just before t = 0; about the equilibrium under them the motions begin.
+        Materials have their laws; a table over frequency counts by the law that was fitted to it.
+
+        Returns:
+            The motions in the order of the curve: harmonics of all outputs, Floquet multipliers, work and loss of a
+            cycle; folds and other bifurcations are among them.
+
+        Raises:
+            InputError: the model is inconsistent, has parts that periodic motions do not know, or there is no such
+                input or output.
+            SolveError: no motion was found at the start, the curve could not be followed further, or was stopped;
+                ``run`` holds the motions up to there.
+        """
+        from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.linear_about import with_input_loads
+        from viscorod.analyses.periodic import periodic
+        from viscorod.analyses.refinement import refined_periodic
+
+        discrete = DiscreteModel.of(with_input_loads(self, call), call, call.options)
+        return refined_periodic(periodic, discrete, call)
 
     @takes(BucklingSettings)
     def buckling(self, settings: BucklingSettings) -> Buckling:

@@ -24,6 +24,7 @@ from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.stability import StabilitySettings
 
@@ -69,7 +70,12 @@ def sweep(
         case = load_case(case)
     if isinstance(
         case.settings,
-        ModesSettings | ResponseSettings | BucklingSettings | CampbellSettings | StabilitySettings,
+        ModesSettings
+        | ResponseSettings
+        | BucklingSettings
+        | CampbellSettings
+        | StabilitySettings
+        | PeriodicSettings,
     ):
         why = "sweeps are of motions, equilibria, paths and steady rotations"
         raise InputError(Fault(case.kind, "", why, "compute every case by itself, in a loop"))

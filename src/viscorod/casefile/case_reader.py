@@ -40,6 +40,7 @@ from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
@@ -59,6 +60,7 @@ ANALYSES: dict[str, type[AnySettings]] = {
     "buckling": BucklingSettings,
     "campbell": CampbellSettings,
     "stability": StabilitySettings,
+    "periodic": PeriodicSettings,
 }
 """The analyses by their table in a case file; exactly one of them stands in a file."""
 
@@ -180,8 +182,8 @@ class CaseReader:
                 f"the tables {' and '.join(given)}" if given else "",
                 "a case asks for exactly one analysis",
                 "give one table: [simulate] with a duration, [equilibrium], [path], [steady] with a spin, [modes], "
-                "[response] with inputs and outputs, [buckling], [campbell] with an axis and a band, or "
-                "[stability] with a band",
+                "[response] with inputs and outputs, [periodic] with inputs, amplitudes and outputs, "
+                "[buckling], [campbell] with an axis and a band, or [stability] with a band",
             )
         for key in given:
             parsed = self._parsed(key, ANALYSES[key].model_validate, self.data[key])

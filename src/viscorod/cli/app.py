@@ -21,6 +21,7 @@ from viscorod.cli.damping_commands import app as damping
 from viscorod.cli.example_command import example
 from viscorod.cli.export_command import export
 from viscorod.cli.modes_command import modes
+from viscorod.cli.periodic_command import periodic
 from viscorod.cli.plot_command import plot
 from viscorod.cli.probe_command import probe
 from viscorod.cli.response_command import response
@@ -50,6 +51,7 @@ for command in (
     buckling,
     campbell,
     stability,
+    periodic,
     sweep,
     theories,
     view,

@@ -68,11 +68,12 @@ def opened(path: Path) -> Run | Equilibrium | Steady | Modes | Buckling:
     """Return the result in a file.
 
     Raises:
-        InputError: no such file, or it holds a sweep, a frequency response or modes that were followed.
+        InputError: no such file, or it holds a sweep, a response, followed modes or periodic motions.
     """
     from viscorod.results.files.storage import load
     from viscorod.results.followed_modes import FollowedModes
     from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.periodic import Periodic
     from viscorod.results.sweep_result import Sweep
 
     found = load(path)
@@ -84,6 +85,15 @@ def opened(path: Path) -> Run | Equilibrium | Steady | Modes | Buckling:
                 "",
                 f"this is a {what}, which has no states of a model",
                 f"viscorod {found.kind} writes its pictures; in Python: viscorod.load(path).plot(...)",
+            )
+        )
+    if isinstance(found, Periodic):
+        raise InputError(
+            Fault(
+                str(path),
+                "",
+                "these are periodic motions, of which the outputs are kept and no states of the model",
+                "viscorod periodic writes their pictures; in Python: viscorod.load(path).plot(...)",
             )
         )
     if isinstance(found, Sweep):

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
+    from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
@@ -124,7 +125,9 @@ def _compute(
     settings = case.settings
     static = not isinstance(settings, SimulateSettings)
     total = settings.duration if isinstance(settings, SimulateSettings) else 1.0
-    result: Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Stability
+    result: (
+        Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Periodic | Stability
+    )
     with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
         try:
             with _polite_stop() as stop, reporting(total, static=static) as progress:
@@ -184,7 +187,15 @@ def _polite_stop() -> Iterator[Callable[[], str]]:
 
 
 def _write(
-    result: Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Stability,
+    result: Run
+    | Equilibrium
+    | Steady
+    | Modes
+    | Buckling
+    | FrequencyResponse
+    | Campbell
+    | Periodic
+    | Stability,
     folder: Path,
     doubts: Sequence[str],
 ) -> list[Path]:
@@ -196,8 +207,13 @@ def _write(
         return [folder / "run.nc", *pictures]
     known: list[Any] = json.loads(result.data.attrs.get("warnings", "[]"))
     result.data.attrs["warnings"] = json.dumps([*doubts, *known])
-    word = {"modes": "modes", "response": "bode", "campbell": "campbell", "stability": "stability"}.get(
-        result.kind, "shape"
-    )
+    words = {
+        "modes": "modes",
+        "response": "bode",
+        "campbell": "campbell",
+        "stability": "stability",
+        "periodic": "amplitude",
+    }
+    word = words.get(result.kind, "shape")
     picture = result.plot(folder / f"{word}.png")
     return [result.save(folder / "run.nc"), picture]

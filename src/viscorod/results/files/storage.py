@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
+    from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
@@ -202,7 +203,18 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
 @checked
 def load(
     path: str | Path,
-) -> Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Stability | Sweep:
+) -> (
+    Run
+    | Equilibrium
+    | Steady
+    | Modes
+    | Buckling
+    | FrequencyResponse
+    | Campbell
+    | Periodic
+    | Stability
+    | Sweep
+):
     """Open a saved result: of a motion, an equilibrium, a steady rotation, modes, a response, a sweep, and all others.
 
     It answers everything that a fresh one does.
@@ -234,6 +246,10 @@ def load(
         from viscorod.results.stability_result import Stability
 
         return Stability(data)
+    if str(data.attrs.get("kind")) == "periodic":
+        from viscorod.results.periodic import Periodic
+
+        return Periodic(data)
     if str(data.attrs.get("kind")) == "sweep":  # a damaged one may be an array
         from viscorod.results.sweep_result import Sweep
 
@@ -260,7 +276,7 @@ def result_of(data: xr.Dataset, path: Path) -> Run | Equilibrium | Steady | Mode
     if found not in kinds:
         raise InputError(
             f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, response, "
-            "campbell, stability, sweep)"
+            "periodic, campbell, stability, sweep)"
         )
     require_sound(data, path)
     return kinds[found](data)

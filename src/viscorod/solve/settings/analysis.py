@@ -8,6 +8,7 @@ from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
@@ -26,5 +27,6 @@ AnySettings: TypeAlias = (
     | BucklingSettings
     | CampbellSettings
     | StabilitySettings
+    | PeriodicSettings
 )
 """Settings of one of the analyses."""
