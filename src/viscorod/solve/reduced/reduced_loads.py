@@ -1,0 +1,53 @@
+"""Loads on a reduced motion: wrenches of all nodes in their poses, and generalised forces."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.solve.problem.external_loads import ExternalLoads
+from viscorod.solve.problem.problem import Problem
+from viscorod.typing import Floats
+
+__all__ = ["ReducedLoads"]
+
+
+class ReducedLoads:
+    """The loads of a problem.
+
+    Attributes:
+        need_poses: whether any depends on where the nodes are and how they are turned; see_twists: or on how they move.
+    """
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.external = ExternalLoads(problem)
+        dead = any(load.dead.any() or load.gravity.any() for load in problem.nodal_loads)
+        self.see_twists = bool(problem.motion_loads)
+        self.need_poses = dead or self.see_twists or any(load.dead.any() for load in problem.station_loads)
+
+    def wrenches(
+        self, t: float, r: Floats, q: Floats, twist: Floats, *, before: bool
+    ) -> tuple[Floats, float]:
+        """Return the wrenches ``(n, 6)`` in the axes of the nodes, and the power that loads dissipate outside [W]."""
+        out = np.zeros((self.problem.size, 6))
+        outside = self.external.at(t, before).add(self.problem, (r, q), twist, out)
+        return out, outside
+
+    def patterns(self) -> Floats:
+        """Return what each load does in the reference shape at a factor of one ``(6 n, k)``."""
+        problem, found = self.problem, []
+        none = np.zeros((problem.size, 6))
+        for load in problem.nodal_loads:
+            shape = none.copy()
+            np.add.at(shape, load.nodes, load.following)
+            dead = none.copy()
+            np.add.at(dead, load.nodes, load.dead)
+            dead[:, :3] += np.einsum("n,i->ni", problem.mass[:, 0, 0], load.gravity)
+            back = np.moveaxis(matrices(problem.quaternions), 1, 2)
+            for half in (slice(0, 3), slice(3, 6)):
+                shape[:, half] += np.einsum("nij,nj->ni", back, dead[:, half])
+            if shape.any():
+                found.append(shape.ravel())
+        return np.column_stack(found) if found else np.zeros((6 * problem.size, 0))
+
