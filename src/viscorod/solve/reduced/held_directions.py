@@ -48,6 +48,13 @@ class HeldDirections(NamedTuple):
         stressed = operators.forces(operators.stresses(operators.rates(moved)))
         return cls(np.array(number, dtype=int), directions, moved - static_shape(undamped, stressed))
 
+    def allowed(self, supports: SupportState, twist: Floats) -> Floats:
+        """Return body twists ``(n, 6)`` without what the supports hold of them."""
+        found = twist.copy()
+        for k, direction in zip(supports.set.nodes[self.support], self.direction, strict=True):
+            found[k] -= (direction @ twist[k]) * direction
+        return found
+
     def reactions(self, supports: SupportState, forces: Floats, q: Floats) -> Floats:
         """Return the reactions of the supports as wrenches in global axes ``(supports, 6)``.
 

@@ -82,11 +82,11 @@ class PointOperators:
 
     def twists(self, shapes: Floats) -> Floats:
         """Return the body twists ``(k, m, 6)`` of nodal ones ``(6 n, k)``."""
-        return np.asarray(self.twist @ shapes).T.reshape(-1, self.points, 6)
+        return np.asarray(self.twist @ shapes).T.reshape(shapes.shape[1], self.points, 6)
 
     def rates(self, shapes: Floats) -> Floats:
         """Return the strain rates ``(k, m, 6)`` of the unstrained rod under nodal twists ``(6 n, k)``."""
-        return np.asarray(self.rate @ shapes).T.reshape(-1, self.points, 6)
+        return np.asarray(self.rate @ shapes).T.reshape(shapes.shape[1], self.points, 6)
 
     def stresses(self, strains: Floats) -> Floats:
         """Return section forces times quadrature lengths ``(k, m, 6)`` of elastic strains, likewise."""
@@ -94,7 +94,7 @@ class PointOperators:
 
     def forces(self, stresses: Floats) -> Floats:
         """Return the nodal forces ``(6 n, k)`` of section forces times quadrature lengths ``(k, m, 6)``."""
-        return np.asarray(self.rate.T @ stresses.reshape(len(stresses), -1).T)
+        return np.asarray(self.rate.T @ stresses.reshape(len(stresses), 6 * self.points).T)
 
 
 def _links(links: np.ndarray) -> range:

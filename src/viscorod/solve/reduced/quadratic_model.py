@@ -18,6 +18,7 @@ exactly, as AWP (19). With linearised damping (AWP 22) the viscous term is ``A^T
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -94,17 +95,26 @@ class QuadraticModel:
         return np.asarray(self.rate @ q1) if self.linearised else strain_rate
 
     def rates(self, y: Floats, force: Floats) -> Floats:
-        """Return ``(q1', q2')`` in a state ``y = (q1, q2)`` under generalised forces ``(k,)``."""
-        k = self.rate.shape[1]
-        q1, q2 = y[:k], y[k:]
-        G = self.gradient(q2)
-        strain_rate = G @ q1
-        pushed = force - (self.turning @ q1) @ q1
+        """Return ``(q1', q2')`` in states ``y = (q1, q2)``, ``(s, k + l)``, under generalised forces ``(s, k)``."""
+        l, k = self.rate.shape
+        q1, q2 = y[:, :k], y[:, k:]
+        G = self.rate + (self._curved_rows @ q2.T).T.reshape(-1, l, k)
+        S = (self._turning_rows @ q1.T).T.reshape(-1, k, k)
+        strain_rate = (G @ q1[..., None])[..., 0]
+        pushed = force - (S @ q1[..., None])[..., 0]
         if self.linearised:
-            pushed -= G.T @ q2 + self.rate.T @ (self.damping @ (self.rate @ q1))
+            pushed -= (q2[:, None] @ G)[:, 0] + q1 @ (self.rate.T @ self.damping @ self.rate)
         else:
-            pushed -= G.T @ (q2 + self.damping @ strain_rate)
-        return np.concatenate([pushed, strain_rate])
+            pushed -= ((q2 + strain_rate @ self.damping)[:, None] @ G)[:, 0]
+        return np.concatenate([pushed, strain_rate], axis=1)
+
+    @cached_property
+    def _curved_rows(self) -> Floats:
+        return self.curved.reshape(-1, self.curved.shape[2])
+
+    @cached_property
+    def _turning_rows(self) -> Floats:
+        return self.turning.reshape(-1, self.turning.shape[2])
 
     def jacobian(self, y: Floats) -> Floats:
         """Return the derivatives of :meth:`rates` without those of forces ``(k + l, k + l)``."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.problem.external_loads import ExternalLoads
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
@@ -35,19 +34,22 @@ class ReducedLoads:
         return out, outside
 
     def patterns(self) -> Floats:
-        """Return what each load does in the reference shape at a factor of one ``(6 n, k)``."""
+        """Return what loads do at a factor of one ``(6 n, k)``: following ones, and dead ones along each axis of nodes.
+
+        Dead loads turn in the axes of the sections as these turn in space.
+        """
         problem, found = self.problem, []
-        none = np.zeros((problem.size, 6))
         for load in problem.nodal_loads:
-            shape = none.copy()
-            np.add.at(shape, load.nodes, load.following)
-            dead = none.copy()
+            following, dead = np.zeros((2, problem.size, 6))
+            np.add.at(following, load.nodes, load.following)
             np.add.at(dead, load.nodes, load.dead)
             dead[:, :3] += np.einsum("n,i->ni", problem.mass[:, 0, 0], load.gravity)
-            back = np.moveaxis(matrices(problem.quaternions), 1, 2)
+            found.append(following)
             for half in (slice(0, 3), slice(3, 6)):
-                shape[:, half] += np.einsum("nij,nj->ni", back, dead[:, half])
-            if shape.any():
-                found.append(shape.ravel())
-        return np.column_stack(found) if found else np.zeros((6 * problem.size, 0))
-
+                size = np.linalg.norm(dead[:, half], axis=1)
+                for axis in range(3):
+                    shape = np.zeros((problem.size, 6))
+                    shape[:, half.start + axis] = size
+                    found.append(shape)
+        kept = [shape.ravel() for shape in found if shape.any()]
+        return np.column_stack(kept) if kept else np.zeros((6 * problem.size, 0))

@@ -63,10 +63,10 @@ class ReducedModel:
         problem, operators = system.problem, PointOperators.of(system)
         start = start_strain(system, state)
         exact = shape_of_strain(operators, undamped, start[None])
-        exact = np.hstack([exact, state.twist.reshape(-1, 1)])
+        held = HeldDirections.of(supports, operators, undamped)
+        exact = np.hstack([exact, held.allowed(supports, state.twist).reshape(-1, 1)])
         basis = motion_basis(problem, operators, undamped, count, exact, ReducedLoads(problem).patterns())
         equations = QuadraticModel.of(problem, operators, basis, linearised=linearised)
-        held = HeldDirections.of(supports, operators, undamped)
         balance = equations.tested(problem, operators, held.velocity)
         return cls(system, supports, operators, equations, held, balance, ShapeFromStrains(system), start)
 
@@ -94,7 +94,8 @@ class ReducedModel:
     def begun(self, state: State) -> Floats:
         """Return ``(q1, q2)`` that come nearest to the start of a motion from a state."""
         basis = self.basis
-        momenta = np.einsum("nij,nj->ni", self.problem.mass, state.twist).ravel()
+        twist = self.held.allowed(self.supports, state.twist)
+        momenta = np.einsum("nij,nj->ni", self.problem.mass, twist).ravel()
         stress = np.einsum("gij,gj->gi", self.operators.stiffness, self.start)
         return np.concatenate([basis.velocity.T @ momenta, np.einsum("kgi,gi->k", basis.strain, stress)])
 

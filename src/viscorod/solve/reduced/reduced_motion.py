@@ -21,8 +21,12 @@ from viscorod.typing import Floats
 __all__ = ["ReducedMotion", "reduced_midpoint", "reduced_radau"]
 
 ITERATIONS = 25
-CONVERGED = 1e-12
-"""Change of the unknowns over the largest of them at which an iteration of a step ends."""
+CONVERGED, FINEST = 1e-9, 1e-12
+"""Change of the unknowns over the largest of them at which an iteration of a step ends, with steps that err and without."""
+MOST_PARTS = 64
+"""Parts of a step at most in which the motion in fewer modes follows."""
+EXTRAPOLATED = 2.0
+"""Length of a step over that of the last one up to which its stages are extrapolated."""
 FAR = 1e3
 """Growth of the correction in an iteration beyond which it is given up."""
 DIFFERENCE = 1e-7
@@ -66,9 +70,11 @@ class ReducedMotion:
         self.kinetic = self.elastic = self.work = self.loss = self.outside = self.actuator = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         self.apart, self.moved, self.open = np.zeros(2), np.zeros(2), 0.0
+        self._gap = 0.0
         self._begun = False
         self._last = stages - 1
         self._step = 0.0
+        self._stages = np.zeros((stages, k + l))
         self._y, self._rate = np.zeros((2, k + l))
         self._before, self._rate_before = np.zeros((2, k + l))
         self._root, self._root_before = np.zeros((2, roots, 7))
@@ -109,17 +115,17 @@ class ReducedMotion:
             self._start_r, self._start_q = state.r.copy(), state.q.copy()
         if self.fewer is not None:
             self.fewer.start(t, state)
-        self._take(self._y, self._root, before=False)
+        self._step = 0.0
+        self._take(self._y, self._root, self._state(self._y, self._root), before=False)
         if self.tolerance is not None:
             self.tolerance.begin(t, self.state, self._imbalance())
 
-    def _take(self, y: Floats, root: Floats, *, before: bool) -> None:
-        """Take over unknowns and roots at the present time."""
+    def _take(self, y: Floats, root: Floats, state: State, *, before: bool) -> None:
+        """Take over unknowns, roots and their state at the present time."""
         k = self._velocities
-        self._y, self._root = y, root
-        self.state = self._states(y[None], root[None])[0]
+        self._y, self._root, self.state = y, root, state
         force, self._external, _ = self._forces(self.t, y, self.state, before=before)
-        self._rate = self.model.equations.rates(y, force)
+        self._rate = self.model.equations.rates(y[None], force[None])[0]
         self.kinetic, self.elastic = 0.5 * float(y[:k] @ y[:k]), 0.5 * float(y[k:] @ y[k:])
 
     def _imbalance(self) -> Floats:
@@ -147,40 +153,40 @@ class ReducedMotion:
         y, stages = self._y, len(tableau.nodes)
         times = [end if i == self._last and self._last else self.t + c * h for i, c in enumerate(tableau.nodes)]
         left = [before and i == self._last for i in range(stages)]
-        Z = tableau.nodes[:, None] * h * self._rate
+        Z = self._guessed(h)
+        converged = FINEST if self.tolerance is None else min(CONVERGED, 1e-3 * self.tolerance.value)
         size = max(float(np.abs(y).max()), float(np.abs(Z).max()), 1e-300)
         correction, iterations = np.inf, 0
+        forces = self._stage_forces(h, times, left, y + Z)
         while True:
-            stage = y + Z
-            roots = self._stage_roots(h, stage)
-            forces = self._stage_forces(times, left, stage, roots)
-            rates = np.array([equations.rates(u, f) for u, (f, _, _) in zip(stage, forces, strict=True)])
-            change = self._solved(D @ Z - rates)
+            change = self._solved(D @ Z - equations.rates(y + Z, np.array([force for force, _, _ in forces])))
             Z = Z - change
             iterations += 1
             previous, correction = correction, float(np.abs(change).max())
             size = max(size, float(np.abs(Z).max()))
             if not correction < FAR * max(size, previous if np.isfinite(previous) else size):
                 return StepReport(Outcome.DIVERGED, iterations, 0.0, 0.0, 0)
-            if correction <= CONVERGED * size:
+            if correction <= converged * size:
                 break
             if iterations == ITERATIONS or (iterations > 4 and correction > 0.5 * previous and correction > 1e-9 * size):
                 return StepReport(Outcome.SLOW, iterations, correction / size, 0.0, 0)
             if iterations > 4 and correction > 0.5 * previous:
                 break  # round-off
-        stage = y + Z
-        self._stages, self._roots = stage, self._stage_roots(h, stage)
-        self._loads = self._stage_forces(times, left, stage, self._roots)
+            if self.loads.need_poses:
+                forces = self._stage_forces(h, times, left, y + Z)
+        self._stages = stage = y + Z
+        self._roots = self._stage_roots(h, stage)
+        self._loads = self._stage_forces(h, times, left, stage) if self.loads.need_poses else forces
         self._end, self._left = end, before
         self._reached = stage[-1] if self._last else 2.0 * stage[0] - y
         self._root_reached = self._end_roots()
+        self._state_reached = self._state(self._reached, self._root_reached)
         report = StepReport(Outcome.CONVERGED, iterations, correction / size, 0.0, 0)
         if self.tolerance is None:
             return report
         error = self.model.errors(self._error(h, Z), h)
         node, component = divmod(int(np.argmax(error)), 6)
-        state = self._states(self._reached[None], self._root_reached[None])[0]
-        allowed = self.step_factor * self.tolerance.at(end, state)
+        allowed = self.step_factor * self.tolerance.at(end, self._state_reached)
         return report._replace(error=float(error.max()) / allowed, node=node, component=component)
 
     def accept(self) -> None:
@@ -196,24 +202,36 @@ class ReducedMotion:
         self.work, self.loss, self.outside = (h * (self.tableau.weights @ self._powers)).tolist()
         self._before, self._rate_before, self._root_before = self._y, self._rate, self._root
         self.t, self._step = self._end, h
-        self._take(self._reached, self._root_reached, before=True)
+        self._take(self._reached, self._root_reached, self._state_reached, before=True)
         if self.tolerance is not None:
             self.tolerance.accept(self.t, self.state)
         self._compare()
 
     def _compare(self) -> None:
-        """Let the motion in fewer modes take the same step."""
+        """Let the motion in fewer modes take the same step, in parts if need be."""
         self.moved = np.maximum(self.moved, _distance(self.state, self._start_r, self._start_q))
-        strain = self.model.strains(self._y[self._velocities :])
-        self.open = max(self.open, self.model.shape.gap(strain[None], self._root[None, :, :3], self._root[None, :, 3:]))
+        self.open = max(self.open, self._gap)
         if self.fewer is None:
             return
-        if not self.fewer.attempt(self.t, before=self._left).converged:
+        if not self.fewer.follow(self.t, before=self._left):
             self.apart = np.full(2, np.inf)
             self.fewer = None
             return
-        self.fewer.accept()
         self.apart = np.maximum(self.apart, _distance(self.state, self.fewer.state.r, self.fewer.state.q))
+
+    def follow(self, end: float, *, before: bool) -> bool:
+        """Go to the time ``end`` [s] in as few equal steps as converge; return whether that was possible."""
+        begin, done, parts = self.t, 0, 1
+        while done < parts:
+            at = end if done + 1 == parts else begin + (end - begin) * (done + 1) / parts
+            if self.attempt(at, before=before and at == end).converged:
+                self.accept()
+                done += 1
+            elif parts < MOST_PARTS:
+                done, parts = 2 * done, 2 * parts
+            else:
+                return False
+        return True
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -271,6 +289,14 @@ class ReducedMotion:
 
     # --- parts of a step
 
+    def _guessed(self, h: float) -> Floats:
+        """Return where the stages may be, less the state at the start ``(s, k + l)``."""
+        nodes = self.tableau.nodes
+        if self._step == 0.0 or h > EXTRAPOLATED * self._step:
+            return nodes[:, None] * h * self._rate
+        weights = self.tableau.polynomials(1.0 + nodes * h / self._step)
+        return self._before + weights @ (self._stages - self._before) - self._y
+
     def _error(self, h: float, Z: Floats) -> Floats:
         """Return the estimated error of ``y`` (see ``Tableau.error``)."""
         return scipy.linalg.lu_solve(self._real, self._rate + self.tableau.error @ Z / h, check_finite=False)
@@ -300,15 +326,21 @@ class ReducedMotion:
     def _states(self, y: Floats, roots: Floats) -> list[State]:
         """Return the nodal states of unknowns ``(s, k + l)`` and poses of roots ``(s, roots, 7)``."""
         k = self._velocities
-        r, q = self.model.shape.poses(self.model.strains(y[:, k:]), roots[..., :3], roots[..., 3:])
+        strains = self.model.strains(y[:, k:])
+        r, q, self._gap = self.model.shape.poses(strains, roots[..., :3], roots[..., 3:])
         return [State(*one) for one in zip(r, q, self.model.twists(y[:, :k]), strict=True)]
 
+    def _state(self, y: Floats, root: Floats) -> State:
+        return self._states(y[None], root[None])[0]
+
     def _stage_forces(
-        self, times: list[float], before: list[bool], stage: Floats, roots: Floats
+        self, h: float, times: list[float], before: list[bool], stage: Floats
     ) -> list[tuple[Floats, Floats, float]]:
         """Return generalised forces, wrenches of the nodes, and what loads dissipate outside, at all stages."""
         self.evaluations += len(times)
-        states = self._states(stage, roots) if self.loads.need_poses else [self.state] * len(times)
+        states = [self.state] * len(times)
+        if self.loads.need_poses:
+            states = self._states(stage, self._stage_roots(h, stage))
         return [
             self._forces(t, u, state, before=left)
             for t, u, state, left in zip(times, stage, states, before, strict=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -43,6 +43,7 @@ class _Chain:
         weights: from the strains at an element's Gauss points to those at the places of the steps ``(2, steps, g)``.
         lengths: of the steps, element by element ``(e, steps)`` [m].
         first: the station at which it is reached, by its number along the rod.
+        new, again: stations whose nodes nothing else poses, and those reached twice or held, but the first.
         turns, offsets: from the poses that reference strains make to those of the reference shape.
     """
 
@@ -52,13 +53,24 @@ class _Chain:
     weights: Floats
     lengths: Floats
     first: int
+    new: Integers
+    again: Integers
     offsets: Floats
     turns: Floats
 
 
 def joined(r: Floats, q: Floats, d: Floats, turn: Floats) -> tuple[Floats, Floats]:
-    """Return poses ``(d, turn)`` that are given in the frames of others ``(r, q)``."""
-    return r + rotated(q, d), product(q, turn)
+    """Return poses ``(d, turn)`` that are given in the frames of others ``(r, q)``, component by component.
+
+    The arrays are small: ``np.cross`` would take five times as long.
+    """
+    w, x, y, z = (q[..., i] for i in range(4))
+    a, b, c = (d[..., i] for i in range(3))
+    u, v, s = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    moved = np.stack(
+        [a + w * u + y * s - z * v, b + w * v + z * u - x * s, c + w * s + x * v - y * u], axis=-1
+    )
+    return r + moved, product(q, turn)
 
 
 def inverse(r: Floats, q: Floats) -> tuple[Floats, Floats]:
@@ -71,7 +83,7 @@ class ShapeFromStrains:
     """Poses of all nodes from strains at the Gauss points, in the order of results.
 
     ``R' = R U~``, ``r' = R V`` are integrated along the rods. Those of the reference shape are met exactly without
-    strains. Where rods make a loop one of its nodes is reached twice; :meth:`gap` tells how far it is from closed.
+    strains. Where rods make a loop one of its nodes is reached twice, and how far it is from closed is told.
 
     Args:
         system: whose unstressed strains and rods these are.
@@ -92,34 +104,42 @@ class ShapeFromStrains:
         problem, rods = self.problem, set(range(len(self.problem.rods)))
         posed = np.zeros(problem.size, dtype=bool)
         posed[[root.node for root in self.roots]] = True
+        held = np.zeros(problem.size, dtype=bool)
+        held[problem.supports.nodes[(problem.supports.fixed[:, :3] == 1.0).all(axis=1)]] = True
         while rods:
             for rod in sorted(rods):
                 stations = np.flatnonzero(problem.stations.rod == rod)
-                known = np.flatnonzero(posed[problem.stations.nodes[stations]])
+                nodes = problem.stations.nodes[stations]
+                known = np.flatnonzero(posed[nodes])
                 if len(known):
-                    self._chains.append(self._chain(system, rod, stations, int(known[0])))
-                    posed[problem.stations.nodes[stations]] = True
+                    again = np.flatnonzero(posed[nodes] | held[nodes])
+                    seen = np.flatnonzero(~posed[nodes]), again[again != known[0]]
+                    self._chains.append(self._chain(system, rod, stations, int(known[0]), seen))
+                    posed[nodes] = True
                     rods.remove(rod)
                     break
             else:
                 raise AssertionError("rods without a root")
 
-    def _chain(self, system: System, rod: int, stations: Integers, first: int) -> _Chain:
+    def _chain(
+        self, system: System, rod: int, stations: Integers, first: int, seen: tuple[Integers, Integers]
+    ) -> _Chain:
         problem, order = self.problem, int(self.problem.rod_orders[rod])
         points = np.flatnonzero(system.gauss_positions().rod == rod)
-        nodes, at = lobatto(order)[0], gauss(order)[0]
-        width = np.repeat(np.diff(nodes) / STEPS, STEPS)
+        at = gauss(order)[0]
+        width = np.repeat(np.diff(lobatto(order)[0]) / STEPS, STEPS)
         begin = np.append(-1.0, -1.0 + np.cumsum(width)[:-1])
         middle, offset = begin + 0.5 * width, 0.5 / np.sqrt(3.0) * width
         weights = np.stack([_through(at, middle - offset), _through(at, middle + offset)])
         lengths = half_lengths(system, rod)[:, None] * width
         none = np.zeros((len(stations), 3)), np.tile([1.0, 0.0, 0.0, 0.0], (len(stations), 1))
-        chain = _Chain(stations, problem.stations.nodes[stations], points, weights, lengths, first, *none)
+        nodes = problem.stations.nodes[stations]
+        chain = _Chain(stations, nodes, points, weights, lengths, first, *seen, *none)
         d, turn = self._along(chain, self._reference[None])
         r0, q0 = self._stations(chain, self._r0[None], self._q0[None])
         r0, q0 = joined(*inverse(r0[:, :1], q0[:, :1]), r0, q0)
         offsets, turns = joined(*inverse(d, turn), r0, q0)
-        return _Chain(stations, chain.nodes, points, weights, lengths, first, offsets[0], turns[0])
+        return replace(chain, offsets=offsets[0], turns=turns[0])
 
     def _stations(self, chain: _Chain, r: Floats, q: Floats) -> tuple[Floats, Floats]:
         """Return the poses of a rod's stations from those of its nodes ``(s, n, ...)``."""
@@ -152,28 +172,20 @@ class ShapeFromStrains:
         start = np.zeros((len(strain), 1, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (len(strain), 1, 1))
         return np.concatenate([start[0], d], axis=1), np.concatenate([start[1], turn], axis=1)
 
-    def poses(self, strain: Floats, r0: Floats, q0: Floats) -> tuple[Floats, Floats]:
-        """Return the poses of all nodes ``(s, n, 3)``, ``(s, n, 4)``.
+    def poses(self, strain: Floats, r0: Floats, q0: Floats) -> tuple[Floats, Floats, float]:
+        """Return the poses of all nodes, and by how much [m] loops are open at most, and held places missed.
 
         Args:
             strain: of the sections ``(s, m, 6)``; r0, q0: poses of the roots ``(s, roots, 3)``, ``(s, roots, 4)``.
+
+        Returns:
+            ``(s, n, 3)``, ``(s, n, 4)`` and the distance.
         """
-        r, q, _ = self._found(strain, r0, q0)
-        return r, q
-
-    def gap(self, strain: Floats, r0: Floats, q0: Floats) -> float:
-        """Return by how much [m] loops are open at most, and held places are missed."""
-        return self._found(strain, r0, q0)[2]
-
-    def _found(self, strain: Floats, r0: Floats, q0: Floats) -> tuple[Floats, Floats, float]:
         problem, states, gap = self.problem, len(strain), 0.0
         r = np.tile(problem.positions, (states, 1, 1))
         q = np.tile(problem.quaternions, (states, 1, 1))
-        known = np.zeros(problem.size, dtype=bool)
-        held = problem.supports.nodes[(problem.supports.fixed[:, :3] == 1.0).all(axis=1)]
         for k, root in enumerate(self.roots):
             r[:, root.node], q[:, root.node] = r0[:, k], q0[:, k]
-            known[root.node] = True
         total = self._reference + strain
         for chain in self._chains:
             d, turn = self._along(chain, total)
@@ -181,11 +193,11 @@ class ShapeFromStrains:
             there, at = self._stations(chain, r, q), slice(chain.first, chain.first + 1)
             begin = joined(there[0][:, at], there[1][:, at], *inverse(d[:, at], turn[:, at]))
             nodal = self._nodes(chain, *joined(*begin, d, turn))
-            again = known[chain.nodes] | np.isin(chain.nodes, held)
-            gap = max(gap, float(np.abs(nodal[0][:, again] - r[:, chain.nodes[again]]).max(initial=0.0)))
-            new = ~known[chain.nodes]
-            r[:, chain.nodes[new]], q[:, chain.nodes[new]] = nodal[0][:, new], nodal[1][:, new]
-            known[chain.nodes] = True
+            if len(chain.again):
+                missed = nodal[0][:, chain.again] - r[:, chain.nodes[chain.again]]
+                gap = max(gap, float(np.abs(missed).max()))
+            new = chain.nodes[chain.new]
+            r[:, new], q[:, new] = nodal[0][:, chain.new], nodal[1][:, chain.new]
         return r, q, gap
 
     def _nodes(self, chain: _Chain, r: Floats, q: Floats) -> tuple[Floats, Floats]:
