@@ -17,8 +17,12 @@ from viscorod.solve.reduced.reduced_motion import ReducedMotion
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
+from viscorod.typing import Floats
 
 __all__ = ["reduced_makers", "told_of_modes"]
+
+LEAST = 0.01
+"""Part of the larger of section forces and moments that the smaller counts as at least."""
 
 
 def reduced_makers(
@@ -51,8 +55,9 @@ def reduced_makers(
 def told_of_modes(settings: SimulateSettings, integrator: ReducedMotion) -> dict[str, Any]:
     """Return the attributes of a result about its modes.
 
-    ``modes_motion_gap`` is by how much the motion in half as many modes was elsewhere, over the largest displacement
-    or rotation; None where that motion could not be followed.
+    ``modes_position_gap`` [m] and the like are by how much the motion in half as many modes differed; they are missing
+    where that motion could not be followed. Forces that are small beside the moments over the length count as a
+    hundredth of these, and the other way round.
     """
     basis = integrator.model.basis
     found: dict[str, Any] = {
@@ -65,7 +70,17 @@ def told_of_modes(settings: SimulateSettings, integrator: ReducedMotion) -> dict
     }
     if settings.modes is not None and settings.modes > 1 and np.isfinite(integrator.apart).all():
         found["modes_fewer"] = settings.modes // 2
-        moved = np.where(integrator.moved > 0.0, integrator.moved, np.inf)
         found["modes_position_gap"], found["modes_rotation_gap"] = integrator.apart.tolist()
-        found["modes_motion_gap"] = float((integrator.apart / moved)[0])
+        found["modes_motion_gap"] = _part(integrator.apart[:1], integrator.moved[:1])
+        lever = np.array([integrator.model.problem.length, 1.0])
+        found["modes_force_gap"] = _part(integrator.forces_apart * lever, _beside(integrator.loaded * lever))
     return found
+
+
+def _beside(sizes: Floats) -> Floats:
+    return np.maximum(sizes, LEAST * sizes.max())
+
+
+def _part(gaps: Floats, sizes: Floats) -> float:
+    """Return the largest of gaps over sizes, 0 where nothing is there."""
+    return float((gaps / np.where(sizes > 0.0, sizes, np.inf)).max())

@@ -36,8 +36,8 @@ from viscorod.solve.modes.vibrations import natural_frequencies
 from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.initial_shape import strain_rods
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.reduced.reduced_motion import ReducedMotion
+from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.events import EventWatch
@@ -55,7 +55,15 @@ from viscorod.solve.transient.transient_solver import Transient
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["described", "failure", "initial_state", "integrator_makers", "motion", "small_motions", "stepping"]
+__all__ = [
+    "described",
+    "failure",
+    "initial_state",
+    "integrator_makers",
+    "motion",
+    "small_motions",
+    "stepping",
+]
 
 REACHED = 1e-6
 """Distance over the size of the model, or angle, by which a start may miss what supports and joints prescribe."""

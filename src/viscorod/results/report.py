@@ -431,16 +431,17 @@ def _modes(attrs: Mapping[str, Any]) -> str:
     """Say in which modes a motion was sought, and what fewer of them would have made of it."""
     rigid, count = int(attrs["modes_rigid"]), int(attrs["modes"])
     beside = int(attrs["modes_velocities"]) - rigid - count
+    turning = f", {_counted(rigid, 'rigid motions')}" if rigid else ""
     text = (
         f"Modes: {_counted(count, 'vibrations')} up to {attrs['modes_highest']:.4g} Hz"
-        f"{f', {_counted(rigid, "rigid motions")}' if rigid else ''} and {beside} quasi-static answers"
+        f"{turning} and {beside} quasi-static answers"
     )
     if "modes_fewer" not in attrs:
         return f"{text}; what fewer of them would make of it is not known"
     return (
         f"{text}; in {attrs['modes_fewer']} modes positions differ by up to {attrs['modes_position_gap']:.2g} m, "
-        f"{attrs['modes_motion_gap']:.2g} of the largest displacement, and rotations by "
-        f"{attrs['modes_rotation_gap']:.2g} rad"
+        f"{attrs['modes_motion_gap']:.2g} of the largest displacement, rotations by "
+        f"{attrs['modes_rotation_gap']:.2g} rad, and section forces by {attrs['modes_force_gap']:.2g} of the largest"
     )
 
 

@@ -117,6 +117,7 @@ class ResultAttributes(BaseModel):
     modes_position_gap: Amount | None = None
     modes_rotation_gap: Amount | None = None
     modes_motion_gap: Amount | None = None
+    modes_force_gap: Amount | None = None
     stage_ends: Json[list[Count]] | None = None
     limit_points: Numbers | None = None
     bifurcations: Numbers | None = None
@@ -140,7 +141,7 @@ _TOGETHER = {
     "smallest_step_why": ("smallest_step", "smallest_step_at"),
     "mesh_motion_error": ("mesh_errors",),
     "modes": ("modes_velocities", "modes_strains", "modes_rigid", "modes_highest", "modes_open"),
-    "modes_fewer": ("modes_position_gap", "modes_rotation_gap", "modes_motion_gap"),
+    "modes_fewer": ("modes_position_gap", "modes_rotation_gap", "modes_motion_gap", "modes_force_gap"),
 }
 """Attribute -> others without which it says nothing."""
 _STEADY = ("formulation", "damping", "residual", "unstable", "neutral", "growth_rate")

@@ -121,11 +121,15 @@ def _answers(
     # inertial forces
     nodal = shapes.T.reshape(-1, problem.size, 6)
     momenta = np.einsum("nij,knj->kni", problem.mass, nodal)
-    flux = momentum_flux(nodal[pairs[0]], momenta[pairs[1]]) + momentum_flux(nodal[pairs[1]], momenta[pairs[0]])
+    flux = momentum_flux(nodal[pairs[0]], momenta[pairs[1]]) + momentum_flux(
+        nodal[pairs[1]], momenta[pairs[0]]
+    )
     inertial = flux.reshape(len(flux), -1).T
     # forces of stresses in the strained shape
     stresses = operators.stresses(strains)
-    bent = stress_forces(stresses[both[0]], strains[both[1]]) + stress_forces(stresses[both[1]], strains[both[0]])
+    bent = stress_forces(stresses[both[0]], strains[both[1]]) + stress_forces(
+        stresses[both[1]], strains[both[0]]
+    )
     elastic = np.asarray(operators.twist.T @ bent.reshape(len(bent), -1).T)
     forces = np.hstack([static, kinematic, inertial, elastic])
     parts = [np.ones(static.shape[1]), np.outer(weight, slow).ravel()]
@@ -165,7 +169,9 @@ def _self_stresses(operators: PointOperators, undamped: Undamped, strains: Float
     tried = np.concatenate([tried * places**k for k in range(-(-count // 6) + 1)])
     tried = tried - operators.rates(shape_of_strain(operators, undamped, tried))
     for _ in range(2):
-        tried = tried - np.einsum("kl,kgi->lgi", np.einsum("kgi,lgi->kl", strains, operators.stresses(tried)), strains)
+        tried = tried - np.einsum(
+            "kl,kgi->lgi", np.einsum("kgi,lgi->kl", strains, operators.stresses(tried)), strains
+        )
     gram = np.einsum("kgi,lgi->kl", tried, operators.stresses(tried))
     scale = 1.0 / np.sqrt(np.diag(gram))
     values, vectors = scipy.linalg.eigh(gram * np.outer(scale, scale))

@@ -47,7 +47,9 @@ class PointOperators:
         width = elements.reference.shape[1]
         number = np.full(elements.reference[..., 0].size, -1)
         number[system.gauss_indices()] = np.arange(len(positions.s))
-        maps = np.array([_link(k, elements.link_positions, elements.link_quaternions) for k in _links(elements.links)])
+        maps = np.array(
+            [_link(k, elements.link_positions, elements.link_quaternions) for k in _links(elements.links)]
+        )
         rows, columns, twist, rate = [], [], [], []
         for e, order in enumerate(elements.order):
             points = number[e * width + np.arange(order)]

@@ -6,8 +6,8 @@ tested with the stresses ``C psi_i`` and momentum (AWP 13) with ``phi_i`` are
     q2' = G(q2) q1                    G_ij = A_ij + sum_k H_ijk q2_k
     q1' = -S(q1) q1 - G(q2)^T (q2 + D q2') + f
 
-with ``A_ij = <C psi_i, phi_j' - E^T phi_j>``, ``H_ijk = <C psi_i, L1(phi_j)^T psi_k>``, ``S_ij = sum_k <phi_i, L1(phi_j)
-M phi_k> q1_k``, which is skew, ``D_ij = <psi_i, D psi_j>`` and ``f_i = <phi_i, f>``; so
+with ``A_ij = <C psi_i, phi_j' - E^T phi_j>``, ``H_ijk = <C psi_i, L1(phi_j)^T psi_k>``, the skew ``S_ij = sum_k <phi_i,
+L1(phi_j) M phi_k> q1_k``, ``D_ij = <psi_i, D psi_j>`` and ``f_i = <phi_i, f>``; so
 
     d/dt (|q1|^2/2 + |q2|^2/2) = q1.f - q2'.D q2'
 
@@ -96,9 +96,9 @@ class QuadraticModel:
 
     def rates(self, y: Floats, force: Floats) -> Floats:
         """Return ``(q1', q2')`` in states ``y = (q1, q2)``, ``(s, k + l)``, under generalised forces ``(s, k)``."""
-        l, k = self.rate.shape
+        strains, k = self.rate.shape
         q1, q2 = y[:, :k], y[:, k:]
-        G = self.rate + (self._curved_rows @ q2.T).T.reshape(-1, l, k)
+        G = self.rate + (self._curved_rows @ q2.T).T.reshape(-1, strains, k)
         S = (self._turning_rows @ q1.T).T.reshape(-1, k, k)
         strain_rate = (G @ q1[..., None])[..., 0]
         pushed = force - (S @ q1[..., None])[..., 0]
@@ -118,10 +118,10 @@ class QuadraticModel:
 
     def jacobian(self, y: Floats) -> Floats:
         """Return the derivatives of :meth:`rates` without those of forces ``(k + l, k + l)``."""
-        l, k = self.rate.shape
+        strains, k = self.rate.shape
         q1, q2 = y[:k], y[k:]
         G, by_strain = self.gradient(q2), np.einsum("ijk,j->ik", self.curved, q1)
-        out = np.empty((k + l, k + l))
+        out = np.empty((k + strains, k + strains))
         out[k:, :k], out[k:, k:] = G, by_strain
         out[:k, :k] = -(self.turning @ q1) - np.einsum("ijk,j->ik", self.turning, q1)
         if self.linearised:
@@ -131,7 +131,7 @@ class QuadraticModel:
         else:
             stress = q2 + self.damping @ (G @ q1)
             out[:k, :k] -= G.T @ self.damping @ G
-            out[:k, k:] = -G.T @ (np.eye(l) + self.damping @ by_strain)
+            out[:k, k:] = -G.T @ (np.eye(strains) + self.damping @ by_strain)
         out[:k, k:] -= np.einsum("ijk,i->jk", self.curved, stress)
         return out
 
@@ -156,26 +156,27 @@ def _strain_rates(operators: PointOperators, basis: MotionBasis, velocity: Float
     """Return ``A (l, c)`` and ``H (l, c, l)`` of velocities ``(6 n, c)``."""
     stresses = operators.stresses(basis.strain)
     rate = np.einsum("lgi,cgi->lc", stresses, operators.rates(velocity))
-    bent = np.stack(
-        [
-            stresses.reshape(len(stresses), -1) @ curved(twist, basis.strain).reshape(len(stresses), -1).T
-            for twist in operators.twists(velocity)
-        ],
-        axis=1,
-    ) if velocity.shape[1] else np.zeros((len(stresses), 0, len(stresses)))
+    bent = (
+        np.stack(
+            [
+                stresses.reshape(len(stresses), -1) @ curved(twist, basis.strain).reshape(len(stresses), -1).T
+                for twist in operators.twists(velocity)
+            ],
+            axis=1,
+        )
+        if velocity.shape[1]
+        else np.zeros((len(stresses), 0, len(stresses)))
+    )
     return rate, bent
 
 
 def _inertia(problem: Problem, basis: MotionBasis, velocity: Floats) -> tuple[Floats, Floats]:
-    """Return products of velocities ``(6 n, c)`` with momenta ``(c, k)``, and with ``L1(phi_j) M phi_k``, ``(c, k, k)``."""
+    """Return products of velocities ``(6 n, c)`` with ``M phi_k (c, k)``, and with ``L1(phi_j) M phi_k (c, k, k)``."""
     nodal = basis.velocity.T.reshape(-1, problem.size, 6)
     momenta = np.einsum("nij,knj->kni", problem.mass, nodal)
     mass = velocity.T @ momenta.reshape(len(momenta), -1).T
     turning = np.stack(
-        [
-            velocity.T @ momentum_flux(one, momenta).reshape(len(momenta), -1).T
-            for one in nodal
-        ],
+        [velocity.T @ momentum_flux(one, momenta).reshape(len(momenta), -1).T for one in nodal],
         axis=1,
     )
     return np.asarray(mass), turning

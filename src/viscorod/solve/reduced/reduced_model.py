@@ -53,7 +53,14 @@ class ReducedModel:
 
     @classmethod
     def of(
-        cls, system: System, supports: SupportState, undamped: Undamped, state: State, count: int, *, linearised: bool
+        cls,
+        system: System,
+        supports: SupportState,
+        undamped: Undamped,
+        state: State,
+        count: int,
+        *,
+        linearised: bool,
     ) -> ReducedModel:
         """Reduce a model to a number of vibration modes, for motions from a state.
 
@@ -119,17 +126,22 @@ class ReducedModel:
         by_velocity = self.moved @ change[rigid:k] + h * (basis.velocity[:, :rigid] @ change[:rigid])
         return np.maximum(np.abs(by_strain), np.abs(by_velocity)).reshape(-1, 6) / self.unit
 
+    def sections(self, y: Floats, change: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return strains, their rates in the law of damping and section forces at the Gauss points ``(m, 6)``."""
+        k, gauss = self.equations.sizes[0], self.system.gauss_positions()
+        strain = self.strains(y[k:])
+        rate = self.strains(self.equations.stress_rate(y[:k], change[k:]))
+        elastic = np.einsum("gij,gj->gi", gauss.stiffness, strain)
+        return strain, rate, elastic + np.einsum("gij,gj->gi", gauss.damping, rate)
+
     def snapshot(self, state: State, y: Floats, change: Floats, external: Floats) -> Snapshot:
         """Return everything in a state.
 
         Args:
             state: poses and twists of the nodes; y: ``(q1, q2)``; change: their rates; external: wrenches ``(n, 6)``.
         """
-        equations = self.equations
-        k = equations.sizes[0]
-        strain, gauss = self.strains(y[k:]), self.system.gauss_positions()
-        rate = self.strains(equations.stress_rate(y[:k], change[k:]))
-        force = np.einsum("gij,gj->gi", gauss.stiffness, strain) + np.einsum("gij,gj->gi", gauss.damping, rate)
+        equations, k = self.equations, self.equations.sizes[0]
+        strain, rate, force = self.sections(y, change)
         forces = equations.reactions(self.balance, y, change, external)
         reaction = self.held.reactions(self.supports, forces, state.q)
         kinetic, elastic = 0.5 * float(y[:k] @ y[:k]), 0.5 * float(y[k:] @ y[k:])

@@ -22,7 +22,9 @@ __all__ = ["ReducedMotion", "reduced_midpoint", "reduced_radau"]
 
 ITERATIONS = 25
 CONVERGED, FINEST = 1e-9, 1e-12
-"""Change of the unknowns over the largest of them at which an iteration of a step ends, with steps that err and without."""
+"""Change of the unknowns over the largest at which an iteration ends, of steps that follow the error and of others."""
+ROUNDING = 1e-9
+"""What rounding may leave of such a change."""
 MOST_PARTS = 64
 """Parts of a step at most in which the motion in fewer modes follows."""
 EXTRAPOLATED = 2.0
@@ -44,6 +46,7 @@ class ReducedMotion:
     Attributes:
         apart: by how much displacements [m] and rotations [rad] have differed from those in fewer modes ``(2,)``.
         moved: largest displacement and rotation from the start, likewise.
+        forces_apart, loaded: the same of section forces [N] and moments [N m], and the largest of these ``(2,)``.
         open: how far loops of rods were from closed at most, and held places missed [m].
     """
 
@@ -62,7 +65,7 @@ class ReducedMotion:
         self.model, self.tableau, self.fewer = model, tableau, fewer
         self.tolerance = GivenTolerance(tolerance) if isinstance(tolerance, float) else tolerance
         self.loads = ReducedLoads(model.problem)
-        k, l = model.equations.sizes
+        size = sum(model.equations.sizes)
         stages, roots, problem = len(tableau.nodes), len(model.shape.roots), model.problem
         self.estimate_order = stages
         self.t = 0.0
@@ -70,13 +73,13 @@ class ReducedMotion:
         self.kinetic = self.elastic = self.work = self.loss = self.outside = self.actuator = 0.0
         self.evaluations = self.factorisations = self.jacobians = 0
         self.apart, self.moved, self.open = np.zeros(2), np.zeros(2), 0.0
-        self._gap = 0.0
+        self.forces_apart, self.loaded, self._gap = np.zeros(2), np.zeros(2), 0.0
         self._begun = False
         self._last = stages - 1
         self._step = 0.0
-        self._stages = np.zeros((stages, k + l))
-        self._y, self._rate = np.zeros((2, k + l))
-        self._before, self._rate_before = np.zeros((2, k + l))
+        self._stages = np.zeros((stages, size))
+        self._y, self._rate = np.zeros((2, size))
+        self._before, self._rate_before = np.zeros((2, size))
         self._root, self._root_before = np.zeros((2, roots, 7))
         self._roots = np.zeros((stages, roots, 7))
         self._external = np.zeros((problem.size, 6))
@@ -124,7 +127,7 @@ class ReducedMotion:
         """Take over unknowns, roots and their state at the present time."""
         k = self._velocities
         self._y, self._root, self.state = y, root, state
-        force, self._external, _ = self._forces(self.t, y, self.state, before=before)
+        force, self._external, _ = self._forces(self.t, self.state, before=before)
         self._rate = self.model.equations.rates(y[None], force[None])[0]
         self.kinetic, self.elastic = 0.5 * float(y[:k] @ y[:k]), 0.5 * float(y[k:] @ y[k:])
 
@@ -151,7 +154,9 @@ class ReducedMotion:
         if not self._factorise(J, h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         y, stages = self._y, len(tableau.nodes)
-        times = [end if i == self._last and self._last else self.t + c * h for i, c in enumerate(tableau.nodes)]
+        times = [
+            end if i == self._last and self._last else self.t + c * h for i, c in enumerate(tableau.nodes)
+        ]
         left = [before and i == self._last for i in range(stages)]
         Z = self._guessed(h)
         converged = FINEST if self.tolerance is None else min(CONVERGED, 1e-3 * self.tolerance.value)
@@ -168,7 +173,9 @@ class ReducedMotion:
                 return StepReport(Outcome.DIVERGED, iterations, 0.0, 0.0, 0)
             if correction <= converged * size:
                 break
-            if iterations == ITERATIONS or (iterations > 4 and correction > 0.5 * previous and correction > 1e-9 * size):
+            if iterations == ITERATIONS or (
+                iterations > 4 and correction > 0.5 * previous and correction > 1e-9 * size
+            ):
                 return StepReport(Outcome.SLOW, iterations, correction / size, 0.0, 0)
             if iterations > 4 and correction > 0.5 * previous:
                 break  # round-off
@@ -213,11 +220,17 @@ class ReducedMotion:
         self.open = max(self.open, self._gap)
         if self.fewer is None:
             return
+        forces = self._section_forces()
+        self.loaded = np.maximum(self.loaded, _sizes(forces))
         if not self.fewer.follow(self.t, before=self._left):
             self.apart = np.full(2, np.inf)
             self.fewer = None
             return
         self.apart = np.maximum(self.apart, _distance(self.state, self.fewer.state.r, self.fewer.state.q))
+        self.forces_apart = np.maximum(self.forces_apart, _sizes(forces - self.fewer._section_forces()))
+
+    def _section_forces(self) -> Floats:
+        return self.model.sections(self._y, self._rate)[2]
 
     def follow(self, end: float, *, before: bool) -> bool:
         """Go to the time ``end`` [s] in as few equal steps as converge; return whether that was possible."""
@@ -251,7 +264,7 @@ class ReducedMotion:
         found, loss = [], 0.0
         for k, state in enumerate(self._states(y, roots)):
             t = self.t - (1.0 - float(parts[k])) * h
-            _, external, _ = self._forces(t, y[k], state, before=False)
+            _, external, _ = self._forces(t, state, before=False)
             work, lost, _ = totals[k]
             loss = max(loss, min(float(lost), self.loss))  # interpolation must not give energy back
             found.append((model.snapshot(state, y[k], rate[k], external), float(work), loss))
@@ -319,7 +332,9 @@ class ReducedMotion:
         out = np.empty_like(modes)
         out[0] = scipy.linalg.lu_solve(self._real, modes[0], check_finite=False)
         for m, pair in enumerate(self._pairs):
-            solution = scipy.linalg.lu_solve(pair, modes[2 * m + 1] + 1j * modes[2 * m + 2], check_finite=False)
+            solution = scipy.linalg.lu_solve(
+                pair, modes[2 * m + 1] + 1j * modes[2 * m + 2], check_finite=False
+            )
             out[2 * m + 1], out[2 * m + 2] = solution.real, solution.imag
         return np.asarray(self.tableau.to_stages @ out)
 
@@ -342,11 +357,10 @@ class ReducedMotion:
         if self.loads.need_poses:
             states = self._states(stage, self._stage_roots(h, stage))
         return [
-            self._forces(t, u, state, before=left)
-            for t, u, state, left in zip(times, stage, states, before, strict=True)
+            self._forces(t, state, before=left) for t, state, left in zip(times, states, before, strict=True)
         ]
 
-    def _forces(self, t: float, y: Floats, state: State, *, before: bool) -> tuple[Floats, Floats, float]:
+    def _forces(self, t: float, state: State, *, before: bool) -> tuple[Floats, Floats, float]:
         external, outside = self.loads.wrenches(t, state.r, state.q, state.twist, before=before)
         return self.model.basis.velocity.T @ external.ravel(), external, outside
 
@@ -360,9 +374,9 @@ class ReducedMotion:
         delta = DIFFERENCE * max(float(np.abs(y).max()), 1e-12)
         varied = y + delta * np.eye(len(y))[first:]
         roots = np.broadcast_to(self._root, (len(varied), *self._root.shape))
-        base = self._forces(self.t, y, self.state, before=False)[0]
-        for column, (one, state) in enumerate(zip(varied, self._states(varied, roots), strict=True), first):
-            J[:k, column] += (self._forces(self.t, one, state, before=False)[0] - base) / delta
+        base = self._forces(self.t, self.state, before=False)[0]
+        for column, state in enumerate(self._states(varied, roots), first):
+            J[:k, column] += (self._forces(self.t, state, before=False)[0] - base) / delta
         return J
 
     # --- roots, which turn and travel where nothing clamps them
@@ -374,7 +388,9 @@ class ReducedMotion:
         for k, root in enumerate(self.model.shape.roots):
             if root.held:
                 continue
-            twist = stage[:, : self._velocities] @ self.model.basis.velocity[6 * root.node : 6 * root.node + 6].T
+            twist = (
+                stage[:, : self._velocities] @ self.model.basis.velocity[6 * root.node : 6 * root.node + 6].T
+            )
             turning = np.array([_turning(w) for w in twist[:, 3:]])
             matrix = np.eye(4 * s) - np.einsum("ij,jab->iajb", A, turning).reshape(4 * s, 4 * s)
             start = np.tile(self._root[k, 3:], s)
@@ -399,6 +415,11 @@ def _turning(w: Floats) -> Floats:
 
 def _rotated(q: Floats, a: Floats) -> Floats:
     return rotated(q / np.linalg.norm(q, axis=-1, keepdims=True), a)
+
+
+def _sizes(section_force: Floats) -> Floats:
+    """Return the largest force and moment ``(2,)``."""
+    return np.linalg.norm(section_force.reshape(-1, 2, 3), axis=2).max(axis=0)
 
 
 def _distance(state: State, r: Floats, q: Floats) -> Floats:

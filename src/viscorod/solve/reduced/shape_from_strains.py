@@ -219,11 +219,16 @@ def _roots(problem: Problem) -> tuple[Root, ...]:
         nodes = stations.nodes[stations.rod == rod]
         for other in np.unique(label[nodes])[1:]:
             label[label == other] = label[nodes].min()
-    held = {int(node): fixed for node, fixed in zip(problem.supports.nodes, problem.supports.fixed, strict=True)}
+    held = {
+        int(node): fixed for node, fixed in zip(problem.supports.nodes, problem.supports.fixed, strict=True)
+    }
     roots = []
     for part in np.unique(label):
         nodes = np.flatnonzero(label == part)
-        score = [float(held[int(n)].sum() + 10.0 * held[int(n)][:3].all()) if int(n) in held else 0.0 for n in nodes]
+        score = [
+            float(held[int(n)].sum() + 10.0 * held[int(n)][:3].all()) if int(n) in held else 0.0
+            for n in nodes
+        ]
         node = int(nodes[int(np.argmax(score))])
         fixed = held.get(node, np.zeros(6))
         roots.append(Root(node, bool(fixed.all()), bool(fixed[:3].all())))

@@ -53,7 +53,9 @@ def _supports(model: ModelDescription) -> Iterator[Fault]:
                 "it holds directions in space while its section turns, and velocities in modes are those along the "
                 "axes of the section"
             )
-            instead = f"hold all displacements, with no, two or three rotations, or all rotations; or {_WHOLE}"
+            instead = (
+                f"hold all displacements, with no, two or three rotations, or all rotations; or {_WHOLE}"
+            )
             yield Fault(f"supports[{index}]", support.label, why, instead)
 
 
