@@ -21,6 +21,8 @@ from viscorod.typing import Floats
 
 __all__ = ["reduced_makers", "told_of_modes"]
 
+COMPARED = 4
+"""Modes from which on those in half as many tell something: one mode may be that of another direction."""
 LEAST = 0.01
 """Part of the larger of section forces and moments that the smaller counts as at least."""
 
@@ -44,10 +46,11 @@ def reduced_makers(
 
     make, model = INTEGRATORS[settings.integrator].make_reduced, reduced(settings.modes)
     assert make is not None
-    fewer = reduced(settings.modes // 2) if settings.modes > 1 else None
+    fewer = reduced(settings.modes // 2) if settings.modes >= COMPARED else None
 
     def main(**given: Any) -> Integrator:
-        return make(model, **given, fewer=None if fewer is None else make(fewer, **given))
+        beside = None if fewer is None else make(fewer, **given)
+        return make(model, **given, fewer=beside)
 
     return main, partial(make, model)
 
@@ -68,7 +71,7 @@ def told_of_modes(settings: SimulateSettings, integrator: ReducedMotion) -> dict
         "modes_highest": float(basis.omega[basis.rigid + basis.modes - 1] / (2.0 * np.pi)),
         "modes_open": integrator.open,
     }
-    if settings.modes is not None and settings.modes > 1 and np.isfinite(integrator.apart).all():
+    if settings.modes is not None and settings.modes >= COMPARED and np.isfinite(integrator.apart).all():
         found["modes_fewer"] = settings.modes // 2
         found["modes_position_gap"], found["modes_rotation_gap"] = integrator.apart.tolist()
         found["modes_motion_gap"] = _part(integrator.apart[:1], integrator.moved[:1])
@@ -78,7 +81,7 @@ def told_of_modes(settings: SimulateSettings, integrator: ReducedMotion) -> dict
 
 
 def _beside(sizes: Floats) -> Floats:
-    return np.maximum(sizes, LEAST * sizes.max())
+    return np.asarray(np.maximum(sizes, LEAST * sizes.max()))
 
 
 def _part(gaps: Floats, sizes: Floats) -> float:

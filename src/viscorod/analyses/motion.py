@@ -350,7 +350,8 @@ def integrator_makers(
     def twin(**given: Any) -> Integrator:
         system = FORMULATIONS[discrete.formulation].make(discrete.problem)
         system.given_strain = discrete.system.given_strain
-        return make(system, SupportState(discrete.problem), **given)
+        found: Integrator = make(system, SupportState(discrete.problem), **given)
+        return found
 
     return partial(make, discrete.system, discrete.supports), twin
 

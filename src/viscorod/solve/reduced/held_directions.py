@@ -34,7 +34,8 @@ class HeldDirections(NamedTuple):
     def of(cls, supports: SupportState, operators: PointOperators, undamped: Undamped) -> HeldDirections:
         """Find the directions in the reference shape."""
         problem, state = supports.problem, State.reference(supports.problem)
-        found, number = [], []
+        found: list[Floats] = []
+        number: list[int] = []
         for k in range(len(supports.set.nodes)):
             free = supports.free_directions(k, state)[:, supports.set.fixed[k] == 0.0]
             held = scipy.linalg.null_space(free.T) if free.shape[1] else np.eye(6)

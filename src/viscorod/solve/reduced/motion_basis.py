@@ -177,7 +177,9 @@ def _self_stresses(operators: PointOperators, undamped: Undamped, strains: Float
     values, vectors = scipy.linalg.eigh(gram * np.outer(scale, scale))
     chosen = np.argsort(values)[::-1][:count]
     chosen = chosen[values[chosen] > INDEPENDENT * values.max()]
-    return np.einsum("kl,kgi->lgi", scale[:, None] * vectors[:, chosen] / np.sqrt(values[chosen]), tried)
+    return np.asarray(
+        np.einsum("kl,kgi->lgi", scale[:, None] * vectors[:, chosen] / np.sqrt(values[chosen]), tried)
+    )
 
 
 class _Mass:
@@ -189,7 +191,7 @@ class _Mass:
     def times(self, x: Floats) -> Floats:
         """Return momenta ``(6 n, k)``."""
         nodal = x.reshape(len(self.mass), 6, -1)
-        return np.einsum("nij,njk->nik", self.mass, nodal).reshape(x.shape)
+        return np.asarray(np.einsum("nij,njk->nik", self.mass, nodal).reshape(x.shape))
 
     def joined(self, first: Floats, others: Floats) -> Floats:
         """Return orthonormal vectors and what others have beside them, orthonormal as well."""

@@ -92,7 +92,7 @@ class PointOperators:
 
     def stresses(self, strains: Floats) -> Floats:
         """Return section forces times quadrature lengths ``(k, m, 6)`` of elastic strains, likewise."""
-        return np.einsum("gij,kgj->kgi", self.stiffness, strains)
+        return np.asarray(np.einsum("gij,kgj->kgi", self.stiffness, strains))
 
     def forces(self, stresses: Floats) -> Floats:
         """Return the nodal forces ``(6 n, k)`` of section forces times quadrature lengths ``(k, m, 6)``."""

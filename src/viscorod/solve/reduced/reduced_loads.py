@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.external_loads import ExternalLoads
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
@@ -15,23 +16,26 @@ class ReducedLoads:
     """The loads of a problem.
 
     Attributes:
-        need_poses: whether any depends on where the nodes are and how they are turned; see_twists: or on how they move.
+        see_twists: whether any depends on how the nodes move.
     """
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.external = ExternalLoads(problem)
-        dead = any(load.dead.any() or load.gravity.any() for load in problem.nodal_loads)
         self.see_twists = bool(problem.motion_loads)
-        self.need_poses = dead or self.see_twists or any(load.dead.any() for load in problem.station_loads)
 
-    def wrenches(
-        self, t: float, r: Floats, q: Floats, twist: Floats, *, before: bool
-    ) -> tuple[Floats, float]:
+    def see_poses(self, t: float, *, before: bool) -> bool:
+        """Return whether what acts at ``t`` [s] depends on where the nodes are and how they are turned."""
+        now = self.external.at(t, before)
+        return bool(
+            now.dead.any() or now.gravity.any() or now.sees_motion or any(s.dead.any() for s in now.stations)
+        )
+
+    def wrenches(self, t: float, state: State, *, before: bool) -> tuple[Floats, float]:
         """Return the wrenches ``(n, 6)`` in the axes of the nodes, and the power that loads dissipate outside [W]."""
         out = np.zeros((self.problem.size, 6))
-        outside = self.external.at(t, before).add(self.problem, (r, q), twist, out)
-        return out, outside
+        now = self.external.at(t, before)
+        return out, now.add(self.problem, (state.r, state.q), state.twist, out)
 
     def patterns(self) -> Floats:
         """Return what loads do at a factor of one ``(6 n, k)``: following ones, and dead ones along each axis of nodes.

@@ -134,7 +134,7 @@ class ReducedMotion:
     def _imbalance(self) -> Floats:
         """Return what accelerates the nodes ``(n, 6)``."""
         rates = self.model.twists(self._rate[: self._velocities])
-        return np.einsum("nij,nj->ni", self.model.problem.mass, rates)
+        return np.asarray(np.einsum("nij,nj->ni", self.model.problem.mass, rates))
 
     def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -149,7 +149,12 @@ class ReducedMotion:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         h, tableau, equations = end - self.t, self.tableau, self.model.equations
         D = tableau.derivative / h
-        J = self._jacobian()
+        times = [
+            end if i == self._last and self._last else self.t + c * h for i, c in enumerate(tableau.nodes)
+        ]
+        left = [before and i == self._last for i in range(len(times))]
+        posed = any(self.loads.see_poses(t, before=b) for t, b in zip(times, left, strict=True))
+        J = self._jacobian(posed=posed)
         self.jacobians += 1
         if not self._factorise(J, h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
@@ -162,7 +167,7 @@ class ReducedMotion:
         converged = FINEST if self.tolerance is None else min(CONVERGED, 1e-3 * self.tolerance.value)
         size = max(float(np.abs(y).max()), float(np.abs(Z).max()), 1e-300)
         correction, iterations = np.inf, 0
-        forces = self._stage_forces(h, times, left, y + Z)
+        forces = self._stage_forces(h, times, left, y + Z, posed=posed)
         while True:
             change = self._solved(D @ Z - equations.rates(y + Z, np.array([force for force, _, _ in forces])))
             Z = Z - change
@@ -179,11 +184,11 @@ class ReducedMotion:
                 return StepReport(Outcome.SLOW, iterations, correction / size, 0.0, 0)
             if iterations > 4 and correction > 0.5 * previous:
                 break  # round-off
-            if self.loads.need_poses:
-                forces = self._stage_forces(h, times, left, y + Z)
+            if posed:
+                forces = self._stage_forces(h, times, left, y + Z, posed=True)
         self._stages = stage = y + Z
         self._roots = self._stage_roots(h, stage)
-        self._loads = self._stage_forces(h, times, left, stage) if self.loads.need_poses else forces
+        self._loads = self._stage_forces(h, times, left, stage, posed=True) if posed else forces
         self._end, self._left = end, before
         self._reached = stage[-1] if self._last else 2.0 * stage[0] - y
         self._root_reached = self._end_roots()
@@ -312,7 +317,8 @@ class ReducedMotion:
 
     def _error(self, h: float, Z: Floats) -> Floats:
         """Return the estimated error of ``y`` (see ``Tableau.error``)."""
-        return scipy.linalg.lu_solve(self._real, self._rate + self.tableau.error @ Z / h, check_finite=False)
+        side = self._rate + self.tableau.error @ Z / h
+        return np.asarray(scipy.linalg.lu_solve(self._real, side, check_finite=False))
 
     def _factorise(self, J: Floats, h: float) -> bool:
         """Factorise ``mu/h - J`` of all eigenvalues of the method."""
@@ -342,32 +348,32 @@ class ReducedMotion:
         """Return the nodal states of unknowns ``(s, k + l)`` and poses of roots ``(s, roots, 7)``."""
         k = self._velocities
         strains = self.model.strains(y[:, k:])
-        r, q, self._gap = self.model.shape.poses(strains, roots[..., :3], roots[..., 3:])
+        r, q, self._gap = self.model.shape.poses(strains, roots[..., :3], roots[..., 3:], self.state.q)
         return [State(*one) for one in zip(r, q, self.model.twists(y[:, :k]), strict=True)]
 
     def _state(self, y: Floats, root: Floats) -> State:
         return self._states(y[None], root[None])[0]
 
     def _stage_forces(
-        self, h: float, times: list[float], before: list[bool], stage: Floats
+        self, h: float, times: list[float], before: list[bool], stage: Floats, *, posed: bool
     ) -> list[tuple[Floats, Floats, float]]:
         """Return generalised forces, wrenches of the nodes, and what loads dissipate outside, at all stages."""
         self.evaluations += len(times)
         states = [self.state] * len(times)
-        if self.loads.need_poses:
+        if posed:
             states = self._states(stage, self._stage_roots(h, stage))
         return [
             self._forces(t, state, before=left) for t, state, left in zip(times, states, before, strict=True)
         ]
 
     def _forces(self, t: float, state: State, *, before: bool) -> tuple[Floats, Floats, float]:
-        external, outside = self.loads.wrenches(t, state.r, state.q, state.twist, before=before)
+        external, outside = self.loads.wrenches(t, state, before=before)
         return self.model.basis.velocity.T @ external.ravel(), external, outside
 
-    def _jacobian(self) -> Floats:
+    def _jacobian(self, *, posed: bool) -> Floats:
         """Return the derivatives of the rates at the start of the step, those of loads by differences."""
         J = self.model.equations.jacobian(self._y)
-        if not self.loads.need_poses:
+        if not posed:
             return J
         k, y = self._velocities, self._y
         first = 0 if self.loads.see_twists else k
@@ -402,7 +408,7 @@ class ReducedMotion:
 
     def _end_roots(self) -> Floats:
         """Return the poses of the roots at the end of the step from those at its stages."""
-        end = self._roots[-1].copy() if self._last else 2.0 * self._roots[0] - self._root
+        end: Floats = self._roots[-1].copy() if self._last else 2.0 * self._roots[0] - self._root
         end[:, 3:] /= np.linalg.norm(end[:, 3:], axis=1, keepdims=True)
         return end
 
@@ -419,7 +425,7 @@ def _rotated(q: Floats, a: Floats) -> Floats:
 
 def _sizes(section_force: Floats) -> Floats:
     """Return the largest force and moment ``(2,)``."""
-    return np.linalg.norm(section_force.reshape(-1, 2, 3), axis=2).max(axis=0)
+    return np.asarray(np.linalg.norm(section_force.reshape(-1, 2, 3), axis=2).max(axis=0))
 
 
 def _distance(state: State, r: Floats, q: Floats) -> Floats:

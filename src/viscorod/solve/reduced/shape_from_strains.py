@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from viscorod.mechanics.elements.basis import gauss, lobatto
-from viscorod.mechanics.elements.poses_from_strains import bracket, exponential, rotated
-from viscorod.mechanics.rotations.quaternion import conjugate, product
+from viscorod.mechanics.rotations.quaternion import from_matrices, matrices
 from viscorod.solve.formulations.system import System
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.transient.pose_check import half_lengths
@@ -16,6 +15,9 @@ from viscorod.typing import Floats, Integers
 
 __all__ = ["Root", "ShapeFromStrains"]
 
+HATS: Floats = np.zeros((6, 16))
+"""From ``(V, U)`` to the matrix ``[[U~, V], [0, 0]]``, row by row."""
+HATS[[0, 1, 2, 3, 4, 5, 3, 4, 5], [3, 7, 11, 9, 2, 4, 6, 8, 1]] = [1, 1, 1, 1, 1, 1, -1, -1, -1]
 STEPS = 3
 """Steps of the Magnus expansion of fourth order between neighbouring nodes."""
 
@@ -35,48 +37,44 @@ class Root:
 
 @dataclass(frozen=True)
 class _Chain:
-    """A rod that is reached at one of its stations.
+    """A rod that is reached at one of its stations; poses are matrices ``[[R, r], [0, 1]]``.
 
     Attributes:
-        stations: numbers of its stations, in order of arc length; nodes: theirs.
-        points: which Gauss points are its own.
+        points: which Gauss points are its own, ``(e, g)``.
         weights: from the strains at an element's Gauss points to those at the places of the steps ``(2, steps, g)``.
         lengths: of the steps, element by element ``(e, steps)`` [m].
+        nodes: those of its stations, in order of arc length; links, back: poses of the stations in the axes of the
+            nodes, and the inverse ``(k, 4, 4)``.
         first: the station at which it is reached, by its number along the rod.
         new, again: stations whose nodes nothing else poses, and those reached twice or held, but the first.
-        turns, offsets: from the poses that reference strains make to those of the reference shape.
+        offsets: from the poses that reference strains make to those of the reference shape ``(k, 4, 4)``.
     """
 
-    stations: Integers
-    nodes: Integers
     points: Integers
     weights: Floats
     lengths: Floats
+    nodes: Integers
+    links: Floats
+    back: Floats
     first: int
     new: Integers
     again: Integers
     offsets: Floats
-    turns: Floats
 
-
-def joined(r: Floats, q: Floats, d: Floats, turn: Floats) -> tuple[Floats, Floats]:
-    """Return poses ``(d, turn)`` that are given in the frames of others ``(r, q)``, component by component.
-
-    The arrays are small: ``np.cross`` would take five times as long.
-    """
-    w, x, y, z = (q[..., i] for i in range(4))
-    a, b, c = (d[..., i] for i in range(3))
-    u, v, s = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-    moved = np.stack(
-        [a + w * u + y * s - z * v, b + w * v + z * u - x * s, c + w * s + x * v - y * u], axis=-1
-    )
-    return r + moved, product(q, turn)
-
-
-def inverse(r: Floats, q: Floats) -> tuple[Floats, Floats]:
-    """Return the poses of the frames in which poses ``(r, q)`` are given, seen from there."""
-    back = conjugate(q)
-    return -rotated(back, r), back
+    def along(self, strain: Floats) -> Floats:
+        """Return the poses of the stations ``(s, k, 4, 4)`` seen from the first, of total strains ``(s, m, 6)``."""
+        own = strain[:, self.points] @ HATS  # (s, e, g, 16)
+        first, second = self.weights[0] @ own, self.weights[1] @ own
+        shape = len(strain), self.lengths.size, 4, 4
+        A, B, h = first.reshape(shape), second.reshape(shape), self.lengths.reshape(-1, 1, 1)
+        T = _exponential(0.5 * h * (A + B) + np.sqrt(3.0) / 12.0 * h**2 * (A @ B - B @ A))
+        reach = 1
+        while reach < T.shape[1]:  # products of neighbours, of these with theirs, and so on
+            T[:, reach:] = T[:, :-reach] @ T[:, reach:]
+            reach *= 2
+        out = np.empty((len(strain), 1 + T.shape[1] // STEPS, 4, 4))
+        out[:, 0], out[:, 1:] = np.eye(4), T[:, STEPS - 1 :: STEPS]
+        return out
 
 
 class ShapeFromStrains:
@@ -92,123 +90,108 @@ class ShapeFromStrains:
     def __init__(self, system: System) -> None:
         self.problem = problem = system.problem
         self.roots = _roots(problem)
-        reference = system.elements().reference.reshape(-1, 6)[system.gauss_indices()]
-        self._reference = reference
-        self._r0, self._q0 = problem.positions, problem.quaternions
+        self._root_nodes = np.array([root.node for root in self.roots])
+        self._reference = system.elements().reference.reshape(-1, 6)[system.gauss_indices()]
+        self._unmoved = _matrices(problem.positions, problem.quaternions)
         self._chains: list[_Chain] = []
-        self._order(system)
-
-    # --- where rods begin
-
-    def _order(self, system: System) -> None:
-        problem, rods = self.problem, set(range(len(self.problem.rods)))
-        posed = np.zeros(problem.size, dtype=bool)
-        posed[[root.node for root in self.roots]] = True
-        held = np.zeros(problem.size, dtype=bool)
+        posed, held = np.zeros((2, problem.size), dtype=bool)
+        posed[self._root_nodes] = True
         held[problem.supports.nodes[(problem.supports.fixed[:, :3] == 1.0).all(axis=1)]] = True
+        rods = list(range(len(problem.rods)))
         while rods:
-            for rod in sorted(rods):
-                stations = np.flatnonzero(problem.stations.rod == rod)
-                nodes = problem.stations.nodes[stations]
-                known = np.flatnonzero(posed[nodes])
-                if len(known):
-                    again = np.flatnonzero(posed[nodes] | held[nodes])
-                    seen = np.flatnonzero(~posed[nodes]), again[again != known[0]]
-                    self._chains.append(self._chain(system, rod, stations, int(known[0]), seen))
-                    posed[nodes] = True
-                    rods.remove(rod)
-                    break
-            else:
-                raise AssertionError("rods without a root")
+            rod = next(one for one in rods if posed[self._nodes(one)].any())
+            rods.remove(rod)
+            self._chains.append(self._chain(system, rod, posed, held))
+            posed[self._nodes(rod)] = True
 
-    def _chain(
-        self, system: System, rod: int, stations: Integers, first: int, seen: tuple[Integers, Integers]
-    ) -> _Chain:
+    def _nodes(self, rod: int) -> Integers:
+        stations = self.problem.stations
+        nodes: Integers = stations.nodes[stations.rod == rod]
+        return nodes
+
+    def _chain(self, system: System, rod: int, posed: np.ndarray, held: np.ndarray) -> _Chain:
         problem, order = self.problem, int(self.problem.rod_orders[rod])
-        points = np.flatnonzero(system.gauss_positions().rod == rod)
-        at = gauss(order)[0]
+        nodes, links = self._nodes(rod), problem.stations.links[problem.stations.rod == rod]
+        points = np.flatnonzero(system.gauss_positions().rod == rod).reshape(-1, order)
         width = np.repeat(np.diff(lobatto(order)[0]) / STEPS, STEPS)
-        begin = np.append(-1.0, -1.0 + np.cumsum(width)[:-1])
-        middle, offset = begin + 0.5 * width, 0.5 / np.sqrt(3.0) * width
-        weights = np.stack([_through(at, middle - offset), _through(at, middle + offset)])
+        middle, offset = np.cumsum(width) - 1.0 - 0.5 * width, 0.5 / np.sqrt(3.0) * width
+        weights = np.stack([_through(gauss(order)[0], place) for place in (middle - offset, middle + offset)])
         lengths = half_lengths(system, rod)[:, None] * width
-        none = np.zeros((len(stations), 3)), np.tile([1.0, 0.0, 0.0, 0.0], (len(stations), 1))
-        nodes = problem.stations.nodes[stations]
-        chain = _Chain(stations, nodes, points, weights, lengths, first, *seen, *none)
-        d, turn = self._along(chain, self._reference[None])
-        r0, q0 = self._stations(chain, self._r0[None], self._q0[None])
-        r0, q0 = joined(*inverse(r0[:, :1], q0[:, :1]), r0, q0)
-        offsets, turns = joined(*inverse(d, turn), r0, q0)
-        return replace(chain, offsets=offsets[0], turns=turns[0])
-
-    def _stations(self, chain: _Chain, r: Floats, q: Floats) -> tuple[Floats, Floats]:
-        """Return the poses of a rod's stations from those of its nodes ``(s, n, ...)``."""
-        problem, links = self.problem, self.problem.stations.links[chain.stations]
-        r, q = r[:, chain.nodes].copy(), q[:, chain.nodes].copy()
+        attached = np.tile(np.eye(4), (len(nodes), 1, 1))
         linked = links >= 0
-        if linked.any():
-            k = links[linked]
-            link = problem.link_positions[k], problem.link_quaternions[k]
-            r[:, linked], q[:, linked] = joined(r[:, linked], q[:, linked], *link)
-        return r, q
+        attached[linked] = _matrices(
+            problem.link_positions[links[linked]], problem.link_quaternions[links[linked]]
+        )
+        known = np.flatnonzero(posed[nodes])
+        again = np.flatnonzero(posed[nodes] | held[nodes])
+        chain = _Chain(
+            points,
+            weights,
+            lengths,
+            nodes,
+            attached,
+            _inverse(attached),
+            int(known[0]),
+            np.flatnonzero(~posed[nodes]),
+            again[again != known[0]],
+            np.tile(np.eye(4), (len(nodes), 1, 1)),
+        )
+        stations = self._unmoved[nodes] @ attached
+        relative = _inverse(stations[:1]) @ stations
+        return replace(chain, offsets=_inverse(chain.along(self._reference[None])[0]) @ relative)
 
-    # --- poses
-
-    def _along(self, chain: _Chain, strain: Floats) -> tuple[Floats, Floats]:
-        """Return the poses of a rod's stations, seen from its start, of total strains ``(s, m, 6)``."""
-        count, steps = chain.lengths.shape
-        order = steps // STEPS
-        own = strain[:, chain.points].reshape(len(strain), count, order, 6)
-        first, second = np.einsum("akg,segi->aseki", chain.weights, own)
-        h = chain.lengths[..., None]
-        motion = 0.5 * h * (first + second) + np.sqrt(3.0) / 12.0 * h**2 * bracket(first, second)
-        d, turn = exponential(motion.reshape(len(strain), count * steps, 6))
-        reach = 1
-        while reach < count * steps:  # products of neighbours, of these with theirs, and so on
-            further = joined(d[:, :-reach], turn[:, :-reach], d[:, reach:], turn[:, reach:])
-            d[:, reach:], turn[:, reach:] = further
-            reach *= 2
-        d, turn = d[:, STEPS - 1 :: STEPS], turn[:, STEPS - 1 :: STEPS]
-        start = np.zeros((len(strain), 1, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (len(strain), 1, 1))
-        return np.concatenate([start[0], d], axis=1), np.concatenate([start[1], turn], axis=1)
-
-    def poses(self, strain: Floats, r0: Floats, q0: Floats) -> tuple[Floats, Floats, float]:
+    def poses(self, strain: Floats, r0: Floats, q0: Floats, near: Floats) -> tuple[Floats, Floats, float]:
         """Return the poses of all nodes, and by how much [m] loops are open at most, and held places missed.
 
         Args:
             strain: of the sections ``(s, m, 6)``; r0, q0: poses of the roots ``(s, roots, 3)``, ``(s, roots, 4)``.
+            near: quaternions ``(n, 4)`` to which those that are returned are near, of the two of a rotation.
 
         Returns:
             ``(s, n, 3)``, ``(s, n, 4)`` and the distance.
         """
-        problem, states, gap = self.problem, len(strain), 0.0
-        r = np.tile(problem.positions, (states, 1, 1))
-        q = np.tile(problem.quaternions, (states, 1, 1))
-        for k, root in enumerate(self.roots):
-            r[:, root.node], q[:, root.node] = r0[:, k], q0[:, k]
+        T, gap = np.tile(self._unmoved, (len(strain), 1, 1, 1)), 0.0
+        T[:, self._root_nodes] = _matrices(r0, q0)
         total = self._reference + strain
         for chain in self._chains:
-            d, turn = self._along(chain, total)
-            d, turn = joined(d, turn, chain.offsets, chain.turns)
-            there, at = self._stations(chain, r, q), slice(chain.first, chain.first + 1)
-            begin = joined(there[0][:, at], there[1][:, at], *inverse(d[:, at], turn[:, at]))
-            nodal = self._nodes(chain, *joined(*begin, d, turn))
+            own, at = chain.along(total) @ chain.offsets, slice(chain.first, chain.first + 1)
+            begin = T[:, chain.nodes[at]] @ chain.links[at] @ _inverse(own[:, at])
+            nodal = begin @ own @ chain.back
             if len(chain.again):
-                missed = nodal[0][:, chain.again] - r[:, chain.nodes[chain.again]]
+                missed = nodal[:, chain.again, :3, 3] - T[:, chain.nodes[chain.again], :3, 3]
                 gap = max(gap, float(np.abs(missed).max()))
-            new = chain.nodes[chain.new]
-            r[:, new], q[:, new] = nodal[0][:, chain.new], nodal[1][:, chain.new]
-        return r, q, gap
+            T[:, chain.nodes[chain.new]] = nodal[:, chain.new]
+        q = from_matrices(T[..., :3, :3].reshape(-1, 3, 3)).reshape(*T.shape[:2], 4)
+        q[np.einsum("sni,ni->sn", q, near) < 0.0] *= -1.0
+        return T[..., :3, 3].copy(), q, gap
 
-    def _nodes(self, chain: _Chain, r: Floats, q: Floats) -> tuple[Floats, Floats]:
-        """Return the poses of the nodes of a rod's stations."""
-        problem, links = self.problem, self.problem.stations.links[chain.stations]
-        linked = links >= 0
-        if linked.any():
-            k = links[linked]
-            back = inverse(problem.link_positions[k], problem.link_quaternions[k])
-            r[:, linked], q[:, linked] = joined(r[:, linked], q[:, linked], *back)
-        return r, q
+
+def _exponential(X: Floats) -> Floats:
+    """Return the poses of constant motions ``[[w~, v], [0, 0]]``, ``(..., 4, 4)``: ``I + X + b X^2 + c X^3``."""
+    square = X[..., 2, 1] ** 2 + X[..., 0, 2] ** 2 + X[..., 1, 0] ** 2
+    small = square < 1e-4
+    angle = np.sqrt(np.where(small, 1.0, square))
+    b = np.where(small, 0.5 - square / 24.0 + square**2 / 720.0, 2.0 * (np.sin(0.5 * angle) / angle) ** 2)
+    c = np.where(small, 1.0 / 6.0 - square / 120.0 + square**2 / 5040.0, (angle - np.sin(angle)) / angle**3)
+    X2 = X @ X
+    return np.asarray(np.eye(4) + X + b[..., None, None] * X2 + c[..., None, None] * (X2 @ X))
+
+
+def _matrices(r: Floats, q: Floats) -> Floats:
+    """Return poses as matrices ``(..., 4, 4)``."""
+    out = np.zeros((*r.shape[:-1], 4, 4))
+    out[..., :3, :3] = matrices(q.reshape(-1, 4)).reshape(*q.shape[:-1], 3, 3)
+    out[..., :3, 3], out[..., 3, 3] = r, 1.0
+    return out
+
+
+def _inverse(T: Floats) -> Floats:
+    """Return the inverse of poses ``(..., 4, 4)``."""
+    out = np.zeros_like(T)
+    out[..., :3, :3] = np.swapaxes(T[..., :3, :3], -1, -2)
+    out[..., :3, 3] = -(out[..., :3, :3] @ T[..., :3, 3:])[..., 0]
+    out[..., 3, 3] = 1.0
+    return out
 
 
 def _roots(problem: Problem) -> tuple[Root, ...]:
