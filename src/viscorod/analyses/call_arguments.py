@@ -22,6 +22,7 @@ from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.metadata import Check, Key
 from viscorod.solve.settings.co_simulation import CoSimulationSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
@@ -170,6 +171,10 @@ class SimulateArguments(SimulateSettings, Progressing):
 
 class CoSimulationArguments(CoSimulationSettings, Titled):
     """Arguments of ``Model.co_simulation``."""
+
+
+class PeriodicArguments(PeriodicSettings, Watched):
+    """Arguments of ``Model.periodic``."""
 
 
 class SteadyArguments(SteadySettings, Watched):
