@@ -484,3 +484,32 @@ def test_a_load_is_an_input_and_results_are_stored(tmp_path):
         assert found.plot(tmp_path / f"{kind}.png", kind).stat().st_size > 10_000
     with pytest.raises(vr.InputError, match="bode, nyquist, space"):
         found.plot(tmp_path / "x.png", "circle")
+
+
+@pytest.mark.parametrize("way", [{"band": (1.0, 300.0)}, {"frequencies": list(np.linspace(1.0, 300.0, 60))}])
+def test_what_is_there_stays_when_it_is_stopped(way, tmp_path):
+    """Progress grows to the highest frequency; a reason to stop, or Ctrl-C, ends it, and what there is is kept."""
+    model = strip(constant_loss(0.1))
+    settings = {"inputs": "beam.end fz", "outputs": "beam.end uz", **way}
+    reached = []
+    whole = model.frequency_response(**settings, progress=lambda f, _: reached.append(f), title="a strip")
+    assert reached == sorted(reached)
+    assert reached[-1] == 300.0
+    assert (whole.outcome, whole.title) == ("completed", "a strip")
+    asked = iter([""] * 50)
+    with pytest.raises(vr.SolveError, match=r"stopped at .* of 300 Hz: enough") as stopped:
+        model.frequency_response(**settings, stop=lambda: next(asked, "enough"))
+    part = stopped.value.run
+    assert part.outcome == "interrupted"
+    known = np.isin(part.frequencies, whole.frequencies)
+    assert known.all()
+    np.testing.assert_array_equal(part.values, whole.values[np.isin(whole.frequencies, part.frequencies)])
+    assert vr.load(part.save(tmp_path / "part.nc")).report() == part.report()
+
+    def interrupt(f, _step):
+        if f > 100.0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(vr.SolveError, match="interrupted from the keyboard") as stopped:
+        model.frequency_response(**settings, progress=interrupt)
+    assert stopped.value.run.frequencies[0] == 1.0

@@ -251,17 +251,21 @@ def refined_response(
     While an undamped frequency in the band differs by more than ``accuracy`` from that of the mesh with all elements
     halved, and the program may choose the mesh of a rod, the finer mesh is taken. The result keeps the difference.
     """
-    highest = settings.band[1] if settings.band else (settings.frequencies or (0.0,))[-1]
     free = {name for name, rod in discrete.model.rods.items() if rod.elements is None}
     errors = 0.0
     for _ in range(MOST_MESHES if discrete.watch.feasible else 0):
         coarse = divisions_of(discrete.problem)
         finer = discrete.on_mesh({name: division.halved() for name, division in coarse.items()})
-        errors = _differences(discrete, finer, highest)
+        errors = _differences(discrete, finer, settings.highest)
         if errors <= settings.accuracy or not free or finer.problem.size > MOST_CHOSEN_NODES:
             break
         discrete = discrete.on_mesh({n: d.halved() if n in free else d for n, d in coarse.items()})
-    found = analysis(discrete, settings)
+    try:
+        found = analysis(discrete, settings)
+    except SolveError as error:
+        if isinstance(error.run, FrequencyResponse):
+            error.run.data.attrs["frequency_error"] = errors
+        raise
     found.data.attrs["frequency_error"] = errors
     return found
 

@@ -71,6 +71,11 @@ class FrequencyResponse:
         return str(self.data.attrs.get("title", ""))
 
     @property
+    def outcome(self) -> str:
+        """The word "completed", or "interrupted" if it was stopped before the highest frequency."""
+        return str(self.data.attrs.get("outcome", "completed"))
+
+    @property
     def frequencies(self) -> Floats:
         """Frequencies [Hz], shape (n,)."""
         return np.asarray(self.data["frequency"].values, dtype=float)
