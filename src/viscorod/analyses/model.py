@@ -157,7 +157,7 @@ class Model(ModelDescription):
         from viscorod.analyses.linear_about import with_input_loads
         from viscorod.analyses.linear_system import linear_system
 
-        return linear_system(DiscreteModel.of(with_input_loads(self, call), call, call.options), call)
+        return linear_system(DiscreteModel.of(with_input_loads(self, call), None, call.options), call)
 
     @takes(TheorySettings)
     def compare_theories(self, settings: TheorySettings) -> TheoryComparison:
