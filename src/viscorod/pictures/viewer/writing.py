@@ -88,7 +88,8 @@ def view(
         raise InputError(f"frames = {frames!r}: give a whole number of 2 or more")
     if not megabytes > 1.0:
         raise InputError(f"megabytes = {megabytes!r}: the scripts alone take 0.7; give a number above 1")
-    text, limit, modes = "", frames, []
+    text, limit = "", frames
+    modes: list[dict[str, Any]] = []
     if isinstance(result, Modes | Steady):
         result, modes = film_of(result)
         limit = int(result.data.sizes[result.dimension])  # each swing is whole
