@@ -428,6 +428,26 @@ def test_damping_is_read_off_the_peaks():
     np.testing.assert_allclose(found.poles, modes.eigenvalues[: len(found.poles)], rtol=1e-9)
 
 
+def test_residues_of_a_bar():
+    """With viscosity in proportion to stiffness, that of mode k is 1/(rho A L i Im s_k): each moves the end alike."""
+    tau = 1e-7
+    model = strip(vr.Material(YOUNG, NU, DENSITY, damping=vr.KelvinVoigt(tau, tau)), elements=2, order=6)
+    found = model.frequency_response("beam.end fx", "beam.end ux", frequencies=[100.0, 12e3])
+    along = [k for k, name in enumerate(found.data["pole_name"].values) if "stretch" in str(name)]
+    s, residues = found.poles[along], found.residues[along, 0, 0]
+    np.testing.assert_allclose(residues, 1 / (DENSITY * AREA * LENGTH * 1j * s.imag), rtol=1e-4)
+
+
+def test_a_peak_is_named_after_the_mode_that_makes_it():
+    """Bending in the other plane has nearly the same frequencies, and takes no part."""
+    model = strip(constant_loss(0.2), section=vr.Rectangle(0.0302, 0.03))
+    found = model.frequency_response("beam.end fz", ["beam.end uz", "beam.end az"], band=(20.0, 2e3))
+    names = [str(name) for name in found.data["pole_name"].values]
+    assert {"bend_1 1", "bend_2 1", "bend_1 2", "bend_2 2"} <= set(names)
+    for output in found.outputs:
+        assert [one.name for one in found.resonances(output)][:2] == ["bend_1 1", "bend_1 2"]
+
+
 def test_poles_of_a_constant_loss_factor():
     """omega^2 = (1 + i eta) omega_0^2 for every undamped mode: s = i omega_0 sqrt(1 + i eta)."""
     model = strip(constant_loss(0.1), elements=1)

@@ -57,6 +57,7 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
         )
     response = HarmonicResponse(about.small, about.inputs, about.readings)
     poles = about.poles(high)
+    residues = response.residues(poles.roots)
     solve = response.at
     attributes: dict[str, float] = {}
     if settings.method == "modal":
@@ -85,7 +86,7 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
             notes.append(f"lines between {MOST} frequencies do not follow all responses to the tolerance")
     attributes["systems"] = response.solved
     if not found.stopped:
-        return FrequencyResponse(_data_set(about, settings, found, poles, notes, attributes))
+        return FrequencyResponse(_data_set(about, settings, found, (poles, residues), notes, attributes))
     text = f"The frequency response was stopped at {found.reached:.6g} of {high:.6g} Hz: {found.stopped}"
     if len(found.hertz) < 2:
         raise SolveError(text)
@@ -93,7 +94,9 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
         f"it was stopped at {found.reached:.6g} Hz"
         + ("" if settings.band is None else ": beyond, lines between frequencies do not follow the responses")
     )
-    raise SolveError(text, FrequencyResponse(_data_set(about, settings, found, poles, notes, attributes)))
+    raise SolveError(
+        text, FrequencyResponse(_data_set(about, settings, found, (poles, residues), notes, attributes))
+    )
 
 
 def _watched(
@@ -144,7 +147,7 @@ class ModalResponse:
         system, _ = second_order(about.small, about.inputs, about.readings)
         count = 8
         while True:
-            basis, omega = modal_basis(system, min(count, system.size))
+            basis, omega = modal_basis(system, min(count, system.size), len(about.loose))
             if omega[-1] > FURTHER * 2.0 * np.pi * highest or count >= system.size:
                 return cls(system.within(basis), len(omega))
             count *= 2
@@ -213,13 +216,14 @@ def _data_set(
     about: LinearAbout,
     settings: ResponseSettings,
     found: Followed,
-    poles: Poles,
+    roots: tuple[Poles, np.ndarray],
     notes: list[str],
     attributes: dict[str, float],
 ) -> xr.Dataset:
-    """Return the data set of responses at their frequencies."""
+    """Return the data set of responses at their frequencies; ``roots`` are the poles and their residues."""
     import xarray as xr
 
+    poles, residues = roots
     hertz, values, discrete = found.hertz, found.responses, about.discrete
     earlier = json.loads(discrete.attributes.get("warnings", "[]"))
     attrs = discrete.complete(
@@ -243,6 +247,10 @@ def _data_set(
             "input_unit": ("input", np.array([one.unit for one in settings.inputs], dtype=str)),
             "output_unit": ("output", np.array([one.unit for one in settings.outputs], dtype=str)),
             "pole": (("mode", "part"), np.column_stack([poles.roots.real, poles.roots.imag])),
+            "residue": (
+                ("mode", "output", "input", "part"),
+                np.stack([residues.real, residues.imag], axis=-1),
+            ),
             "pole_name": ("mode", np.array(poles.names, dtype=str)),
         },
         {

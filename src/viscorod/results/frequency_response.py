@@ -30,6 +30,11 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "output_unit": (("output",), "", "unit of the output"),
     "response": (("frequency", "output", "input", "part"), "", "output over input, exp(i omega t)"),
     "pole": (("mode", "part"), "1/s", "s of the free motion exp(s t)"),
+    "residue": (
+        ("mode", "output", "input", "part"),
+        "",
+        "of the part residue/(i omega - pole) of the response, 1/s times its unit",
+    ),
     "pole_name": (
         ("mode",),
         "",
@@ -60,7 +65,7 @@ class FrequencyResponse:
                     f"this data set is no frequency response of viscorod: {name} has other dimensions"
                 )
             data[name].attrs.update({"units": unit, "long_name": text} if unit else {"long_name": text})
-        for name in ("frequency", "response", "pole"):
+        for name in ("frequency", "response", "pole", "residue"):
             if not np.isfinite(data[name].values).all():
                 raise InputError(f"this data set is no frequency response of viscorod: {name} is not finite")
         self.data = data
@@ -108,6 +113,13 @@ class FrequencyResponse:
         return found
 
     @property
+    def residues(self) -> np.ndarray:
+        """What each pole has in the responses, ``residue/(i omega - pole)``: ``(poles, outputs, inputs)``, complex."""
+        parts = np.asarray(self.data["residue"].values, dtype=float)
+        found: np.ndarray = parts[..., 0] + 1j * parts[..., 1]
+        return found
+
+    @property
     def moduli(self) -> list[str]:
         """Which complex moduli are not those of the law that motions are computed with, in sentences."""
         return [str(text) for text in json.loads(self.data.attrs.get("moduli_from", "[]"))]
@@ -151,10 +163,11 @@ class FrequencyResponse:
 
     def resonances(self, output: str | int = 0, source: str | int = 0) -> list[Resonance]:
         """Return the peaks of a response, with the damping ratios that are read off them beside those of the poles."""
+        k, j = self._number("output", output, self.outputs), self._number("source", source, self.inputs)
         return resonances_of(
             self.frequencies,
-            self.response(output, source),
-            self.poles,
+            self.values[:, k, j],
+            (self.poles, self.residues[:, k, j]),
             [str(name) for name in self.data["pole_name"].values],
         )
 
