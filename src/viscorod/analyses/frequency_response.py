@@ -163,7 +163,8 @@ class ModalResponse:
         hertz = np.unique(np.concatenate([np.linspace(low, high, COMPARED), inside]))
         direct = exact.over(hertz)
         found = np.array([self.at(float(f)) for f in hertz])
-        return float((np.abs(found - direct) / np.maximum(np.abs(direct).max(axis=0), 1e-300)).max())
+        sizes = self.system.sizes(direct, np.array([*inside[:COMPARED], high]))
+        return float((np.abs(found - direct) / sizes).max())
 
 
 def with_inputs(model: ModelDescription, settings: object) -> ModelDescription:

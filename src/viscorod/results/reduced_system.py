@@ -86,8 +86,10 @@ class ReducedSystem:
         if self.system is None:
             assert self.matrices is not None
             return bool(self.matrices.poles.real.max() < 0.0)
-        forms = [self.system.mass, self.system.damping, *(matrix for _, matrix in self.system.branches)]
-        return all(_not_negative(form) for form in forms)
+        forms = [self.system.mass, *(matrix for _, matrix in self.system.branches)]
+        # what the damping is in is round-off of the gyroscopic matrix too
+        rates = float(abs(self.system.second_order.terms[1]).max())
+        return all(map(_not_negative, forms)) and _not_negative(self.system.damping, rates)
 
     def report(self) -> str:
         """Return a report: size, errors over the band, poles, energy."""
@@ -144,7 +146,7 @@ def judged(
     elif second is not None:
         less = second.response(hertz)
     difference = np.abs(less - whole)
-    largest = np.maximum(np.abs(whole).max(axis=0), np.finfo(float).tiny)
+    largest = system.second_order.sizes(whole, np.array([*near[:TOLD], *band]))
     return ReducedSystem(
         method,
         second,
@@ -160,11 +162,11 @@ def judged(
     )
 
 
-def _not_negative(matrix: sparse.csr_array) -> bool:
-    """Return whether no eigenvalue of a symmetric matrix is negative beyond round-off."""
+def _not_negative(matrix: sparse.csr_array, size: float = 0.0) -> bool:
+    """Return whether no eigenvalue of a symmetric matrix is negative beyond round-off, of entries of a ``size``."""
     full = matrix.toarray()
     values = np.linalg.eigvalsh(0.5 * (full + full.T))
-    return bool(values[0] >= -1e-9 * max(abs(values[-1]), np.finfo(float).tiny))
+    return bool(values[0] >= -1e-9 * max(abs(values[-1]), size, np.finfo(float).tiny))
 
 
 def _poles(first: StateMatrices | None, second: LinearSystem | None) -> np.ndarray:
