@@ -107,14 +107,15 @@ class SecondOrder:
         """
         possible = np.max([self._possible(float(f)) for f in hertz], axis=0)
         largest = np.abs(responses).max(axis=0)
-        return np.where(
+        found: Floats = np.where(
             largest <= NOISE * possible, SILENT * possible, np.maximum(largest, np.finfo(float).tiny)
         )
+        return found
 
     def _possible(self, hertz: float) -> Floats:
         c, times, x = self._solved(2j * np.pi * hertz)
         largest = np.abs(x).max(axis=0, initial=0.0)
-        found = np.maximum(np.abs(self.direct), np.finfo(float).tiny)
+        found: Floats = np.maximum(np.abs(self.direct), np.finfo(float).tiny)
         for k, rows, carried in zip(c, self.rows, self.carried, strict=True):
             factor = abs(rows).max(axis=1).toarray().ravel() if rows.nnz else np.zeros(len(found))
             found = found + abs(k) * (np.outer(factor, largest) + np.abs(times * carried))
