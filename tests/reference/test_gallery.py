@@ -93,6 +93,8 @@ CHECKS = {
         2e-5,
     ),
     "shaken_strip": (amplification, (15.39, 156.6), 4e-3),
+    "becks_column": (lambda found: found.limits[0].at, 10.96611166, 1e-7),
+    "whirling_shaft": (lambda diagram: diagram.limits[0].at, 252.904, 2e-5),
     "swept_blade": (lambda turning: turning.frequencies[[0, 2, 3]], (14.7, 26.1, 44.8), 0.08),
 }
 

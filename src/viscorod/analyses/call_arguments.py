@@ -23,6 +23,7 @@ from viscorod.model.fields.metadata import Check, Key
 from viscorod.solve.settings.co_simulation import CoSimulationSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import LinearSettings, ResponseSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
@@ -187,6 +188,10 @@ class LinearArguments(LinearSettings, Titled):
 
 class CoSimulationArguments(CoSimulationSettings, Titled):
     """Arguments of ``Model.co_simulation``."""
+
+
+class PeriodicArguments(PeriodicSettings, Watched):
+    """Arguments of ``Model.periodic``."""
 
 
 class SteadyArguments(SteadySettings, Watched):

@@ -25,6 +25,7 @@ from viscorod.solve.linear_systems.harmonic_response import HarmonicResponse
 from viscorod.solve.linear_systems.poles import Poles
 from viscorod.solve.linear_systems.reductions import modal_basis
 from viscorod.solve.linear_systems.second_order import SecondOrder, second_order
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.signals import MotionInput
 from viscorod.typing import Floats
@@ -169,7 +170,11 @@ class ModalResponse:
 
 def with_inputs(model: ModelDescription, settings: object) -> ModelDescription:
     """Return the model with the loads of the inputs, if the settings have some."""
-    return with_input_loads(model, settings) if isinstance(settings, ResponseSettings) else model
+    return (
+        with_input_loads(model, settings)
+        if isinstance(settings, ResponseSettings | PeriodicSettings)
+        else model
+    )
 
 
 def _require_known(about: LinearAbout, low: float, high: float) -> None:

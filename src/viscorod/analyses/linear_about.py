@@ -22,6 +22,7 @@ from viscorod.solve.linear_systems.ports import Inputs, inputs_of
 from viscorod.solve.linear_systems.readings import Reading, Readings, readings_of
 from viscorod.solve.linear_systems.small_motions import SmallMotions, motions_about_rotation, small_motions
 from viscorod.solve.modes.linearisation import Linearisation, linearise
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import LinearSettings, ResponseSettings
 from viscorod.solve.settings.signals import LoadInput
 from viscorod.solve.settings.steady import SteadySettings
@@ -30,7 +31,7 @@ from viscorod.solve.steady.geometric_steady import GeometricSteady
 from viscorod.solve.steady.rotation_search import Search as RotationSearch
 from viscorod.solve.steady.steady_checks import SupportKind, require_steady, support_kind
 
-__all__ = ["LinearAbout", "linear_about", "with_input_loads"]
+__all__ = ["LinearAbout", "linear_about", "placed_outputs", "with_input_loads"]
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,7 @@ class LinearAbout:
 
 
 def with_input_loads(
-    model: ModelDescription, settings: LinearSettings | ResponseSettings
+    model: ModelDescription, settings: LinearSettings | ResponseSettings | PeriodicSettings
 ) -> ModelDescription:
     """Return the model with the loads of the inputs after its own, which do not act by themselves.
 
@@ -135,7 +136,7 @@ def linear_about(
         else motions_about_rotation(discrete.static, rotation, found.parts)
     )
     inputs = inputs_of(discrete.static, small, settings.inputs, first)
-    readings = readings_of(discrete.static, small, _placed(discrete, settings), inputs)
+    readings = readings_of(discrete.static, small, placed_outputs(discrete, settings), inputs)
     return LinearAbout(
         discrete,
         state,
@@ -190,7 +191,9 @@ def _rotation(discrete: DiscreteModel, start: StartState, about: Start, loads: i
     return found
 
 
-def _placed(discrete: DiscreteModel, settings: LinearSettings | ResponseSettings) -> list[Reading]:
+def placed_outputs(
+    discrete: DiscreteModel, settings: LinearSettings | ResponseSettings | PeriodicSettings
+) -> list[Reading]:
     """Return the outputs with their places in the mesh.
 
     Raises:

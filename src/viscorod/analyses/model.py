@@ -15,6 +15,7 @@ from viscorod.analyses.call_arguments import (
     LinearArguments,
     ModesArguments,
     PathArguments,
+    PeriodicArguments,
     ResponseArguments,
     SimulateArguments,
     SteadyArguments,
@@ -23,15 +24,20 @@ from viscorod.analyses.call_arguments import (
 from viscorod.checks import checked
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings.buckling import BucklingSettings
+from viscorod.solve.settings.campbell import CampbellSettings
+from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.theories import TheorySettings
 
 if TYPE_CHECKING:
     from viscorod.analyses.co_simulation import CoSimulation
     from viscorod.results.buckling import Buckling
+    from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.linear_system import LinearSystem
     from viscorod.results.modes_result import Modes
+    from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
     from viscorod.results.theory_comparison import TheoryComparison
 
@@ -204,6 +210,33 @@ class Model(ModelDescription):
         discrete = DiscreteModel.of(with_input_loads(self, call), call, call.options)
         return refined_response(frequency_response, discrete, call)
 
+    @takes(PeriodicArguments)
+    def periodic(self, call: PeriodicArguments) -> Periodic:
+        """Follow periodic motions under harmonic inputs, of any size: over frequency or level, through folds.
+
+        Motions are trigonometric polynomials of the frequency that are in balance at all their phases (harmonic
+        balance by collocation; see Krack and Gross, Harmonic Balance for Nonlinear Vibration Problems, 2019). Loads of
+        the model itself stay what they are just before t = 0; about the equilibrium under them the motions begin.
+        Materials have their laws; a table over frequency counts by the law that was fitted to it.
+
+        Returns:
+            The motions in the order of the curve: harmonics of all outputs, Floquet multipliers, work and loss of a
+            cycle; folds and other bifurcations are among them.
+
+        Raises:
+            InputError: the model is inconsistent, has parts that periodic motions do not know, or there is no such
+                input or output.
+            SolveError: no motion was found at the start, the curve could not be followed further, or was stopped;
+                ``run`` holds the motions up to there.
+        """
+        from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.linear_about import with_input_loads
+        from viscorod.analyses.periodic import periodic
+        from viscorod.analyses.refinement import refined_periodic
+
+        discrete = DiscreteModel.of(with_input_loads(self, call), call, call.options)
+        return refined_periodic(periodic, discrete, call)
+
     @takes(BucklingSettings)
     def buckling(self, settings: BucklingSettings) -> Buckling:
         """Find critical loads: where along its equilibria the model loses stiffness, and how it gives way there.
@@ -222,6 +255,47 @@ class Model(ModelDescription):
         from viscorod.analyses.refinement import refined_buckling
 
         return refined_buckling(buckling, DiscreteModel.of(self), settings)
+
+    @takes(CampbellSettings)
+    def campbell(self, settings: CampbellSettings) -> Campbell:
+        """Follow modes over the speed of a steady rotation: a Campbell diagram with critical speeds and limits.
+
+        Supports turn with the model about a given axis, as in :meth:`steady`; springs and dampers to the ground are
+        those of bearings, which are alike all around the axis. Modes are followed by their shapes through crossings and
+        veerings. Critical speeds and limits of stability are roots that are solved for, not read off a curve.
+
+        Returns:
+            roots, frequencies, damping ratios and whirl over the speed, critical speeds, limits of stability.
+
+        Raises:
+            InputError: the model cannot turn steadily about this axis, or has no frequencies in space.
+            SolveError: a rotation or its small motions were not found.
+        """
+        from viscorod.analyses.campbell import campbell
+        from viscorod.analyses.discrete import DiscreteModel
+
+        return campbell(DiscreteModel.of(self), settings)
+
+    @takes(StabilitySettings)
+    def stability(self, settings: StabilitySettings) -> Stability:
+        """Follow modes about the equilibria over a load factor: where they begin to flutter, and to diverge.
+
+        Damping and loads that follow are included.
+
+        All loads, prescribed motions and rest strains grow with the load factor, but those that are ``constant``.
+        Limits of stability are roots that are solved for, not read off a curve.
+
+        Returns:
+            roots, frequencies and damping ratios over the load factor, and where modes begin to grow and cease to.
+
+        Raises:
+            InputError: the model is inconsistent, nothing holds it, or nothing grows.
+            SolveError: an equilibrium or its small motions were not found.
+        """
+        from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.stability import stability
+
+        return stability(DiscreteModel.of(self), settings)
 
     @checked
     def draw(self, path: str | Path, title: str = "") -> Path:

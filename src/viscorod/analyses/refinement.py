@@ -19,6 +19,7 @@ from viscorod.results.files.folder_lock import claimed
 from viscorod.results.files.journal import FOLDER, about
 from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.results.modes_result import Modes
+from viscorod.results.periodic import Periodic
 from viscorod.results.run import Run
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
@@ -29,6 +30,7 @@ from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.mesh import Meshed
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.steady import SteadySettings
 from viscorod.typing import Floats
@@ -39,6 +41,7 @@ __all__ = [
     "refined_buckling",
     "refined_modes",
     "refined_motion",
+    "refined_periodic",
     "refined_response",
 ]
 
@@ -251,15 +254,7 @@ def refined_response(
     While an undamped frequency in the band differs by more than ``accuracy`` from that of the mesh with all elements
     halved, and the program may choose the mesh of a rod, the finer mesh is taken. The result keeps the difference.
     """
-    free = {name for name, rod in discrete.model.rods.items() if rod.elements is None}
-    errors = 0.0
-    for _ in range(MOST_MESHES if discrete.watch.feasible else 0):
-        coarse = divisions_of(discrete.problem)
-        finer = discrete.on_mesh({name: division.halved() for name, division in coarse.items()})
-        errors = _differences(discrete, finer, settings.highest)
-        if errors <= settings.accuracy or not free or finer.problem.size > MOST_CHOSEN_NODES:
-            break
-        discrete = discrete.on_mesh({n: d.halved() if n in free else d for n, d in coarse.items()})
+    discrete, errors = _resolving(discrete, settings.highest, settings.accuracy)
     try:
         found = analysis(discrete, settings)
     except SolveError as error:
@@ -268,6 +263,33 @@ def refined_response(
         raise
     found.data.attrs["frequency_error"] = errors
     return found
+
+
+def refined_periodic(
+    analysis: Callable[[DiscreteModel, PeriodicSettings], Periodic],
+    discrete: DiscreteModel,
+    settings: PeriodicSettings,
+) -> Periodic:
+    """Compute periodic motions on a mesh that resolves vibrations as high as they are; see :func:`refined_response`."""
+    highest = max(settings.frequencies or (settings.frequency or 0.0,))
+    discrete, errors = _resolving(discrete, highest, settings.accuracy)
+    found = analysis(discrete, settings)
+    found.data.attrs["frequency_error"] = errors
+    return found
+
+
+def _resolving(discrete: DiscreteModel, highest: float, accuracy: float) -> tuple[DiscreteModel, float]:
+    """Return the model on a mesh that resolves vibrations up to a frequency [Hz], and the largest difference."""
+    free = {name for name, rod in discrete.model.rods.items() if rod.elements is None}
+    errors = 0.0
+    for _ in range(MOST_MESHES if discrete.watch.feasible else 0):
+        coarse = divisions_of(discrete.problem)
+        finer = discrete.on_mesh({name: division.halved() for name, division in coarse.items()})
+        errors = _differences(discrete, finer, highest)
+        if errors <= accuracy or not free or finer.problem.size > MOST_CHOSEN_NODES:
+            break
+        discrete = discrete.on_mesh({n: d.halved() if n in free else d for n, d in coarse.items()})
+    return discrete, errors
 
 
 def _differences(discrete: DiscreteModel, finer: DiscreteModel, highest: float) -> float:

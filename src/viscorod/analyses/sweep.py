@@ -20,8 +20,11 @@ from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.fields.definition import did_you_mean, show, some_of
 from viscorod.results.sweep_result import Sweep, SweepRun
+from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
+from viscorod.solve.settings.stability import StabilitySettings
 
 __all__ = ["sweep"]
 
@@ -63,6 +66,9 @@ def sweep(
     """
     if not isinstance(case, Case):
         case = load_case(case)
+    if isinstance(case.settings, CampbellSettings | StabilitySettings | PeriodicSettings):
+        why = "sweeps are of motions, equilibria, paths, steady rotations, modes and frequency responses"
+        raise InputError(Fault(case.kind, "", why, "compute every case by itself, in a loop"))
     if progress is not None:
         require_callback("progress", progress, 0.0)
     rows = _rows(values)

@@ -20,9 +20,12 @@ from viscorod.errors import InputError, SolveError
 if TYPE_CHECKING:
     from viscorod.analyses.discrete import DiscreteModel
     from viscorod.casefile.case import Case
+    from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
+    from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
 
 __all__ = ["resume", "run"]
@@ -125,7 +128,7 @@ def _compute(
         total, quantity = settings.duration, TIME
     elif isinstance(settings, ResponseSettings):
         total, quantity = settings.highest, FREQUENCY
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse
+    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Periodic | Stability
     with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
         try:
             with polite_stop() as stop, reporting(total, quantity) as progress:
@@ -155,7 +158,9 @@ def _compute(
 
 
 def _write(
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse, folder: Path, doubts: Sequence[str]
+    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Periodic | Stability,
+    folder: Path,
+    doubts: Sequence[str],
 ) -> list[Path]:
     """Write pictures, and data with the doubts among its warnings unless it is there already; return the files."""
     from viscorod.results.run import Run
@@ -165,6 +170,13 @@ def _write(
         return [folder / "run.nc", *pictures]
     known: list[Any] = json.loads(result.data.attrs.get("warnings", "[]"))
     result.data.attrs["warnings"] = json.dumps([*doubts, *known])
-    word = {"modes": "modes", "response": "bode"}.get(result.kind, "shape")
+    words = {
+        "modes": "modes",
+        "response": "bode",
+        "campbell": "campbell",
+        "stability": "stability",
+        "periodic": "amplitude",
+    }
+    word = words.get(result.kind, "shape")
     picture = result.plot(folder / f"{word}.png")
     return [result.save(folder / "run.nc"), picture]

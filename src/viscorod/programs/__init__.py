@@ -3,7 +3,7 @@
 * `conversions` and `rayleigh`: times, viscosities, loss factors, damping ratios, decrements, Q, Rayleigh constants.
 * `times` and `energy_creation`: six times of a section, the symmetric damping matrix, the two times of a material,
   and where products of times with a stiffness create energy.
-* `inputs`: the damping inputs of other programs, from a section and back.
+* ``inputs``: the damping inputs of other programs, from a section and back.
 * `blades`: blades and beams of BeamDyn and GXBeam as rods, and back.
 """
 

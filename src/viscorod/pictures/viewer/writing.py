@@ -36,7 +36,9 @@ from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
+    from viscorod.results.followed_modes import FollowedModes
     from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.periodic import Periodic
     from viscorod.results.sweep_result import Sweep
 
 __all__ = ["FRAMES", "MEGABYTES", "view"]
@@ -51,7 +53,7 @@ _TRIES = 6
 
 @checked
 def view(
-    result: Result | FrequencyResponse | Sweep,
+    result: Result | FrequencyResponse | FollowedModes | Periodic | Sweep,
     path: str | Path,
     *,
     frames: int = FRAMES,
@@ -79,6 +81,9 @@ def view(
     if not isinstance(result, Run | Equilibrium | Modes | Steady):
         what, instead = {
             "FrequencyResponse": ("a frequency response", "draw it with plot"),
+            "Campbell": ("a Campbell diagram", "draw it with plot"),
+            "Stability": ("stability along a load", "draw it with plot"),
+            "Periodic": ("a curve of periodic motions", "draw it with plot"),
             "Sweep": ("a sweep", "give one of its members"),
         }.get(type(result).__name__, ("this", "give a run, an equilibrium, a path or modes"))
         raise InputError(

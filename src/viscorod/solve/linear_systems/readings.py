@@ -18,7 +18,7 @@ from viscorod.solve.settings.signals import Output
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats, Integers
 
-__all__ = ["Reading", "Readings", "readings_of"]
+__all__ = ["Reading", "Readings", "gauss_points_at", "readings_of", "supported_node"]
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ def readings_of(
         if output.quantity == "motion":
             rows[output.derivative][[k]] = _motion_row(small, reading)
         elif output.quantity == "reaction":
-            node = _supported(solver, output, k)
+            node = supported_node(solver, output, k)
             j, R = output.component, axes[node]
             across = R[j % 3]
             own = slice(6 * node + 3 * (j // 3), 6 * node + 3 * (j // 3) + 3)
@@ -83,7 +83,7 @@ def readings_of(
                 multipliers[k] = small.gradients[:, own].toarray() @ across
             direct[k] = -across @ inputs.force[own]
         else:
-            points, weights = _gauss_points(solver.system, reading, k)
+            points, weights = gauss_points_at(solver.system, reading, k)
             for g, weight in zip(points, weights, strict=True):
                 place = 6 * int(g)
                 if output.quantity == "strain":
@@ -129,7 +129,7 @@ def _motion_row(small: SmallMotions, reading: Reading) -> sparse.csr_array:
     return sparse.csr_array(row[None])
 
 
-def _supported(solver: StaticSolver, output: Output, k: int) -> int:
+def supported_node(solver: StaticSolver, output: Output, k: int) -> int:
     """Return the node of a support.
 
     Raises:
@@ -145,7 +145,7 @@ def _supported(solver: StaticSolver, output: Output, k: int) -> int:
     )
 
 
-def _gauss_points(system: System, reading: Reading, k: int) -> tuple[Integers, Floats]:
+def gauss_points_at(system: System, reading: Reading, k: int) -> tuple[Integers, Floats]:
     """Return the Gauss points of the element at a place, and the weights of their polynomial there."""
     problem, places = system.problem, system.gauss_positions()
     if reading.rod < 0:

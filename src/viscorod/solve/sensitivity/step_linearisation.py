@@ -31,7 +31,7 @@ from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
-__all__ = ["StepLinearisation", "require_linearisable"]
+__all__ = ["StepLinearisation", "require_linearisable", "series_of_exponential"]
 
 _TERMS = 30
 """Of the series: the next one is below round-off for rotations of 3 rad."""
@@ -218,23 +218,26 @@ def _maps(X: Floats, rate: Floats, split: Floats) -> tuple[Floats, Floats, Float
 
     Those of nodes that are ``split`` have displacement and rotation apart (see ``nodal_motion``).
     """
-    carry, tangent = _series(X, split)
+    carry, tangent = series_of_exponential(X, split)
     change = np.empty_like(carry)
     for k, unit in enumerate(np.eye(6)):
-        slope = _series(X + 1j * _STEP * unit, split)[1].imag / _STEP
+        slope = series_of_exponential(X + 1j * _STEP * unit, split)[1].imag / _STEP
         change[:, :, k] = np.einsum("nij,nj->ni", slope, rate)
     return carry, tangent, change
 
 
-def _series(X: Floats, split: Floats) -> tuple[Floats, Floats]:
-    """Return the series ``sum (-ad X)^k / k!`` and ``sum (-ad X)^k / (k + 1)!`` ``(n, 6, 6)``, as :func:`_maps`."""
+def series_of_exponential(X: Floats, split: Floats, terms: int = _TERMS) -> tuple[Floats, Floats]:
+    """Return ``exp(-ad X)`` and ``T(X)``, the series of ``(-ad X)^k`` over ``k!`` and ``(k + 1)!`` ``(n, 6, 6)``.
+
+    Those of nodes that are ``split`` have displacement and rotation apart (see ``nodal_motion``).
+    """
     apart = split != 0.0
     turning = X.copy()
     turning[apart, :3] = 0.0
     ad = -adjoint_map(turning)
     term = np.broadcast_to(np.eye(6, dtype=X.dtype), ad.shape)
     carry, tangent = term.copy(), term.copy()
-    for k in range(1, _TERMS + 1):
+    for k in range(1, terms + 1):
         term = term @ ad / k
         carry += term
         tangent += term / (k + 1)

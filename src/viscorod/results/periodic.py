@@ -1,0 +1,355 @@
+"""The result of periodic motions: amplitudes and stability along a curve, loops and losses of cycles."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from viscorod.checks import checked
+from viscorod.errors import InputError
+from viscorod.results.text_table import table
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Periodic"]
+
+VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "frequency": (("point",), "Hz", "frequency of the motion"),
+    "level": (("point",), "1", "factor of all amplitudes of the inputs"),
+    "input": (("input",), "", "what drives the model"),
+    "output": (("output",), "", "what is read"),
+    "harmonic": (("harmonic",), "", "multiple of the frequency"),
+    "part": (("part",), "", "real and imaginary"),
+    "input_unit": (("input",), "", "unit of the input"),
+    "output_unit": (("output",), "", "unit of the output"),
+    "coefficient": (
+        ("point", "output", "harmonic", "part"),
+        "",
+        "c_k of the output, the real part of sum c_k exp(2 pi i k f t)",
+    ),
+    "drive": (
+        ("point", "input", "part"),
+        "",
+        "force, or displacement of what is moved, the real part of d exp(2 pi i f t)",
+    ),
+    "conjugate": (
+        ("point", "input", "harmonic", "part"),
+        "",
+        "displacement on which the unit force of the input does work, as coefficients, without its mean",
+    ),
+    "work": (("point",), "J", "work of loads, supports and motors in a cycle"),
+    "loss": (("point",), "J", "energy lost to viscosity, dampers and outside in a cycle"),
+    "multiplier": (
+        ("point", "multiplier_number", "part"),
+        "1",
+        "Floquet multipliers, by which small disturbances grow in a cycle, the largest first",
+    ),
+    "unstable": (("point",), "", "number of multipliers beyond 1 in size, -1 where they are not known"),
+    "bifurcation": (
+        ("point",),
+        "",
+        "fold, period doubling, torus (Neimark-Sacker) or branch point where there is one",
+    ),
+    "tail": (("point",), "1", "size of the highest two harmonics over that of all"),
+}
+"""Name -> dimensions, unit and long name of every variable; all are always there."""
+NUMBERS = ("frequency", "level", "coefficient", "drive", "conjugate", "work", "loss", "multiplier", "tail")
+FINE = 400
+"""Instants of a cycle at which the extremes of an output are sought."""
+
+
+class Periodic:
+    """Periodic motions along a curve over frequency or level.
+
+    ``data`` is an ``xarray.Dataset`` by ``point`` of the curve, ``output`` and ``input`` (SI units).
+    """
+
+    kind: ClassVar[str] = "periodic"
+
+    def __init__(self, data: xr.Dataset) -> None:
+        missing = [name for name in VARIABLES if name not in data.variables]
+        if data.attrs.get("kind") != self.kind or missing:
+            raise InputError(
+                f"this data set has no periodic motions of viscorod: {', '.join(missing) or 'it is of another kind'}"
+            )
+        for name, (dims, unit, text) in VARIABLES.items():
+            if data[name].dims != dims:
+                raise InputError(
+                    f"this data set has no periodic motions of viscorod: {name} has other dimensions"
+                )
+            data[name].attrs.update({"units": unit, "long_name": text} if unit else {"long_name": text})
+        for name in NUMBERS:
+            if not np.isfinite(data[name].values).all():
+                raise InputError(f"this data set has no periodic motions of viscorod: {name} is not finite")
+        self.data = data
+
+    @property
+    def title(self) -> str:
+        """Title of the case, empty if it has none."""
+        return str(self.data.attrs.get("title", ""))
+
+    @property
+    def outcome(self) -> str:
+        """How it ended: "completed", "points" where the curve is longer than was asked for, "stopped"."""
+        return str(self.data.attrs["outcome"])
+
+    @property
+    def frequencies(self) -> Floats:
+        """Frequencies of all motions [Hz] ``(points,)``, in their order on the curve."""
+        return np.asarray(self.data["frequency"].values, dtype=float)
+
+    @property
+    def levels(self) -> Floats:
+        """Factors of the amplitudes of the inputs ``(points,)``."""
+        return np.asarray(self.data["level"].values, dtype=float)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The inputs, in words."""
+        return tuple(str(name) for name in self.data["input"].values)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """The outputs, in words."""
+        return tuple(str(name) for name in self.data["output"].values)
+
+    @property
+    def work(self) -> Floats:
+        """Work of loads, supports and motors in a cycle [J] ``(points,)``."""
+        return np.asarray(self.data["work"].values, dtype=float)
+
+    @property
+    def loss(self) -> Floats:
+        """Energy lost in a cycle [J] ``(points,)``."""
+        return np.asarray(self.data["loss"].values, dtype=float)
+
+    @property
+    def multipliers(self) -> np.ndarray:
+        """The largest Floquet multipliers ``(points, k)``, complex; k is 0 if they were not wanted."""
+        return self._complex("multiplier")
+
+    @property
+    def stable(self) -> np.ndarray:
+        """Whether each motion is stable ``(points,)``.
+
+        Raises:
+            InputError: multipliers were not wanted.
+        """
+        unstable = np.asarray(self.data["unstable"].values)
+        if (unstable < 0).any():
+            raise InputError(
+                "these motions were computed with stability = False: whether they are stable is not known"
+            )
+        found: np.ndarray = unstable == 0
+        return found
+
+    @property
+    def has_loops(self) -> bool:
+        """Whether any input is a force or a moment, which has a hysteresis loop."""
+        return bool(self.data["conjugate"].values.any())
+
+    @property
+    def bifurcations(self) -> list[tuple[int, str]]:
+        """Points at which the curve folds, or motions change their stability otherwise, and what happens there.
+
+        "fold": a real multiplier passes 1 and the curve turns back; "branch point": it passes 1 and another curve
+        crosses; "period doubling": one passes -1; "torus": a pair leaves the circle (Neimark and Sacker).
+        """
+        kinds = [str(word) for word in self.data["bifurcation"].values]
+        return [(k, word) for k, word in enumerate(kinds) if word]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the result says against itself, in sentences."""
+        return [str(text) for text in json.loads(self.data.attrs.get("warnings", "[]"))]
+
+    @checked
+    def harmonics(self, output: str | int = 0) -> np.ndarray:
+        """Return ``c_k (points, harmonics + 1)`` of an output, the real part of ``sum c_k exp(2 pi i k f t)``.
+
+        Args:
+            output: its words, or its number from 0.
+
+        Raises:
+            InputError: there is no such output.
+        """
+        found: np.ndarray = self._complex("coefficient")[:, self._number("output", output, self.outputs)]
+        return found
+
+    @checked
+    def amplitude(self, output: str | int = 0) -> Floats:
+        """Return half of the way from the smallest to the largest value of an output in a cycle ``(points,)``."""
+        values = self._course(self.harmonics(output), FINE)
+        return np.asarray(0.5 * (values.max(axis=1) - values.min(axis=1)))
+
+    @checked
+    def course(self, point: int, output: str | int = 0, instants: int = FINE) -> tuple[Floats, Floats]:
+        """Return times [s] and values of an output in one cycle ``(instants,)``; the inputs begin at their phase.
+
+        Args:
+            point: number of the motion; output: its words or number; instants: how many, equally spaced.
+
+        Raises:
+            InputError: there is no such point or output.
+        """
+        point = self._point(point)
+        values = self._course(self.harmonics(output)[point][None], int(instants))[0]
+        return np.arange(int(instants)) / int(instants) / self.frequencies[point], values
+
+    @checked
+    def loop(self, point: int, source: str | int = 0, instants: int = FINE) -> tuple[Floats, Floats]:
+        """Return the hysteresis loop of a force: the displacement on which it does work, and the force ``(instants,)``.
+
+        Its area is the work of the force in a cycle.
+
+        Args:
+            point: number of the motion; source: words or number of the input, a load; instants: how many.
+
+        Raises:
+            InputError: there is no such point or input, or the input is a motion.
+        """
+        point, k = self._point(point), self._number("source", source, self.inputs)
+        conjugate = self._complex("conjugate")[point, k]
+        if not conjugate.any():
+            raise InputError(
+                f"source = {self.inputs[k]!r} is a motion: its force is the reaction; give that as an output"
+            )
+        drive = np.array([0.0, self._complex("drive")[point, k]])
+        count = int(instants)
+        return self._course(conjugate[None], count)[0], self._course(drive[None], count)[0]
+
+    def report(self) -> str:
+        """Return a report: curve, largest amplitudes, bifurcations, energy of cycles, warnings."""
+        hertz, count = self.frequencies, len(self.frequencies)
+        over = str(self.data.attrs.get("over", "frequency"))
+        where = (
+            f"from {hertz[0]:.6g} to {hertz[-1]:.6g} Hz"
+            if over == "frequency"
+            else f"at {hertz[0]:.6g} Hz, {self.levels[0]:.6g} to {self.levels[-1]:.6g} times the amplitudes"
+        )
+        blocks = [
+            f"{self.title + chr(10) if self.title else ''}Periodic motions, {count} on a curve {where}, "
+            f"{int(self.data.attrs['harmonics'])} harmonics"
+        ]
+        rows = []
+        for k, name in enumerate(self.outputs):
+            size = self.amplitude(k)
+            at = int(size.argmax())
+            unit = str(self.data["output_unit"].values[k])
+            rows.append(
+                [
+                    name,
+                    f"{size[at]:.6g} {unit}",
+                    f"{hertz[at]:.6g}",
+                    f"{self.levels[at]:.4g}",
+                    f"{size.min():.4g}",
+                ]
+            )
+        header = ["output", "largest amplitude", "at [Hz]", "level", "smallest"]
+        blocks.append(table("Amplitudes (half of the way between extremes)", header, rows))
+        if (np.asarray(self.data["unstable"].values) >= 0).all():
+            stable = int(self.stable.sum())
+            blocks.append(f"Stability: {stable} of {count} motions are stable")
+        if self.bifurcations:
+            first = self.amplitude(0)
+            rows = [
+                [word, f"{hertz[k]:.6g}", f"{self.levels[k]:.5g}", f"{first[k]:.6g}"]
+                for k, word in self.bifurcations
+            ]
+            blocks.append(table("Bifurcations", ["kind", "at [Hz]", "level", self.outputs[0]], rows))
+        apart = np.abs(self.work - self.loss)
+        blocks.append(
+            f"Energy of a cycle: work up to {self.work.max():.5g} J; work and loss differ by at most "
+            f"{apart.max() / max(np.abs(self.work).max(), 1e-300):.2g} of that"
+        )
+        blocks.append(f"Highest two harmonics: {float(self.data['tail'].max()):.2g} of the motion at most")
+        if self.warnings:
+            blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]))
+        return "\n\n".join(blocks)
+
+    @checked
+    def save(self, path: str | Path) -> Path:
+        """Write it to a netCDF4 file, which ``viscorod.load`` reads; returns the path."""
+        from viscorod.results.files.storage import write
+
+        return write(self.data, path)
+
+    @checked
+    def save_csv(self, path: str | Path) -> Path:
+        """Write frequencies, levels, amplitudes, energies and stability as a table, a row for each motion.
+
+        Returns:
+            The path.
+        """
+        from viscorod.results.files.csv_text import write
+
+        columns: dict[str, np.ndarray] = {
+            "frequency [Hz]": self.frequencies,
+            "level": self.levels,
+        }
+        for k, name in enumerate(self.outputs):
+            columns[f"{name} amplitude [{self.data['output_unit'].values[k]}]"] = self.amplitude(k)
+        columns |= {"work [J]": self.work, "loss [J]": self.loss}
+        columns["unstable multipliers"] = np.asarray(self.data["unstable"].values)
+        columns["bifurcation"] = np.asarray(self.data["bifurcation"].values, dtype=str)
+        return write(columns, path)
+
+    @checked
+    def plot(self, path: str | Path, kind: str = "amplitude") -> Path:
+        """Draw the curve.
+
+        Args:
+            path: picture to write; the suffix gives the format.
+            kind: "amplitude" (of all outputs over frequency or level, unstable motions dashed), "multipliers" (in the
+                complex plane), "loops" (hysteresis of the first input that is a force, of some motions).
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: there is no such kind, or the picture cannot be written.
+        """
+        from viscorod.pictures.plots.plot_periodic import draw_periodic
+        from viscorod.pictures.style import write
+
+        return write(draw_periodic(self, kind), path)
+
+    @cached_property
+    def _known(self) -> dict[str, np.ndarray]:
+        return {}
+
+    def _complex(self, name: str) -> np.ndarray:
+        if name not in self._known:
+            parts = np.asarray(self.data[name].values, dtype=float)
+            self._known[name] = parts[..., 0] + 1j * parts[..., 1]
+        return self._known[name]
+
+    @staticmethod
+    def _course(coefficients: np.ndarray, instants: int) -> Floats:
+        """Return values in a cycle ``(points, instants)`` from coefficients ``(points, harmonics + 1)``."""
+        phases = 2.0 * np.pi * np.outer(np.arange(coefficients.shape[1]), np.arange(instants) / instants)
+        return np.asarray((coefficients @ np.exp(1j * phases)).real)
+
+    def _point(self, point: int) -> int:
+        count = len(self.frequencies)
+        if not isinstance(point, int | np.integer) or not -count <= point < count:
+            raise InputError(f"point = {point!r}: there are {count} motions, 0 to {count - 1}")
+        return int(point) % count
+
+    @staticmethod
+    def _number(what: str, given: str | int, known: tuple[str, ...]) -> int:
+        if isinstance(given, str) and given in known:
+            return known.index(given)
+        if isinstance(given, int | np.integer) and -len(known) <= given < len(known):
+            return int(given) % len(known)
+        raise InputError(f"{what} = {given!r}: these motions have {', '.join(map(repr, known))}")
+
+    def __reduce__(self) -> tuple[Callable[[xr.Dataset], Periodic], tuple[xr.Dataset]]:
+        return type(self), (self.data,)

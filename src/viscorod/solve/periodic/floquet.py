@@ -1,0 +1,205 @@
+"""Floquet multipliers of a periodic motion: what small disturbances become after one period.
+
+The small motions about an orbit, ``p' = dx - ad(x) p`` and ``M dx' + C dx + K p = 0`` with coefficients of the period
+(and multipliers of conditions, and dashpots ``tau alpha' = eps - alpha`` of Maxwell branches), are integrated over one
+period by Radau IIA of five stages: order 9, and stiff motions that die out within a step do so exactly. The
+coefficients are those at the phases of the orbit, as trigonometric polynomials. The eigenvalues of the map of a period
+are the multipliers (Nayfeh and Balachandran, Applied Nonlinear Dynamics, 1995, chapter 7). Velocities that conditions
+do not allow have multipliers of zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import linalg
+
+from viscorod.solve.linear.matrix import unit_of
+from viscorod.solve.periodic.orbit_balance import Linearised, OrbitBalance
+from viscorod.solve.periodic.orbit_matrix import WholeMatrices, strains_of_nodes
+from viscorod.solve.transient.integrators.tableau import radau
+from viscorod.typing import Floats, Integers
+
+__all__ = ["multipliers"]
+
+STAGES = 5
+STEPS = 8
+"""Steps of a period at least; more than one for every harmonic. Order 9: a vibration that swings once in a step keeps
+its amplitude to 2e-4 and a slow one to 1e-9."""
+
+
+def multipliers(
+    balance: OrbitBalance,
+    omega: float,
+    linear: Linearised,
+    matrices: WholeMatrices,
+    groups: Sequence[Integers],
+    steps: int = 0,
+) -> np.ndarray:
+    """Return all Floquet multipliers, the largest first.
+
+    Args:
+        balance: of the model; omega: angular frequency [rad/s]; linear: derivatives at the orbit,
+            and the same as ``matrices``.
+        groups: of motions that do not couple; steps: of a period, chosen unless given.
+    """
+    steps = steps or max(STEPS, balance.fourier.harmonics * 3 // 2)
+    whole = _Coefficients(balance, linear, matrices, steps)
+    found = []
+    for motions in groups:
+        first = None
+        for own in _Period(whole, omega, motions).maps():
+            first = own if first is None else own @ first
+        assert first is not None
+        found.append(linalg.eigvals(first, check_finite=False))
+    values = np.concatenate(found)
+    return np.asarray(values[np.argsort(-np.abs(values))])
+
+
+class _Coefficients:
+    """Coefficients of small motions at all stages of all steps of a period ``(steps, stages, ...)``, scaled."""
+
+    def __init__(self, balance: OrbitBalance, linear: Linearised, whole: WholeMatrices, steps: int) -> None:
+        self.balance, self.steps, self.method = balance, steps, radau(STAGES)
+        problem = balance.problem
+        self.size, self.stages = 6 * problem.size, STAGES
+        phases = 2.0 * np.pi * ((np.arange(steps)[:, None] + self.method.nodes) / steps).ravel()
+        self._weights = balance.fourier.at(phases)
+        unit = unit_of(problem.length)
+        self.unit = np.ones(6 * problem.pattern.size)
+        self.unit[: self.size] = np.tile([unit] * 3 + [1.0] * 3, problem.size)
+        K, C, M, ad = whole
+        forces, turns = self.unit[:, None] * self.unit, self.unit / self.unit[:, None]
+        self.K, self.C, self.M = (self._at(part * forces) for part in (K, C, M))
+        self.ad = self._at(ad * turns)
+        self.partial = balance.supports.partial
+        self.Z = None
+        if len(self.partial):
+            Z = np.tile(np.eye(len(self.unit)), (len(K), 1, 1))
+            for number, k in enumerate(self.partial):
+                first = 6 * int(balance.supports.set.nodes[k])
+                Z[:, first : first + 6, first : first + 6] = linear.Z[:, number]
+            self.Z0, self.Z = Z[0] * turns, self._at(Z * turns)
+        self.B = None
+        if problem.relaxing:
+            self.B = self._at(strains_of_nodes(balance, linear.strain) * self.unit[: self.size])
+            self.moduli = _weighted_moduli(balance)
+
+    def _at(self, values: Floats) -> Floats:
+        flat = self._weights @ values.reshape(len(values), -1)
+        return flat.reshape(self.steps, self.stages, *values.shape[1:])
+
+
+def _weighted_moduli(balance: OrbitBalance) -> Floats:
+    """Return the moduli of the branches with the weights of the points ``(branches, points, 6, 6)``."""
+    elements, memory = balance.elements, balance.system.relaxation
+    assert memory is not None
+    found = [
+        elements.weights[order, g] * elements.half_lengths[e] * memory.branches[elements.section[e, g]]
+        for e, order in enumerate(elements.order.tolist())
+        for g in range(order)
+    ]
+    return np.swapaxes(np.array(found), 0, 1)
+
+
+class _Period:
+    """Small motions of one group: maps of the steps of a period."""
+
+    def __init__(self, whole: _Coefficients, omega: float, motions: Integers) -> None:
+        self.whole, self.method = whole, whole.method
+        self.h = 2.0 * np.pi / omega / whole.steps
+        self.steps, self.stages = whole.steps, whole.stages
+        size, supports = whole.size, whole.balance.supports
+        nodal, self.conditions = motions[motions < size], motions[motions >= size]
+        self.rows = np.concatenate([nodal, self.conditions])
+        self.poses = self.twists = nodal
+        partial = 6 * supports.set.nodes[supports.partial]
+        if len(partial):  # twists there are along all axes
+            nodes = np.unique(nodal // 6)
+            mine = np.concatenate(
+                [first + np.arange(6) for first in partial if first // 6 in nodes] or [nodal[:0]]
+            )
+            self.twists = np.union1d(nodal, mine.astype(np.int64))
+        both = np.ix_(np.arange(self.steps), np.arange(self.stages), self.rows, self.twists)
+        self.K = whole.K[both]
+        self.C, self.M = whole.C[both], whole.M[both]
+        self.own = whole.K[
+            np.ix_(*[np.arange(k) for k in (self.steps, self.stages)], self.rows, self.conditions)
+        ]
+        square = np.ix_(np.arange(self.steps), np.arange(self.stages), self.twists, self.twists)
+        self.ad = whole.ad[square]
+        columns = np.searchsorted(self.twists, self.poses)
+        if whole.Z is None:
+            self.Z = np.broadcast_to(np.eye(len(self.twists)), self.ad.shape)[..., columns]
+            self.Z0 = np.eye(len(self.twists))[:, columns]
+        else:
+            self.Z = whole.Z[square][..., columns]
+            self.Z0 = whole.Z0[np.ix_(self.twists, self.twists)][:, columns]
+        self.G = None if whole.B is None else whole.B[..., self.twists] @ self.Z
+        if self.G is not None:
+            A, unit = self.method.matrix, np.eye(self.stages)
+            times = whole.balance.problem.relaxation_times
+            self.factors = np.array([np.linalg.inv(unit + self.h / tau * A) for tau in times])
+            self.strained = np.abs(self.G).max(axis=(0, 1, 3)) > 0.0
+
+    def maps(self) -> Floats:
+        """Return the maps of all steps ``(steps, m, m)``."""
+        d, s = self.method.derivative / self.h, self.stages
+        twice, starts = d @ d, d.sum(axis=1)
+        f, t, u = len(self.poses), len(self.twists), len(self.rows)
+        K, C, M, ad, Z = self.K, self.C, self.M, self.ad, self.Z
+        turned = ad @ Z
+        J = np.zeros((self.steps, s, u, s, u))
+        right = np.zeros((self.steps, s, u, f + t))
+        plain = self.whole.Z is None
+        for i in range(s):
+            viscous, inertia = C[:, i], M[:, i]
+            for j in range(s):
+                block = d[i, j] * viscous + twice[i, j] * inertia
+                J[:, i, :, j, :f] = block if plain else block @ Z[:, j]
+                J[:, i, :, j, :f] += d[i, j] * (inertia @ turned[:, j])
+            J[:, i, :, i, :f] += (K[:, i] if plain else K[:, i] @ Z[:, i]) + viscous @ turned[:, i]
+            J[:, i, :, i, f:] = self.own[:, i]
+            right[:, i, :, :f] = (starts[i] * viscous + (d @ starts)[i] * inertia) @ self.Z0
+            right[:, i, :, f:] = starts[i] * inertia
+        if self.G is not None:
+            right = np.concatenate([right, self._add_branches(J)], axis=-1)
+        found = np.linalg.solve(
+            J.reshape(self.steps, s * u, s * u), right.reshape(self.steps, s * u, right.shape[-1])
+        )
+        y: Floats = np.asarray(found.reshape(self.steps, s, u, -1)[:, :, :f], dtype=np.float64)
+        last = turned[:, -1] @ y[:, -1] + sum(d[-1, j] * (Z[:, j] @ y[:, j]) for j in range(s))
+        last[..., :f] -= starts[-1] * self.Z0
+        parts = [y[:, -1], last]
+        if self.G is not None:
+            parts.append(self._dashpots_at_end(y, f + t))
+        return np.concatenate(parts, axis=1)
+
+    def _add_branches(self, J: Floats) -> Floats:
+        """Add the branches to the matrices of the steps; return their right sides by the strains of the dashpots."""
+        assert self.G is not None
+        f, points = len(self.poses), self.G.shape[2] // 6
+        G = self.G.reshape(self.steps, self.stages, points, 6, f)
+        rows = int(self.strained.sum())
+        right = np.zeros((self.steps, self.stages, J.shape[2], len(self.factors) * rows))
+        for b, F in enumerate(self.factors):
+            pushed = np.einsum("asgif,gij->asfgj", G, self.whole.moduli[b])
+            pushed = pushed.reshape(self.steps, self.stages, f, 6 * points)
+            for i in range(self.stages):
+                for j in range(self.stages):
+                    J[:, i, :f, j, :f] += F[i, j] * (pushed[:, i] @ self.G[:, j])
+                right[:, i, :f, rows * b : rows * (b + 1)] = F[i].sum() * pushed[:, i][..., self.strained]
+        return right
+
+    def _dashpots_at_end(self, y: Floats, start: int) -> Floats:
+        """Return the strains of the dashpots at the ends of steps, by what the free poses at the stages are."""
+        assert self.G is not None
+        strain = self.G[:, :, self.strained] @ y
+        rows = strain.shape[2]
+        found = []
+        for b, F in enumerate(self.factors):
+            own = strain[:, -1] - np.einsum("j,ajxc->axc", F[-1], strain)
+            own[:, :, start + rows * b : start + rows * (b + 1)] += F[-1].sum() * np.eye(rows)
+            found.append(own)
+        return np.concatenate(found, axis=1)

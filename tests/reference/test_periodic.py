@@ -1,0 +1,217 @@
+"""Periodic motions against frequency responses, poles, Mathieu's equation and long time integrations."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import brentq
+
+import viscorod as vr
+
+LENGTH, WIDTH, HEIGHT = 0.4, 0.025, 0.003
+
+
+def strip(time=5e-5, *, damping=None, **more):
+    """Return a model with one strip of aluminium along x, the thin side across z, held nowhere."""
+    model = vr.Model()
+    damping = damping or vr.KelvinVoigt(shear_time=time, extensional_time=time)
+    material = vr.Material(youngs_modulus=70e9, poissons_ratio=0.33, density=2700.0, damping=damping)
+    given = {"elements": 2, "order": 3} | more
+    section = vr.Rectangle(WIDTH, HEIGHT)
+    model.add("beam", vr.Rod.straight((0, 0, 0), (LENGTH, 0, 0), section=section, material=material, **given))
+    return model
+
+
+def clamped(time=5e-5, **more):
+    model = strip(time, **more)
+    model.clamp("beam.start")
+    model.clamp("beam.end")
+    return model
+
+
+def cantilever(**more):
+    model = strip(**more)
+    model.clamp("beam.start")
+    return model
+
+
+def pinned(time=5e-5, **more):
+    model = strip(time, **more)
+    model.support("beam.start", ("ux", "uy", "uz", "rx", "rz"))
+    model.support("beam.end", ("uy", "uz", "rx"))
+    return model
+
+
+def hinged():
+    """Return two strips with a hinge that has a spring and a damper, in gravity, with drag."""
+    model = cantilever()
+    model.add(
+        "two",
+        vr.Rod.straight(
+            (LENGTH, 0, 0),
+            (2 * LENGTH, 0.05, 0),
+            section=vr.Rectangle(WIDTH, HEIGHT),
+            material=model.rods["beam"].material,
+            elements=1,
+            order=3,
+            constraints=("kirchhoff",),
+        ),
+    )
+    model.revolute("beam.end", "two.start", (0, 1, 0), stiffness={"rz": 3.0}, damping={"rz": 0.002})
+    model.gravity((0, 0, -9.81))
+    model.drag("two", linear_across=0.3)
+    return model
+
+
+PRONY = vr.Prony(shear_ratios=[0.2, 0.1], shear_times=[1e-3, 1e-2], constant="poissons_ratio")
+MIDDLE = ["beam@0.2 uz", "beam@0.1 strain bend_1", "beam@0.1 section_force bend_1", "beam.start reaction fz"]
+
+
+@pytest.mark.parametrize(
+    ("model", "source", "size", "outputs"),
+    [
+        (cantilever(), "base az", 1e-3, [*MIDDLE, "beam.end az", "beam.end ry"]),
+        (pinned(damping=PRONY), "beam@0.2 fz", 1e-4, MIDDLE),
+        (hinged(), "two.end fz", 1e-4, ["two.end uz", "beam.end vz", "two@0.2 section_force bend_1"]),
+    ],
+    ids=["shaken base", "Maxwell branches and partial supports", "hinge, held strains, gravity and drag"],
+)
+def test_small_motions_are_those_of_the_frequency_response(model, source, size, outputs):
+    """The dynamic stiffness at one frequency, solved apart from all of this, is the limit of small amplitudes."""
+    linear = model.frequency_response(inputs=source, outputs=outputs, frequencies=[12.0])
+    found = model.periodic(
+        inputs=source, amplitudes=[size], outputs=outputs, frequencies=[12.0, 13.0], harmonics=3, points=2
+    )
+    for k in range(len(outputs)):
+        np.testing.assert_allclose(found.harmonics(k)[0, 1] / size, linear.response(k)[0], rtol=1e-5)
+    assert found.work[0] == pytest.approx(found.loss[0], rel=1e-4)
+
+
+@pytest.mark.parametrize("damping", [None, PRONY], ids=["Kelvin-Voigt", "Maxwell branches"])
+def test_multipliers_of_small_motions_are_those_of_the_poles(damping):
+    """A free motion exp(s t) is multiplied by exp(s T) in a period T."""
+    model = cantilever(damping=damping)
+    poles = model.modes(count=1).eigenvalues
+    found = model.periodic(
+        inputs="beam.end fz",
+        amplitudes=[1e-4],
+        outputs=["beam.end uz"],
+        frequencies=[12.0, 13.0],
+        harmonics=3,
+        points=2,
+    )
+    exact = np.exp(poles[0] / 12.0)
+    first = found.multipliers[0, :2]
+    np.testing.assert_allclose(first[first.imag * exact.imag > 0], [exact], rtol=1e-6)
+
+
+def test_hardening_beam_folds_where_a_multiplier_is_one():
+    """Between folds motions are unstable (jumps); the loop of the force encloses its work, which is what is lost."""
+    found = clamped().periodic(
+        inputs="beam@0.2 fz", amplitudes=[1.0], outputs=["beam@0.2 uz"], frequencies=[95.0, 115.0], step=0.25
+    )
+    folds = [k for k, kind in found.bifurcations if kind == "fold"]
+    assert len(folds) == len(found.bifurcations) == 2
+    np.testing.assert_allclose(found.multipliers[folds, 0], 1.0, atol=2e-4)
+    assert found.frequencies[folds[0]] > found.frequencies[folds[1]]
+    inside = np.arange(folds[0] + 1, folds[1])
+    assert len(inside) > 3
+    assert not found.stable[inside].any()
+    assert np.delete(found.stable, [*folds, *inside]).all()
+    np.testing.assert_allclose(found.work, found.loss, rtol=1e-6)
+    y, force = found.loop(10, 0, 2000)
+    area = 0.5 * np.sum((force + np.roll(force, -1)) * (np.roll(y, -1) - y))
+    assert area == pytest.approx(found.work[10], rel=1e-4)
+
+
+def test_motion_is_that_to_which_a_simulation_settles():
+    """Radau IIA from rest, after 30 periods, at an amplitude of two thirds of the thickness."""
+    hertz, force = 110.0, 8.0
+    found = clamped(4e-4).periodic(
+        inputs="beam@0.2 fz",
+        amplitudes=[force],
+        outputs=["beam@0.2 uz"],
+        frequencies=[hertz, 120.0],
+        points=2,
+    )
+    assert found.amplitude(0)[0] > 0.6 * HEIGHT
+    model = clamped(4e-4)
+    model.force("beam@0.2", (0, 0, force), time=vr.Sine(amplitude=1.0, frequency=hertz, phase=np.pi / 2))
+    run = model.simulate(30.0 / hertz, tolerance=1e-6, initial="reference")
+    there = run.probe("beam@0.2")
+    swing = CubicHermiteSpline(
+        run.time, there["displacement"].values[:, 0, 2], there["velocity"].values[:, 0, 2]
+    )
+    times, course = found.course(0, 0, 50)
+    np.testing.assert_allclose(swing(29.0 / hertz + times), course, atol=1e-4 * np.abs(course).max())
+
+
+def test_straight_column_under_a_pulsating_force_doubles_its_period_as_mathieu_says():
+    """One mode, x'' + 2 z w x' + w^2 (1 - e cos W t) x = 0: where its multiplier passes -1, integrated apart.
+
+    The force is quasi-static along the column up to (W/axial frequency)^2 = 3e-4 of it.
+    """
+    model, part = pinned(1e-4, order=4), 0.2
+    pole = model.modes(count=1).eigenvalues[0]
+    w, z = abs(pole), -pole.real / abs(pole)
+    C, _, _ = model.rods["beam"].matrices_at(0.0)
+    euler = np.pi**2 * min(C[3, 3], C[4, 4]) / LENGTH**2
+
+    def growth(ratio):
+        W = 2.0 * w * ratio
+
+        def rate(t, x):
+            return [x[1], -2 * z * w * x[1] - w**2 * (1 - part * np.cos(W * t)) * x[0]]
+
+        ends = [solve_ivp(rate, (0, 2 * np.pi / W), x, rtol=1e-9, atol=1e-9).y[:, -1] for x in np.eye(2)]
+        return np.abs(np.linalg.eigvals(np.array(ends))).max() - 1.0
+
+    exact = [brentq(growth, 0.93, 0.98), brentq(growth, 1.02, 1.07)]
+    hertz = w / np.pi
+    found = model.periodic(
+        inputs="beam.end fx",
+        amplitudes=[part * euler],
+        outputs=["beam.end ux"],
+        frequencies=[0.94 * hertz, 1.06 * hertz],
+        harmonics=3,
+        step=0.5,
+    )
+    assert [kind for _, kind in found.bifurcations] == ["period doubling"] * 2
+    at = [found.frequencies[k] / hertz for k, _ in found.bifurcations]
+    np.testing.assert_allclose(at, exact, atol=2e-4)
+    assert np.abs(found.multipliers[:, 0]).max() == pytest.approx(1.0 + growth(1.0), abs=5e-3)
+
+
+def test_result_is_saved_loaded_reported_drawn_and_tabulated(tmp_path):
+    found = clamped(elements=2, order=2).periodic(
+        inputs="beam@0.2 fz",
+        amplitudes=[1.0],
+        outputs=["beam@0.2 uz", "beam.start reaction fz"],
+        frequency=95.0,
+        levels=[0.2, 1.0],
+        harmonics=3,
+        step=0.5,
+    )
+    assert found.levels[-1] == 1.0
+    again = vr.load(found.save(tmp_path / "curve.nc"))
+    np.testing.assert_array_equal(again.harmonics(1), found.harmonics(1))
+    assert again.report() == found.report()
+    assert "stable" in found.report()
+    rows = found.save_csv(tmp_path / "curve.csv").read_text().splitlines()
+    assert len(rows) == 1 + len(found.levels)
+    for kind in ("amplitude", "multipliers", "loops"):
+        assert found.plot(tmp_path / f"{kind}.png", kind).stat().st_size > 10_000
+
+
+def test_what_periodic_motions_do_not_know_is_refused_by_name():
+    drive = {"amplitudes": [1.0], "outputs": ["beam.end uz"], "frequencies": [10.0, 12.0]}
+    with pytest.raises(vr.InputError, match="2 inputs have 2 amplitudes"):
+        cantilever().periodic(inputs=["beam.end fz", "beam.end fy"], **drive)
+    with pytest.raises(vr.InputError, match="over frequencies or over levels"):
+        cantilever().periodic(inputs="beam.end fz", amplitudes=[1.0], outputs=["beam.end uz"])
+    with pytest.raises(vr.InputError, match="moved, not turned"):
+        cantilever().periodic(inputs="base rz", **drive)
+    spinning = strip()
+    spinning.body_velocity("beam.start", ("v1", "v2", "v3", "w1", "w2", "w3"))
+    with pytest.raises(vr.InputError, match="velocities along axes of the section"):
+        spinning.periodic(inputs="beam.end fz", **drive)
