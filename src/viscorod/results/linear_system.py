@@ -39,8 +39,9 @@ class LinearSystem:
     material has ``w_j' = y' - w_j/tau_j``, or in harmonic motion the complex stiffness ``i omega tau_j/(1 + i omega
     tau_j) K_j``. Matrices are sparse. About a steady rotation all is seen in axes that turn with it.
 
+    Words and units of what goes in and comes out are its ``inputs``, ``outputs``, ``input_units`` and ``output_units``.
+
     Attributes:
-        inputs, outputs: their words; input_units, output_units: theirs.
         coordinates: names of ``y``: node and direction; where joints and held strains are eliminated, combinations of
             them (see ``combinations``).
         combinations: of the named motions of nodes ``(motions, coordinates)``; None where each coordinate is one.
