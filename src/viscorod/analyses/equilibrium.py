@@ -75,7 +75,7 @@ class _Equilibrium:
         watch = self.discrete.watch
         if staged and watch.feasible:
             begin_stage(watch.finer.static, self.stages[-1], None, 0.0, True)
-        watch.see(self.history.snapshots[-1], factor)
+        watch.see(self.history.records[-1].states.at(-1), factor)
         found = {"found_by": self._found_by()} | stability_attributes(search.stability)
         return self._result(Outcome.COMPLETED, found | watch.attributes)
 

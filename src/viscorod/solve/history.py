@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -88,12 +89,16 @@ class Progressing(Protocol):
 
 
 class StepShare(NamedTuple):
-    """What happened in a part of a step [J]: work, viscous loss, loss of loads outside, work of rest strains."""
+    """What happened up to ``k`` parts of a step ``(k,)`` [J].
 
-    work: float
-    loss: float
-    outside: float
-    actuator: float
+    Work, viscous loss, loss of loads outside, work of rest strains; what each Maxwell branch lost ``(k, n)``.
+    """
+
+    work: Floats
+    loss: Floats
+    outside: Floats
+    actuator: Floats
+    branches: Floats
 
 
 @dataclass
@@ -135,25 +140,41 @@ class EnergyAccount:
         self.actuator += step.actuator
         self.branches = self.branches + step.branch_loss
 
+    @property
+    def recorded(self) -> tuple[float, ...]:
+        """Everything but the branches, as histories keep it."""
+        return (
+            self.kinetic,
+            self.elastic,
+            self.viscous,
+            self.external,
+            self.numerical,
+            self.outside,
+            self.actuator,
+        )
+
     def between(
-        self, end: EnergyAccount, part: float, kinetic: float, step: StepShare, branch_loss: Floats
-    ) -> EnergyAccount:
-        """Return the account at a ``part`` of the step that led from here to ``end``, with what happened up to there.
+        self, end: EnergyAccount, parts: Floats, kinetic: Floats, step: StepShare
+    ) -> tuple[Floats, Floats]:
+        """Return what was recorded at ``parts (k,)`` of the step that led from here to ``end``.
 
         The remainder is known at the ends of steps only, and linear between; the elastic energy is what the balance
         leaves.
+
+        Args:
+            kinetic: energy there ``(k,)`` [J]; step: what happened up to there.
+
+        Returns:
+            energies ``(k, 7)`` in the order of :attr:`recorded`, and losses of the branches ``(k, n)``.
         """
-        viscous, external, outside, actuator = (
-            self.viscous + step.loss,
-            self.external + step.work,
-            self.outside + step.outside,
-            self.actuator + step.actuator,
-        )
-        remainder = (1.0 - part) * self.numerical + part * end.numerical
+        viscous, external = self.viscous + step.loss, self.external + step.work
+        outside, actuator = self.outside + step.outside, self.actuator + step.actuator
+        remainder = (1.0 - parts) * self.numerical + parts * end.numerical
         given = external + actuator + self.start
-        elastic = max(remainder - (kinetic + viscous + outside - given), 0.0)
-        branches = self.branches + branch_loss
-        return EnergyAccount(kinetic, elastic, viscous, external, self.start, outside, actuator, branches)
+        elastic = np.maximum(remainder - (kinetic + viscous + outside - given), 0.0)
+        numerical = kinetic + elastic + viscous + outside - given
+        energy = np.array([kinetic, elastic, viscous, external, numerical, outside, actuator]).T
+        return energy, self.branches + step.branches
 
 
 class Snapshot(NamedTuple):
@@ -229,65 +250,175 @@ class Snapshot(NamedTuple):
         )
 
 
+class Snapshots(NamedTuple):
+    """States at ``k`` instants one after the other: the fields of :class:`Snapshot` with the instants first.
+
+    ``multiplier`` has one array per instant, which several may share.
+    """
+
+    r: Floats
+    q: Floats
+    twist: Floats
+    multiplier: list[Floats]
+    strain: Floats
+    strain_rate: Floats
+    section_force: Floats
+    reaction: Floats
+    kinetic: Floats
+    elastic: Floats
+    joints: JointState | None = None
+    branch_power: Floats | None = None
+    branch_strain: Floats | None = None
+
+    @classmethod
+    def of(cls, snapshot: Snapshot) -> Snapshots:
+        """Return one snapshot as a series, of the same arrays."""
+        state, strain, rate, force, reaction, kinetic, elastic, joints, power, spring = snapshot
+        return cls(
+            state.r[None],
+            state.q[None],
+            state.twist[None],
+            [state.multiplier],
+            strain[None],
+            rate[None],
+            force[None],
+            reaction[None],
+            np.array([kinetic]),
+            np.array([elastic]),
+            None if joints is None else JointState(*(field[None] for field in joints)),
+            None if power is None else power[None],
+            None if spring is None else spring[None],
+        )
+
+    @classmethod
+    def joined(cls, pieces: Sequence[Snapshots]) -> Snapshots:
+        """Return all states of some series in arrays of their own; what one of them lacks none has."""
+
+        def join(parts: list[Any]) -> Any:
+            if any(part is None for part in parts):
+                return None
+            if isinstance(parts[0], JointState):
+                return JointState(*(np.concatenate(fields) for fields in zip(*parts, strict=True)))
+            if isinstance(parts[0], list):
+                return [item for part in parts for item in part]
+            return np.concatenate(parts)
+
+        return cls(**{name: join([getattr(piece, name) for piece in pieces]) for name in cls._fields})
+
+    @property
+    def instants(self) -> int:
+        """Their number."""
+        return len(self.r)
+
+    def at(self, k: int) -> Snapshot:
+        """Return the one at instant ``k``, of parts of the arrays."""
+        joints, power, spring = self.joints, self.branch_power, self.branch_strain
+        return Snapshot(
+            State(self.r[k], self.q[k], self.twist[k], self.multiplier[k]),
+            self.strain[k],
+            self.strain_rate[k],
+            self.section_force[k],
+            self.reaction[k],
+            float(self.kinetic[k]),
+            float(self.elastic[k]),
+            None if joints is None else JointState(*(field[k] for field in joints)),
+            None if power is None else power[k],
+            None if spring is None else spring[k],
+        )
+
+    def each(self) -> list[Snapshot]:
+        """Return all of them by themselves."""
+        return [self.at(k) for k in range(self.instants)]
+
+    def first(self, count: int) -> Snapshots:
+        """Return the first ``count`` of them."""
+        joints = self.joints
+        cut: dict[str, Any] = {
+            name: None if values is None else values[:count] for name, values in self._asdict().items()
+        }
+        if joints is not None:
+            cut["joints"] = JointState(*(values[:count] for values in joints))
+        return type(self)(**cut)
+
+
+class Records(NamedTuple):
+    """Consecutive records: states, energies as in :attr:`EnergyAccount.recorded`, losses of branches ``(k, n)``."""
+
+    states: Snapshots
+    energy: Floats
+    branches: Floats
+
+
 @dataclass
 class History:
-    """Recorded states, one list entry each; instants are times [s] or load factors."""
+    """Recorded states; instants are times [s] or load factors.
+
+    Attributes:
+        records: pieces of one or more states, whose arrays they keep.
+        instant, step_size, iterations: one entry per state.
+        unstable: negative eigenvalues of the points of a path.
+        start: the state at 0, if it was recorded here.
+    """
 
     instant: list[float] = field(default_factory=list)
-    snapshots: list[Snapshot] = field(default_factory=list)
-    energy: list[tuple[float, float, float, float, float, float, float]] = field(default_factory=list)
+    records: list[Records] = field(default_factory=list)
     step_size: list[float] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
-    branches: list[Floats] = field(default_factory=list)  # energy lost by each Maxwell branch so far
-    unstable: list[int] = field(default_factory=list)  # negative eigenvalues of the points of a path
+    unstable: list[int] = field(default_factory=list)
     start: Snapshot | None = None
-    """The state at 0, if it was recorded here."""
-    last: tuple[float, Snapshot] | None = None
-    """The last instant and state that were recorded here."""
 
     @property
     def count(self) -> int:
         """States recorded so far."""
         return len(self.instant)
 
+    @property
+    def snapshots(self) -> list[Snapshot]:
+        """The states that are here, each by itself."""
+        return [snapshot for piece in self.records for snapshot in piece.states.each()]
+
     def record(
         self, instant: float, snapshot: Snapshot, account: EnergyAccount, step_size: float, iterations: int
     ) -> None:
         """Append a snapshot and the energy account at an instant."""
-        if instant == 0.0:
-            self.start = snapshot
-        self.snapshots.append(snapshot)
-        self.energy.append(
-            (
-                account.kinetic,
-                account.elastic,
-                account.viscous,
-                account.external,
-                account.numerical,
-                account.outside,
-                account.actuator,
-            )
-        )
-        self.branches.append(account.branches)
-        self.step_size.append(step_size)
-        self.iterations.append(iterations)
-        self.last = instant, snapshot
-        self.instant.append(instant)  # at the end, which makes it count
+        energy = np.array([account.recorded])
+        records = Records(Snapshots.of(snapshot), energy, account.branches[None])
+        self.extend([instant], records, step_size, iterations)
+
+    def extend(self, instants: list[float], records: Records, step_size: float, iterations: int) -> None:
+        """Append states within one step, or at its end, at their instants."""
+        if instants[0] == 0.0:
+            self.start = records.states.at(0)
+        self.records.append(records)
+        self.step_size += [step_size] * len(instants)
+        self.iterations += [iterations] * len(instants)
+        self.instant += instants  # at the end, which makes them count
+
+    def whole(self) -> Records:
+        """Return all states as one piece, in arrays of its own."""
+        states, energy, branches = zip(*self.records, strict=True)
+        return Records(Snapshots.joined(states), np.concatenate(energy), np.concatenate(branches))
 
     def truncate(self, count: int) -> None:
         """Keep the first ``count`` records only."""
-        for values in (
-            self.instant,
-            self.snapshots,
-            self.energy,
-            self.branches,
-            self.step_size,
-            self.iterations,
-        ):
+        for values in (self.instant, self.step_size, self.iterations):
             del values[count:]
+        kept: list[Records] = []
+        for piece in self.records:
+            left = count - sum(one.states.instants for one in kept)
+            if left <= 0:
+                break
+            cut = left < piece.states.instants
+            kept.append(
+                Records(piece.states.first(left), piece.energy[:left], piece.branches[:left])
+                if cut
+                else piece
+            )
+        self.records = kept
 
     def sample(self, most: int) -> list[tuple[float, Snapshot]]:
         """Return at most about so many of the recorded states, evenly, each with its instant."""
-        count = len(self.snapshots)
+        snapshots = self.snapshots
+        count = len(snapshots)
         chosen = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
-        return [(self.instant[k], self.snapshots[k]) for k in chosen]
+        return [(self.instant[k], snapshots[k]) for k in chosen]

@@ -123,7 +123,7 @@ class HalvedSteps:
             return
         self._kept = False
         twin.resume()
-        (middle, *_), *_ = integrator.between(np.array([0.5]))
+        middle = integrator.between(np.array([0.5])).states.at(0)
         within = np.zeros((len(self.mass), 6))
         for at, limit in ((end - 0.5 * h, False), (end, left)):
             twin.begin_half()

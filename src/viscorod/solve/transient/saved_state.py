@@ -7,6 +7,7 @@ classes named here and of no other; nothing in a file is ever executed.
 
 from __future__ import annotations
 
+import operator
 from collections import deque
 from functools import cache
 from typing import Any
@@ -141,7 +142,7 @@ def hand_over(source: Any, target: Any) -> Any:
 
 def _handed_over(source: Any, target: Any, seen: set[int]) -> Any:
     of: Any = type(source)
-    if of is np.ndarray and source.dtype != object:
+    if of is np.ndarray and source.dtype.char != "O":
         same = type(target) is of and target.shape == source.shape and target.dtype == source.dtype
         if not same or not target.flags.writeable:
             return source.copy()
@@ -152,8 +153,9 @@ def _handed_over(source: Any, target: Any, seen: set[int]) -> Any:
         return source
     if kind == "left out":
         return target
-    inside = kind == "tuple" or (kind == "object" and hasattr(source, "__dict__"))
-    if not inside or of.__name__ in MADE:
+    if of.__name__ in MADE:
+        return _copied(source)
+    if kind != "tuple" and (kind != "object" or not hasattr(source, "__dict__")):
         tree = _saved(source, seen)
         return target if tree is _LEFT_OUT else _restored(target, tree)
     if id(source) in seen or type(target) is not of:
@@ -161,7 +163,7 @@ def _handed_over(source: Any, target: Any, seen: set[int]) -> Any:
     seen.add(id(source))
     if kind == "tuple":
         items = [_handed_over(old, new, seen) for old, new in zip(source, target, strict=True)]
-        same = all(item is before for item, before in zip(items, target, strict=True))
+        same = all(map(operator.is_, items, target))
         return target if same else target._make(items)
     fields = vars(target)
     for key, item in vars(source).items():
@@ -170,6 +172,17 @@ def _handed_over(source: Any, target: Any, seen: set[int]) -> Any:
         if new is not old:
             fields[key] = new
     return target
+
+
+def _copied(value: Any) -> Any:
+    """Return a copy of an array, of one of the classes that are made, or what never changes itself."""
+    of: Any = type(value)
+    if of is np.ndarray:
+        return value.copy()
+    if of.__name__ not in MADE:
+        return value
+    fields = value if isinstance(value, tuple) else vars(value).values()
+    return of(*map(_copied, fields))
 
 
 def _restored(value: Any, tree: SavedTree) -> Any:

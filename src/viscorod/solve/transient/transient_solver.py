@@ -11,7 +11,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import EnergyAccount, History, StepShare
+from viscorod.solve.history import EnergyAccount, History, Records, StepShare
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.newton import Outcome, interruption
 from viscorod.solve.transient.events import EventWatch
@@ -238,14 +238,15 @@ class Transient:
         least = -np.inf
         for begin in range(0, len(parts), AT_ONCE):
             some = np.array(parts[begin : begin + AT_ONCE])
-            lost, outside = integrator.branch_losses(some), integrator.outside_until(some)
-            driven = integrator.actuator_until(some)
-            for number, (between, work, loss) in enumerate(integrator.between(some)):
-                least = max(least, loss)  # interpolation must not give energy back
-                part, at = float(some[number]), times[begin + number]
-                share = StepShare(work, least, float(outside[number]), float(driven[number]))
-                energy = before.between(account, part, between.kinetic, share, lost[number])
-                history.record(at, between, energy, end - t, iterations)
+            states, work, loss = integrator.between(some)
+            loss[0] = max(loss[0], least)
+            loss = np.maximum.accumulate(loss)  # interpolation must not give energy back
+            least = loss[-1]
+            outside, driven = integrator.outside_until(some), integrator.actuator_until(some)
+            share = StepShare(work, loss, outside, driven, integrator.branch_losses(some))
+            energies = before.between(account, some, states.kinetic, share)
+            instants = times[begin : begin + len(some)]
+            history.extend(instants, Records(states, *energies), end - t, iterations)
         if len(times) > len(parts):
             history.record(times[-1], integrator.snapshot(), account, end - t, iterations)
 

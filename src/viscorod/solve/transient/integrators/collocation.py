@@ -25,7 +25,7 @@ from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators import iteration_verdict, jacobian
 from viscorod.solve.transient.integrators.collocation_step import try_step
-from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.contract import Inside, StepReport
 from viscorod.solve.transient.integrators.predictor import Predictor
 from viscorod.solve.transient.integrators.record_kernels import Kept, StepEnd
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
@@ -258,21 +258,21 @@ class Collocation:
         self.system.constraints.update(self.t, True)  # states between may have been computed
         return self.stage_constraints.with_allowed_velocities(snapshot, self.systems.solve_real)
 
-    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
+    def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        records = self.recorder.between(
+        inside = self.recorder.between(
             parts, self.t, self._step, self.state, self._end_rate, self.account.powers, self.loss
         )
         if self.dashpots is None:
-            return records
-        places = self.system.gauss_indices()
+            return inside
+        places, count = self.system.gauss_indices(), len(parts)
         found = self.dashpots.springs_between(parts)
         powers = [self.dashpots.memory.power_of(spring).ravel()[places] for spring in found]
-        springs = at_points(found, places)
-        return [
-            (snapshot._replace(branch_power=power, branch_strain=spring), work, loss)
-            for (snapshot, work, loss), power, spring in zip(records, powers, springs, strict=True)
-        ]
+        springs = np.asarray(at_points(found, places))
+        states = inside.states._replace(
+            branch_power=np.array(powers).reshape(count, -1), branch_strain=springs
+        )
+        return inside._replace(states=states)
 
     @property
     def branch_loss(self) -> Floats:

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import Snapshot
+from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.statics.newton import Outcome
 from viscorod.typing import Floats
 
@@ -48,6 +48,14 @@ class StepReport(NamedTuple):
     def after(self, iterations: int) -> StepReport:
         """Return this report with the iterations of an earlier attempt added."""
         return self._replace(iterations=self.iterations + iterations)
+
+
+class Inside(NamedTuple):
+    """States at ``k`` parts of a step, and work and viscous loss from its start up to there ``(k,)`` [J]."""
+
+    states: Snapshots
+    work: Floats
+    loss: Floats
 
 
 class Integrator(Protocol):
@@ -136,8 +144,8 @@ class Integrator(Protocol):
     def snapshot(self) -> Snapshot:
         """Return all fields at ``t``."""
 
-    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
-        """Return all fields at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start."""
+    def between(self, parts: Floats) -> Inside:
+        """Return all fields at ``parts (k,)`` (0 to 1) of the last step, and work and loss from its start."""
 
     def outside_until(self, parts: Floats) -> Floats:
         """Return the energy ``(k,)`` [J] that loads dissipated outside in the last step up to ``parts (k,)``."""

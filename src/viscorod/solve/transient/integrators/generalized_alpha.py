@@ -23,11 +23,11 @@ from viscorod.mechanics.rotations.rotation import add_mapped, inverse_motion_tan
 from viscorod.solve.constraints.projection import close_gaps, start_consistently, with_allowed_velocities
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
-from viscorod.solve.history import Snapshot
+from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.statics.newton import Convergence, Outcome, SingularMatrixError, worst_node
-from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.contract import Inside, StepReport
 from viscorod.solve.transient.integrators.step_recorder import interpolate_states
 from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
@@ -284,7 +284,7 @@ class GeneralizedAlpha:
         self.drift = self.drift[0], max(self.drift[1], left)
         return found
 
-    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
+    def between(self, parts: Floats) -> Inside:
         """Interpolate within the last step, cubic in the poses, linear in the rest (see ``contract.Integrator``)."""
         (old, before), after, rate = self._start, self._snapshot, self._rate
         split = np.zeros(len(rate))
@@ -298,10 +298,11 @@ class GeneralizedAlpha:
                 gap = close_gaps(constraints, state, self.system.matrix.solve)
                 self.drift = max(self.drift[0], gap), self.drift[1]
             constraints.update(self.t, True)
-        return [
-            (before.blend(after, part, state, self.system), part * self.work, part * self.loss)
+        blended = [
+            Snapshots.of(before.blend(after, part, state, self.system))
             for state, part in zip(states, parts, strict=True)
         ]
+        return Inside(Snapshots.joined(blended), parts * self.work, parts * self.loss)
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: every iteration factorises."""
