@@ -13,8 +13,9 @@ from viscorod.analyses.start_state import StartState
 from viscorod.analyses.static_stages import stages_of
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.run import Equilibrium
+from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.history import History, Snapshot
 from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.start import Start
 from viscorod.solve.statics.newton import Outcome

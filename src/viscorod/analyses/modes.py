@@ -9,8 +9,9 @@ from viscorod.analyses.equilibrium import equilibrium_near, find_initial_equilib
 from viscorod.errors import SolveError
 from viscorod.results.modes_result import Modes
 from viscorod.solve.constraints.rigid_motions import many_parts
+from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.history import History, Snapshot
 from viscorod.solve.modes import vibrations
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.start import Start

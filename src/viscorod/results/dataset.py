@@ -38,7 +38,7 @@ def dataset(
     along = DIMENSION[kind]
     reader = StationReader(problem)
     r0, q0, _, _ = reader.read(problem.positions, problem.quaternions, np.zeros((problem.size, 6)))
-    recorded, energy, branch_loss = history.whole()
+    recorded, (energy, branch_loss) = history.states(), history.energies()
     r, q, twist = recorded.r, recorded.q, recorded.twist
     position, rotation, velocity, spin = reader.read(r, q, twist)
     names, bodies = np.array(problem.rods), problem.bodies.names

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from viscorod.mechanics.rotations.quaternion import product
 from viscorod.mechanics.rotations.rotation import rotate_rows
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.energy_account import EnergiesWithin, EnergyAccount, StepShare
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
@@ -71,110 +72,6 @@ def _rotate(q: Floats, a: Floats) -> Floats:
         np.ascontiguousarray(q).reshape(-1, 4), np.ascontiguousarray(a).reshape(-1, 3), out.reshape(-1, 3)
     )
     return out
-
-
-class Progressing(Protocol):
-    """Energies of an integrator after a step, for the energy account."""
-
-    kinetic: float
-    elastic: float
-    work: float
-    loss: float
-    outside: float
-    actuator: float
-
-    @property
-    def branch_loss(self) -> Floats:
-        """Energy dissipated by each Maxwell branch ``(n,)`` [J], part of ``loss``."""
-
-
-class StepShare(NamedTuple):
-    """What happened up to ``k`` parts of a step ``(k,)`` [J].
-
-    Work, viscous loss, loss of loads outside, work of rest strains; what each Maxwell branch lost ``(k, n)``.
-    """
-
-    work: Floats
-    loss: Floats
-    outside: Floats
-    actuator: Floats
-    branches: Floats
-
-
-@dataclass
-class EnergyAccount:
-    """Energies so far [J].
-
-    ``outside`` is what loads dissipated; ``actuator`` the work of what changes rest strains; ``numerical`` closes the
-    balance;
-    ``branches`` are dissipated by each Maxwell branch, parts of ``viscous``.
-    """
-
-    kinetic: float = 0.0
-    elastic: float = 0.0
-    viscous: float = 0.0
-    external: float = 0.0
-    start: float = 0.0
-    outside: float = 0.0
-    actuator: float = 0.0
-    branches: Floats = field(default_factory=lambda: np.zeros(0))
-
-    @property
-    def numerical(self) -> float:
-        """T + W + D - P - (T + W)_0: energy that the time integration produced (negative: lost)."""
-        given = self.external + self.actuator + self.start
-        return self.kinetic + self.elastic + self.viscous + self.outside - given
-
-    def copy(self) -> EnergyAccount:
-        """Return an independent copy."""
-        copied = EnergyAccount.__new__(EnergyAccount)
-        vars(copied).update(vars(self))
-        return copied
-
-    def add(self, step: Progressing) -> None:
-        """Add a step."""
-        self.kinetic, self.elastic = step.kinetic, step.elastic
-        self.external += step.work
-        self.viscous += step.loss
-        self.outside += step.outside
-        self.actuator += step.actuator
-        self.branches = self.branches + step.branch_loss
-
-    @property
-    def recorded(self) -> tuple[float, ...]:
-        """Everything but the branches, as histories keep it."""
-        return (
-            self.kinetic,
-            self.elastic,
-            self.viscous,
-            self.external,
-            self.numerical,
-            self.outside,
-            self.actuator,
-        )
-
-    def between(
-        self, end: EnergyAccount, parts: Floats, kinetic: Floats, step: StepShare
-    ) -> tuple[Floats, Floats]:
-        """Return what was recorded at ``parts (k,)`` of the step that led from here to ``end``.
-
-        The remainder is known at the ends of steps only, and linear between; the elastic energy is what the balance
-        leaves.
-
-        Args:
-            kinetic: energy there ``(k,)`` [J]; step: what happened up to there.
-
-        Returns:
-            energies ``(k, 7)`` in the order of :attr:`recorded`, and losses of the branches ``(k, n)``.
-        """
-        viscous, external = self.viscous + step.loss, self.external + step.work
-        outside, actuator = self.outside + step.outside, self.actuator + step.actuator
-        remainder = (1.0 - parts) * self.numerical + parts * end.numerical
-        given = external + actuator + self.start
-        elastic = np.maximum(remainder - (kinetic + viscous + outside - given), 0.0)
-        numerical = kinetic + elastic + viscous + outside - given
-        energy = np.array([kinetic, elastic, viscous, external, numerical, outside, actuator]).T
-        return energy, self.branches + step.branches
 
 
 class Snapshot(NamedTuple):
@@ -342,11 +239,18 @@ class Snapshots(NamedTuple):
 
 
 class Records(NamedTuple):
-    """Consecutive records: states, energies as in :attr:`EnergyAccount.recorded`, losses of branches ``(k, n)``."""
+    """Consecutive records: states, and energies or what they follow from, at one place or several of a step."""
 
     states: Snapshots
-    energy: Floats
-    branches: Floats
+    energy: EnergyAccount | EnergiesWithin
+
+    def first(self, count: int) -> Records:
+        """Return the first ``count`` of them."""
+        energy = self.energy
+        if isinstance(energy, EnergiesWithin):
+            step = StepShare._make(values[:count] for values in energy.step)
+            energy = energy._replace(parts=energy.parts[:count], kinetic=energy.kinetic[:count], step=step)
+        return Records(self.states.first(count), energy)
 
 
 @dataclass
@@ -381,9 +285,7 @@ class History:
         self, instant: float, snapshot: Snapshot, account: EnergyAccount, step_size: float, iterations: int
     ) -> None:
         """Append a snapshot and the energy account at an instant."""
-        energy = np.array([account.recorded])
-        records = Records(Snapshots.of(snapshot), energy, account.branches[None])
-        self.extend([instant], records, step_size, iterations)
+        self.extend([instant], Records(Snapshots.of(snapshot), account.copy()), step_size, iterations)
 
     def extend(self, instants: list[float], records: Records, step_size: float, iterations: int) -> None:
         """Append states within one step, or at its end, at their instants."""
@@ -394,10 +296,28 @@ class History:
         self.iterations += [iterations] * len(instants)
         self.instant += instants  # at the end, which makes them count
 
-    def whole(self) -> Records:
-        """Return all states as one piece, in arrays of its own."""
-        states, energy, branches = zip(*self.records, strict=True)
-        return Records(Snapshots.joined(states), np.concatenate(energy), np.concatenate(branches))
+    def states(self) -> Snapshots:
+        """Return all states, in arrays of their own."""
+        return Snapshots.joined([piece.states for piece in self.records])
+
+    def energies(self) -> tuple[Floats, Floats]:
+        """Return the energies ``(k, 7)``, as in :attr:`EnergyAccount.recorded`, and losses of branches ``(k, n)``."""
+        pieces = [piece.energy for piece in self.records]
+        inside = [piece for piece in pieces if isinstance(piece, EnergiesWithin)]
+        energy, branches, done = np.empty((self.count, 7)), [], 0
+        within, taken = EnergiesWithin.rows(inside) if inside else np.empty((0, 7)), 0
+        for piece in pieces:
+            if isinstance(piece, EnergiesWithin):
+                count = len(piece.parts)
+                energy[done : done + count] = within[taken : taken + count]
+                branches.append(piece.before.branches + piece.step.branches)
+                taken += count
+            else:
+                count = 1
+                energy[done] = piece.recorded
+                branches.append(piece.branches[None])
+            done += count
+        return energy, np.concatenate(branches)
 
     def truncate(self, count: int) -> None:
         """Keep the first ``count`` records only."""
@@ -409,11 +329,7 @@ class History:
             if left <= 0:
                 break
             cut = left < piece.states.instants
-            kept.append(
-                Records(piece.states.first(left), piece.energy[:left], piece.branches[:left])
-                if cut
-                else piece
-            )
+            kept.append(piece.first(left) if cut else piece)
         self.records = kept
 
     def sample(self, most: int) -> list[tuple[float, Snapshot]]:

@@ -1,6 +1,7 @@
 """The state of a run as plain data, and back: what a run needs to go on, bit for bit, in another process.
 
-The objects of a run are walked attribute by attribute. What is read back is put into objects that were made anew from
+The objects of a run are walked attribute by attribute, but for those that they name as ``unsaved``: what is computed
+anew before it is read. What is read back is put into objects that were made anew from
 the same model, arrays in place, so that views and compiled code see them. Reading makes objects of the few small
 classes named here and of no other; nothing in a file is ever executed.
 """
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from viscorod.mechanics.compilation.callback import Callback
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.gauss_batch import ElementGroup
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.mechanics.elements.internal_force import Elements, ElementWork
@@ -35,11 +37,13 @@ from viscorod.solve.problem.joint_set import JointSet
 from viscorod.solve.problem.law_callbacks import LawCallbacks, MotionLaws
 from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
 from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, Relation, Solution
-from viscorod.solve.transient.integrators.record_kernels import Reading
+from viscorod.solve.transient.integrators.record_kernels import Kept, Reading
 from viscorod.solve.transient.integrators.stage_data import (
     Discretisation,
     StageFactors,
     StageLoads,
+    Stages,
+    StepAccount,
     SupportMotion,
     Work,
 )
@@ -57,6 +61,7 @@ UNCHANGED = (
     JointSet, LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads,
     LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, StageFactors, StageLoads, SupportMotion, Work,
     Coefficients, Relation, Solution, GaussPositions, ElementWork, ImposedStrains, StackedSolvers, Reading,
+    Kept, Stages, StepAccount,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 
@@ -122,7 +127,8 @@ def _saved(value: Any, seen: set[int]) -> SavedTree:
     )
     if fields is None:
         return _LEFT_OUT
-    content = {key: _saved(item, seen) for key, item in fields.items()}
+    left: frozenset[str] = getattr(value, "unsaved", frozenset())
+    content = {key: _saved(item, seen) for key, item in fields.items() if key not in left}
     return {
         "kind": "object",
         "type": of.__name__,
@@ -152,6 +158,8 @@ def _handed_over(source: Any, target: Any, seen: set[int]) -> Any:
     if kind == "plain":
         return source
     if kind == "left out":
+        if of is KnownTypes:
+            target.take_over(source)
         return target
     if of.__name__ in MADE:
         return _copied(source)
@@ -165,8 +173,11 @@ def _handed_over(source: Any, target: Any, seen: set[int]) -> Any:
         items = [_handed_over(old, new, seen) for old, new in zip(source, target, strict=True)]
         same = all(map(operator.is_, items, target))
         return target if same else target._make(items)
+    left: frozenset[str] = getattr(source, "unsaved", frozenset())
     fields = vars(target)
     for key, item in vars(source).items():
+        if key in left:
+            continue
         old = fields.get(key)
         new = _handed_over(item, old, seen)
         if new is not old:

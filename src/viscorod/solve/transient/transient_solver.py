@@ -10,8 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.solve.energy_account import EnergiesWithin, EnergyAccount, StepShare
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import EnergyAccount, History, Records, StepShare
+from viscorod.solve.history import History, Records
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.newton import Outcome, interruption
 from viscorod.solve.transient.events import EventWatch
@@ -235,7 +236,7 @@ class Transient:
         if stop is not None:
             times = [*(at for at in times if at < stop), stop]
         parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
-        least = -np.inf
+        least, after = -np.inf, account.copy()
         for begin in range(0, len(parts), AT_ONCE):
             some = np.array(parts[begin : begin + AT_ONCE])
             states, work, loss = integrator.between(some)
@@ -244,9 +245,9 @@ class Transient:
             least = loss[-1]
             outside, driven = integrator.outside_until(some), integrator.actuator_until(some)
             share = StepShare(work, loss, outside, driven, integrator.branch_losses(some))
-            energies = before.between(account, some, states.kinetic, share)
+            energy = EnergiesWithin(before, after, some, states.kinetic, share)
             instants = times[begin : begin + len(some)]
-            history.extend(instants, Records(states, *energies), end - t, iterations)
+            history.extend(instants, Records(states, energy), end - t, iterations)
         if len(times) > len(parts):
             history.record(times[-1], integrator.snapshot(), account, end - t, iterations)
 

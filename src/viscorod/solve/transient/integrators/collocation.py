@@ -69,6 +69,8 @@ class Collocation:
 
     looks_within = True
 
+    unsaved = frozenset({"_ad", "_points", "actions"})
+
     stale = 0.1
     """Convergence rate from which on the Jacobian is renewed."""
 
@@ -174,6 +176,7 @@ class Collocation:
         # equal steps differ by the rounding of their ends
         if abs(h - self._factor_step) > 1e-9 * h and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
+        self.systems.provide()
         self.predictor.predict(self.state, self._stress, h)
         if self.stage_constraints is not None:
             self.stage_constraints.predict(h)
@@ -299,7 +302,7 @@ class Collocation:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: factors follow from the Jacobian."""
         self.actions.reset()
         if self._factor_step > 0.0:
-            self.systems.factorise(self.matrices, self._factor_step)
+            self.systems.want(self.matrices, self._factor_step)
 
     def stability(self, z: np.ndarray) -> np.ndarray:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""

@@ -45,6 +45,8 @@ class StepRecorder:
 
     snapshot: Snapshot
 
+    unsaved = frozenset({"_reactions", "_start", "_start_rate"})
+
     def __init__(
         self,
         body: Discretisation,
