@@ -304,7 +304,7 @@ class History:
         """Return the energies ``(k, 7)``, as in :attr:`EnergyAccount.recorded`, and losses of branches ``(k, n)``."""
         pieces = [piece.energy for piece in self.records]
         inside = [piece for piece in pieces if isinstance(piece, EnergiesWithin)]
-        energy, branches, done = np.empty((self.count, 7)), [], 0
+        energy, branches, done = np.empty((len(self.instant), 7)), [], 0
         within, taken = EnergiesWithin.rows(inside) if inside else np.empty((0, 7)), 0
         for piece in pieces:
             if isinstance(piece, EnergiesWithin):
