@@ -14,7 +14,7 @@ COMPILATION := tests/unit/test_warmup.py
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help demo quick test coverage search fuzz honest check types pages docs figures bench peers clean
+.PHONY: help demo quick test coverage search fuzz honest check style types pages kernels docs figures bench peers clean
 
 help:
 	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
@@ -48,10 +48,12 @@ demo: $(VENV)/.stamp-run
 	$(BIN)/viscorod run examples/cantilever_swing.toml -o out/cantilever_swing
 
 # Types and documentation take a minute each: they are checked beside each other.
-check: $(VENV)/.stamp-test
+check: style
+	$(MAKE) --no-print-directory --jobs=$(WORKERS) --output-sync=target types pages
+
+style: $(VENV)/.stamp-test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(MAKE) --no-print-directory --jobs=$(WORKERS) --output-sync=target types pages
 
 types: $(VENV)/.stamp-test
 	$(BIN)/mypy
@@ -63,10 +65,14 @@ pages: $(VENV)/.stamp-test
 quick: $(VENV)/.stamp-test
 	$(SUITE) -m "not slow" tests/unit tests/property
 
-# All kernels are compiled first, which is a test; the other tests find them on disk.
-test: check
-	$(BIN)/python -m pytest --durations=15 $(COMPILATION)
+# All kernels are compiled first, which is a test and keeps one core busy as long as the checks keep another; the other
+# tests find them on disk.
+test: style
+	$(MAKE) --no-print-directory --jobs=$(WORKERS) --output-sync=target kernels types pages
 	$(SUITE) --durations=15 --ignore=$(COMPILATION)
+
+kernels: $(VENV)/.stamp-test
+	$(BIN)/python -m pytest --durations=15 $(COMPILATION)
 
 # Tests of kernels, in pure Python: lines of compiled code cannot be counted.
 KERNEL_TESTS := $(patsubst %,tests/unit/test_%.py,element_kernels collocation_kernels intrinsic_kernels motion_kernels \

@@ -80,7 +80,8 @@ def bytes_of(*owners: object) -> int:
         elif isinstance(item, (list, tuple)):
             waiting.extend(item)
         elif type(item).__module__.startswith("viscorod"):
-            waiting.extend(vars(item).values())
+            held = [getattr(item, name, None) for name in getattr(type(item), "__slots__", ())]
+            waiting.extend([*held, *getattr(item, "__dict__", {}).values()])
     return sum(array.nbytes for array in found.values())
 
 

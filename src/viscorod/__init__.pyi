@@ -88,12 +88,12 @@ from .results.energy import Energy as Energy
 from .results.files.storage import load as load
 from .results.frequency_response import FrequencyResponse as FrequencyResponse
 from .results.linear_system import LinearSystem as LinearSystem
-from .results.linear_system import ReducedSystem as ReducedSystem
-from .results.linear_system import StateMatrices as StateMatrices
 from .results.modes_result import Modes as Modes
+from .results.reduced_system import ReducedSystem as ReducedSystem
 from .results.resonances import Resonance as Resonance
 from .results.run import Equilibrium as Equilibrium
 from .results.run import Run as Run
+from .results.state_matrices import StateMatrices as StateMatrices
 from .results.steady_result import Steady as Steady
 from .results.sweep_result import Sweep as Sweep
 from .results.sweep_result import SweepRun as SweepRun

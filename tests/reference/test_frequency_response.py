@@ -137,6 +137,88 @@ def test_a_table_in_extension_and_one_in_shear():
     assert abs(found.values[0, 1, 0]) < 1e-20
 
 
+def test_a_constant_loss_factor_is_exact():
+    """E (1 + i eta) within the band and beyond it, whatever its Maxwell branches make of it; told in the report."""
+    eta, hertz = 0.1, np.array([20.0, 200.0, 3e3, 9e3])
+    damping = vr.LossFactor(extension=eta, band=(100.0, 1e3))
+    model = strip(vr.Material(YOUNG, NU, DENSITY, damping=damping), elements=2, order=6)
+    settings = {"inputs": "beam.end fx", "outputs": "beam.end ux", "frequencies": hertz}
+    found = model.frequency_response(**settings)
+    exact = bar_receptance(2 * np.pi * hertz, LENGTH, AREA, DENSITY, YOUNG * (1 + 1j * eta))
+    np.testing.assert_allclose(found.response(), exact, rtol=1e-5)
+    assert "E = 7e+10 (1 + 0.1 i) Pa at every frequency" in found.report()
+    assert any("said to hold from 100 to 1000 Hz only" in text for text in found.warnings)
+    # the poles of the bar: s = i omega_k sqrt(1 + i eta)
+    speed = np.sqrt(YOUNG / DENSITY)
+    along = [
+        s for s, n in zip(found.poles, found.data["pole_name"].values, strict=True) if "stretch" in str(n)
+    ]
+    np.testing.assert_allclose(along[0], 1j * np.pi * speed / (2 * LENGTH) * np.sqrt(1 + 1j * eta), rtol=1e-5)
+    fitted = model.frequency_response(**settings, moduli="law")
+    assert np.abs(fitted.response() / exact - 1).max() > 0.05
+    assert fitted.moduli == []
+    # at rest it is the stiffness that equilibria have
+    resting = model.frequency_response(**(settings | {"frequencies": [0.0]})).response()
+    law = model.frequency_response(**(settings | {"frequencies": [0.0], "moduli": "law"})).response()
+    np.testing.assert_allclose(resting, law, rtol=1e-12)
+
+
+def test_loss_factors_in_shear_and_in_volume():
+    """G (1 + i eta_G) and K (1 + i eta_K): E is 9KG/(3K + G), complex."""
+    damping = vr.LossFactor(shear=0.06, bulk=0.02, band=(10.0, 100.0))
+    material = vr.Material(YOUNG, NU, DENSITY, damping=damping)
+    model = strip(material, elements=2, section=vr.Circle(0.01))
+    found = model.frequency_response(
+        inputs=["beam.end fx", "beam.end mx"], outputs=["beam.end ux", "beam.end rx"], frequencies=[50.0]
+    )
+    G = YOUNG / (2 * (1 + NU)) * (1 + 0.06j)
+    K = YOUNG / (3 * (1 - 2 * NU)) * (1 + 0.02j)
+    E, omega, radius = 9 * K * G / (3 * K + G), 2 * np.pi * 50.0, 0.01
+    area, polar = np.pi * radius**2, np.pi * radius**4 / 2
+    exact = bar_receptance(omega, LENGTH, area, DENSITY, E), bar_receptance(omega, LENGTH, polar, DENSITY, G)
+    np.testing.assert_allclose([found.values[0, 0, 0], found.values[0, 1, 1]], exact, rtol=1e-6)
+
+
+def test_layers_have_their_own_complex_moduli():
+    """A sandwich of a table and a constant loss factor: stretch and bending have the sums of both."""
+    hertz, width, core, skin = np.array([40.0, 300.0]), 0.02, 0.006, 0.002
+    table = vr.ComplexModuli(frequency=[40.0, 300.0], storage=[2e9, 3e9], loss=[4e8, 1e9])
+    inner = vr.Material(poissons_ratio=NU, density=1200.0, damping=table)
+    outer = vr.Material(
+        YOUNG, NU, DENSITY, damping=vr.LossFactor(extension=0.01, shear=0.01, band=(10.0, 1e3))
+    )
+    section = vr.Composite(
+        [
+            vr.CompositeRegion(inner, vr.Rectangle(width, core)),
+            vr.CompositeRegion(outer, vr.Rectangle(width, skin), at=(0, (core + skin) / 2)),
+            vr.CompositeRegion(outer, vr.Rectangle(width, skin), at=(0, -(core + skin) / 2)),
+        ]
+    )
+    model = vr.Model()
+    model.add("beam", vr.Rod.straight((0, 0, 0), (LENGTH, 0, 0), section=section, elements=2, order=6))
+    model.clamp("beam.start")
+    found = model.frequency_response(
+        inputs=["beam.end fx", "beam.end fz"], outputs=["beam.end ux", "beam.end uz"], frequencies=hertz
+    )
+    mass, rotary = (model.rods["beam"].matrices_at(0.0)[2][k, k] for k in (0, 3))
+    E = np.array([2e9 + 4e8j, 3e9 + 1e9j]), np.full(2, YOUNG * (1 + 0.01j))
+    area, second = (width * core, 2 * width * skin), [width * core**3 / 12, 0.0]
+    second[1] = width * (core + 2 * skin) ** 3 / 12 - second[0]
+    stretch, bending = (sum(e * part for e, part in zip(E, parts, strict=True)) for parts in (area, second))
+    exact = bar_receptance(2 * np.pi * hertz, LENGTH, 1.0, mass, stretch)
+    np.testing.assert_allclose(found.values[:, 0, 0], exact, rtol=1e-5)
+    # the shear of flexure keeps the distribution of the elastic section: shares of its G A, one for each region
+    shares = [part[2][1, 1] / (2 * (1 + NU)) for part in section.by_material()]
+    shear = E[0] * shares[0] + E[1] * (shares[1] + shares[2])
+    tip = [
+        cantilever_receptance(2 * np.pi * f, LENGTH, (EI, kGA), (mass, rotary))[0]
+        for f, EI, kGA in zip(hertz, bending, shear, strict=True)
+    ]
+    np.testing.assert_allclose(found.values[:, 1, 1], tip, rtol=1e-5)
+    assert len(found.moduli) == 2
+    assert any("warping" in text for text in found.warnings)
+
+
 def test_interpolation_between_rows_keeps_a_power_law():
     table = vr.ModulusTable(frequency=[1.0, 10.0, 100.0], storage=[1e9, 2e9, 4e9], loss=[1e8, 1e8, 1e8]).table
     modulus = TableModulus(table)
@@ -377,15 +459,10 @@ def test_inputs_and_outputs_that_are_not_there():
 
 
 def test_about_an_earlier_state():
-    """About the equilibrium of an earlier result, and not about what turns."""
+    """About the equilibrium of an earlier result: what turns is in test_rotating_responses.py."""
     model, settings = bent(), {"inputs": "beam.end fy", "outputs": "beam.end uy", "frequencies": [0.0, 1.0]}
     earlier = model.frequency_response(**settings, about=model.equilibrium())
     np.testing.assert_allclose(earlier.values, model.frequency_response(**settings).values, rtol=1e-7)
-    unloaded = vr.Model()
-    unloaded.add("beam", model.rods["beam"])
-    unloaded.clamp("beam.start")
-    with pytest.raises(vr.InputError, match=r"Steady\.modes"):
-        unloaded.linear("beam.end fy", "beam.end uy", about=unloaded.steady(spin=(0.0, 0.0, 1.0)))
 
 
 def test_a_load_is_an_input_and_results_are_stored(tmp_path):

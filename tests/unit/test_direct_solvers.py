@@ -9,10 +9,12 @@ import sys
 import numba
 import numpy as np
 import pytest
+from scipy.linalg.lapack import dgbtrf, zgbtrf
 
 from viscorod.mechanics.compilation.compiled import kernel
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.elimination import Elimination
+from viscorod.solve.linear.factors import HEAD, REACH
 from viscorod.solve.linear.ordering import cuthill_mckee, half_bandwidth
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan, plans
@@ -246,6 +248,34 @@ def test_groups_that_touch_others_remain():
     assert inner[5, 1] in found.rows
     plan = Plan.of(pattern, [inner[:1], inner[:1, ::-1]])
     assert plan.description == "band of half width 23", "a group given twice"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("order", [1, 3])
+def test_narrow_bands_have_the_factors_of_lapack(order, kind):
+    """Pivots of dgbtrf and zgbtrf, also beyond the block, and their LU; entries of U as far as is said."""
+    pattern, _, size = chain(12, order)
+    for dominant in (0.0, 20.0):
+        blocks = values(pattern, size, kind)
+        blocks[pattern.rows == pattern.columns] += dominant * np.eye(6)
+        solver = DirectSolver(next(plans(pattern)), kind)
+        width, far = solver.plan.width, order
+        band = np.zeros((6 * size, 3 * width + 1), dtype=kind)
+        place = 6 * np.argsort(solver.plan.rows)
+        for block, row, column in zip(blocks, place[pattern.rows], place[pattern.columns], strict=True):
+            for b in range(6):  # blocks stand column by column
+                first = 2 * width + row - column - b
+                band[column + b, first : first + 6] = block[b]
+        solver.factorise(blocks)
+        lu, pivots, _ = (dgbtrf if kind is float else zgbtrf)(band.T, width, width)
+        lu[2 * width] = 1.0 / lu[2 * width]
+        ours = solver.factors.values.reshape(6 * size, 3 * width + 1)
+        assert (solver.factors.integers[HEAD:] == pivots + 1).all()
+        np.testing.assert_allclose(ours, lu.T, rtol=0.0, atol=1e-11 * abs(lu).max())
+        columns, entries = np.nonzero(ours[:, : 2 * width])
+        above = columns // 6 - (columns + entries - 2 * width) // 6
+        assert solver.factors.integers[REACH] == above.max()
+        assert (above.max() > far) == (dominant == 0.0), "pivots beyond a block reach farther"
 
 
 def test_the_cheapest_way_is_taken():

@@ -15,7 +15,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.solve.linear_systems.adaptive_frequencies import MOST, followed
 from viscorod.solve.linear_systems.harmonic_response import HarmonicResponse
-from viscorod.solve.linear_systems.poles import Poles, poles_below
+from viscorod.solve.linear_systems.poles import Poles
 from viscorod.solve.linear_systems.reductions import modal_basis
 from viscorod.solve.linear_systems.second_order import SecondOrder, second_order
 from viscorod.solve.settings.response import ResponseSettings
@@ -29,6 +29,8 @@ __all__ = ["frequency_response", "with_inputs"]
 
 FURTHER = 2.0
 """Frequency up to which modes take part, over the highest of the band."""
+GROWS = 1e-9
+"""Growth of a motion, as a part of its frequency, beyond round-off."""
 COMPARED = 20
 """Frequencies at which a modal solution is compared with the direct one, beside the resonances."""
 
@@ -40,14 +42,13 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
     low, high = float(given[0]), float(given[-1])
     _require_known(about, low, high)
     _require_moving(settings, low)
-    linear = about.linearisation()
-    if low == 0.0 and linear.rigid:
+    if low == 0.0 and about.loose:
         raise SolveError(
-            f"There is no response at 0 Hz: nothing holds the model against {', '.join(linear.texts)}; add supports, "
+            f"There is no response at 0 Hz: nothing holds the model against {', '.join(about.loose)}; add supports, "
             "or give frequencies > 0"
         )
     response = HarmonicResponse(about.small, about.inputs, about.readings)
-    poles = poles_below(discrete.static, about.state, linear, about.small, high)
+    poles = about.poles(high)
     solve = response.at
     attributes: dict[str, float] = {}
     if settings.method == "modal":
@@ -55,9 +56,15 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
         solve = modal.at
         attributes["modal_modes"] = modal.modes
         attributes["modal_error"] = modal.error(response, low, high, poles.roots)
-    notes = list(about.notes)
+    notes = [*about.notes, *_beyond(about, low, high)]
     if not poles.complete:
         notes.append("not all resonances of this band were sought: narrow peaks may be missing")
+    growing = poles.roots[poles.roots.real > GROWS * np.abs(poles.roots)]
+    if len(growing):
+        notes.append(
+            f"a small motion at {abs(growing[0]) / (2.0 * np.pi):.6g} Hz grows by itself (s = {growing[0]:.5g} 1/s): "
+            "the response is that of the equations, and no motion settles to it"
+        )
     if settings.band is None:
         hertz, values = given, np.array([solve(float(f)) for f in given])
     else:
@@ -67,7 +74,7 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
         if len(hertz) >= MOST:
             notes.append(f"lines between {MOST} frequencies do not follow all responses to the tolerance")
     attributes["systems"] = response.solved
-    return FrequencyResponse(_data_set(discrete, settings, (hertz, values), poles, notes, attributes))
+    return FrequencyResponse(_data_set(about, settings, (hertz, values), poles, notes, attributes))
 
 
 @dataclass(frozen=True)
@@ -139,8 +146,21 @@ def _require_moving(settings: ResponseSettings, low: float) -> None:
             )
 
 
+def _beyond(about: LinearAbout, low: float, high: float) -> list[str]:
+    """Say where a constant loss factor is taken beyond the band over which it was said to hold."""
+    slack = 1e-9
+    if about.holds is None or (
+        about.holds[0] * (1.0 - slack) <= low and high <= about.holds[1] * (1.0 + slack)
+    ):
+        return []
+    return [
+        f"a constant loss factor is taken from {low:.6g} to {high:.6g} Hz, and it was said to hold from "
+        f"{about.holds[0]:.6g} to {about.holds[1]:.6g} Hz only"
+    ]
+
+
 def _data_set(
-    discrete: DiscreteModel,
+    about: LinearAbout,
     settings: ResponseSettings,
     response: tuple[Floats, np.ndarray],
     poles: Poles,
@@ -150,16 +170,15 @@ def _data_set(
     """Return the data set of responses ``(frequencies, outputs, inputs)`` at their frequencies [Hz]."""
     import xarray as xr
 
-    hertz, values = response
+    (hertz, values), discrete = response, about.discrete
     earlier = json.loads(discrete.attributes.get("warnings", "[]"))
     attrs = discrete.complete(
         {
             "kind": FrequencyResponse.kind,
             "outcome": "completed",
-            "about": settings.about
-            if isinstance(settings.about, str)
-            else "the equilibrium near an earlier state",
+            "about": about.text,
             "moduli": settings.moduli,
+            "moduli_from": json.dumps(about.moduli),
             "nodes": discrete.problem.size,
             "warnings": json.dumps([*earlier, *notes]),
             **attributes,

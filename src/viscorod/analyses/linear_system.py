@@ -33,7 +33,7 @@ def linear_system(discrete: DiscreteModel, settings: LinearSettings) -> LinearSy
         Z,
         None if small.gradients is None else small.gradients @ small.free,
         {} if Z is not None else _ends(problem, small.free_places),
-        settings.about if isinstance(settings.about, str) else "the equilibrium near an earlier state",
+        about.text,
         discrete.options.title,
     )
 

@@ -22,7 +22,7 @@ from viscorod.model.fields.forms import named_or, quantity
 from viscorod.model.fields.metadata import Check, Key, accepts
 from viscorod.model.fields.values import Flag, OptionalDirection, choose, number, whole_number
 from viscorod.model.materials.material import Material
-from viscorod.model.sections.curved_section import curved_branches, curved_matrices
+from viscorod.model.sections.curved_section import curved_branches, curved_matrices, curved_parts
 from viscorod.model.sections.law_base import AnySectionLaw
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.model.sections.section_kinks import SAMPLES as MANY_SAMPLES
@@ -414,6 +414,18 @@ class Rod(Definition):
         if self.curvature_correction:
             return curved_branches(branches, section, material, self.curvature_at(s))
         return branches
+
+    def materials_at(self, s: float) -> list[tuple[Material, Floats, Floats]]:
+        """Return every material of the section at the arc length `s` with its C_E and C_G (6, 6).
+
+        The stiffness is the sum of ``E C_E + G C_G``; nothing of a section that is given by numbers.
+        """
+        section = self.section_at(s)
+        material = self.material if section.needs_material else None
+        parts = section.by_material(material)
+        if parts and self.curvature_correction:
+            return curved_parts(parts, section, material, self.curvature_at(s))
+        return parts
 
     def frames(self, s: Floats | Sequence[float]) -> tuple[Floats, Floats]:
         """Return positions (n, 3) and frames (n, 3, 3; columns d1, d2, d3) of the reference shape, global axes."""

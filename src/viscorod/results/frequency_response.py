@@ -103,6 +103,11 @@ class FrequencyResponse:
         return found
 
     @property
+    def moduli(self) -> list[str]:
+        """Which complex moduli are not those of the law that motions are computed with, in sentences."""
+        return [str(text) for text in json.loads(self.data.attrs.get("moduli_from", "[]"))]
+
+    @property
     def warnings(self) -> list[str]:
         """What the result says against itself, in sentences."""
         return [str(text) for text in json.loads(self.data.attrs.get("warnings", "[]"))]
@@ -165,7 +170,10 @@ class FrequencyResponse:
                 f"\nSolved in {int(self.data.attrs['modal_modes'])} modes with static correction: the direct solution "
                 f"differs by {self.data.attrs['modal_error']:.2g} of the largest response where it was compared"
             )
-        blocks = [heading]
+        blocks = [
+            heading,
+            *(["\n".join(["Moduli", *(f"  - {text}" for text in self.moduli)])] if self.moduli else []),
+        ]
         for j, source in enumerate(self.inputs):
             for k, target in enumerate(self.outputs):
                 blocks.append(self._peaks(k, j, f"{target} over {source}, {self.unit(k, j)}"))

@@ -203,6 +203,26 @@ class LossFactor(Damping):
             return self.frequency[0], self.frequency[-1]
         return self.band
 
+    def constant_moduli(self, elastic: Elastic) -> tuple[complex, complex] | None:
+        """Return ``E (1 + i eta_E)`` and ``G (1 + i eta_G)`` of loss factors that are the same at all frequencies, Pa.
+
+        None of a loss factor at one frequency, which grows with it, and of a table. The elastic constants are the
+        storage moduli at every frequency.
+        """
+        given = [getattr(self, name) for name in ("extension", "shear", "bulk")]
+        if self.holds is None or any(isinstance(value, Sequence) for value in given):
+            return None
+        extension, shear, bulk = given
+        young, shearing = elastic.youngs_modulus, elastic.shear_modulus
+        if bulk is not None:
+            G, K = shearing * (1.0 + 1j * shear), elastic.bulk_modulus * (1.0 + 1j * bulk)
+            return 9.0 * K * G / (3.0 * K + G), G
+        in_extension, in_shear = (
+            (shear if extension is None else extension),
+            (extension if shear is None else shear),
+        )
+        return young * (1.0 + 1j * in_extension), shearing * (1.0 + 1j * in_shear)
+
     def behaviour(self, elastic: Elastic) -> Behaviour:
         """Return times of a loss factor at one frequency, or branches; a loss factor not given is taken equal."""
         return self._times(elastic) if self.holds is None else self._branches(elastic, self.holds)

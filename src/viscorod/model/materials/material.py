@@ -85,6 +85,7 @@ class Material(Definition):
 
     _behaviour: Behaviour = PrivateAttr()
     _given: dict[str, float] = PrivateAttr(default_factory=dict)
+    _elastic: Elastic = PrivateAttr()
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -122,7 +123,8 @@ class Material(Definition):
         }
         if not math.isnan(shear):
             nu = self._ratio(young, shear)
-        self._behaviour = self._resolved(Elastic(young, nu))
+        self._elastic = Elastic(young, nu)
+        self._behaviour = self._resolved(self._elastic)
         found = self._behaviour
         self.__dict__["youngs_modulus"] = found.youngs_modulus
         self.__dict__["poissons_ratio"] = found.poissons_ratio
@@ -272,6 +274,11 @@ class Material(Definition):
     def branches(self) -> tuple[Branch, ...]:
         """Maxwell branches, by time; none in a Kelvin-Voigt material."""
         return self._behaviour.branches
+
+    @property
+    def given_moduli(self) -> Elastic:
+        """The elastic constants as they were given, with a loss factor over a band the storage moduli; NaN if not."""
+        return self._elastic
 
     @property
     def assumptions(self) -> tuple[str, ...]:

@@ -253,6 +253,12 @@ class Composite(AnySection):
         density = [m.density for m in self._materials]
         return stiffness, damping, np.tensordot(density, found.inertia, 1)
 
+    def by_material(self, material: Material | None = None) -> list[tuple[Material, Floats, Floats]]:
+        """See `AnySection.by_material`: those of the regions, with the warping of the section at rest."""
+        del material
+        found = self._parts
+        return list(zip(self._materials, found.extensional, found.shearing, strict=True))
+
     def thermal_strain(self, rise: Floats, material: Material | None) -> Floats:
         """See `AnySection.thermal_strain`: its regions hinder each other's expansion along the rod.
 

@@ -28,7 +28,7 @@ from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.model.sections.stress_field import SectionSamples, StressField
 from viscorod.typing import Floats
 
-__all__ = ["curved_branches", "curved_matrices"]
+__all__ = ["curved_branches", "curved_matrices", "curved_parts"]
 
 AXIAL = np.ix_([2, 3, 4], [2, 3, 4])
 DEGREE = 8
@@ -85,6 +85,22 @@ def curved_branches(
         for branch in m.branches:
             found[int(np.argmin(np.abs(times - branch.time)))][AXIAL] += branch.youngs_modulus * stretched
     return times, found
+
+
+def curved_parts(
+    parts: list[tuple[Material, Floats, Floats]],
+    section: AnySection,
+    material: Material | None,
+    curvature: Floats,
+) -> list[tuple[Material, Floats, Floats]]:
+    """Return every material of a section of a curved rod with its C_E and C_G; see :func:`curved_matrices`."""
+    changes = _changes(section, material, *_rounded(curvature))
+    found = []
+    for (own, extensional, shearing), stretched in zip(parts, changes.extensional, strict=True):
+        bent = extensional.copy()
+        bent[AXIAL] += stretched
+        found.append((own, bent, shearing))
+    return found
 
 
 def _rounded(curvature: Floats) -> tuple[float, float]:

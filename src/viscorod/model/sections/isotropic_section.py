@@ -17,6 +17,7 @@ from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import Positive
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
+from viscorod.typing import Floats
 
 __all__ = ["MaterialSection", "SectionProperties"]
 
@@ -48,6 +49,12 @@ class MaterialSection(AnySection):
         shearing = np.diag([k1 * area, k2 * area, 0.0, 0.0, 0.0, self.torsion()])
         inertia = np.diag([area, area, area, inertia_1, inertia_2, inertia_1 + inertia_2])
         return extensional, shearing, inertia
+
+    def by_material(self, material: Material | None) -> list[tuple[Material, Floats, Floats]]:
+        """See `AnySection.by_material`: one."""
+        material = required(material)
+        extensional, shearing, _ = self.geometry(material.poissons_ratio)
+        return [(material, extensional, shearing)]
 
     def matrices(self, material: Material | None = None) -> Matrices:
         """Return stiffness C, damping D and inertia M per length, (6, 6) each.

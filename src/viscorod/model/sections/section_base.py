@@ -111,6 +111,14 @@ class AnySection(Definition):
         """Materials of its own, beside that of its rod."""
         return ()
 
+    def by_material(self, material: Material | None) -> list[tuple[Material, Floats, Floats]]:
+        """Return every material with its C_E and C_G: the stiffness is the sum of ``E C_E + G C_G``, (6, 6) each.
+
+        Nothing where the stiffness is given by numbers.
+        """
+        del material
+        return []
+
     def heat_capacity(self, material: Material | None) -> float | None:
         """Return the heat capacity per length, J/(m K); None where a specific heat is not known."""
         if material is None or material.specific_heat is None:

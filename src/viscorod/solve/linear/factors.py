@@ -12,12 +12,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
-from viscorod.solve.linear.plan import Plan
+from viscorod.solve.linear.band import factorise_band
+from viscorod.solve.linear.plan import BLOCKED, Plan
 from viscorod.solve.linear.routines import LETTERS, gbtrf, gemm, getrf, trsm
 from viscorod.typing import Floats, Integers
 
 HEAD = 12
 """Pivots begin here among the integers for LAPACK, after its letters and arguments."""
+
+REACH = 8
+"""Place among these integers: so many blocks above the diagonal one U of the band has entries."""
 
 GROWTH = 1e3
 """What a group leaves to the rest of the matrix may be so many times its own largest diagonal entry: from a group that
@@ -114,6 +118,23 @@ def _exceed(front: Floats, n: int, size: int, bound: float) -> bool:
     return count > 0
 
 
+@part
+def _factorise_rest(values: Floats, width: int, pivots: Integers, integers: Integers) -> int:
+    """Factorise the band that remains; return 0 or the number of a zero pivot."""
+    size = pivots.shape[0]
+    if width < BLOCKED:
+        return factorise_band(values, width // 6, size, pivots, integers[REACH:])
+    integers[REACH] = 2 * (width // 6)
+    integers[4], integers[5], integers[6] = size, width, 3 * width + 1
+    order, across, stride, result = integers[4:], integers[5:], integers[6:], integers[7:]
+    gbtrf(values, (order, order, across, across, values, stride, pivots, result))
+    if integers[7] == 0:
+        for j in range(size):
+            place = j * (3 * width + 1) + 2 * width
+            values[place] = 1.0 / values[place]
+    return int(integers[7])
+
+
 @kernel
 def reduce(
     blocks: Floats,
@@ -177,14 +198,7 @@ def reduce(
                         values[place + i] += front[(6 * c + j) * size + 6 * r + i]
         slot += every * every
         done += 6 * inner
-    if rest[1] == 0:
-        size = integers.shape[0] - HEAD - done
-        integers[4], integers[5], integers[6] = size, rest[0], 3 * rest[0] + 1
-        order, width, stride, result = integers[4:], integers[5:], integers[6:], integers[7:]
-        gbtrf(values, (order, order, width, width, values, stride, integers[HEAD + done :], result))
-        if integers[7] != 0:
-            return int(done + integers[7])
-        for j in range(size):
-            place = j * (3 * rest[0] + 1) + 2 * rest[0]
-            values[place] = 1.0 / values[place]
-    return 0
+    if rest[1] != 0:
+        return 0
+    code = _factorise_rest(values, rest[0], integers[HEAD + done :], integers)
+    return int(done + code) if code != 0 else 0

@@ -16,6 +16,9 @@ from viscorod.typing import Integers
 NARROW = 12
 """Bands that half_bandwidth no farther (in block rows) are never wider than worth it: no sparse LU is tried."""
 
+BLOCKED = 32
+"""LAPACK's band LU works on blocks of so many columns; below, it has a call per column, and ours is faster."""
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -26,7 +29,8 @@ class Plan:
         elimination: groups that are eliminated first, and the remaining matrix (``M`` block rows).
         order: the remaining block rows in the order of elimination ``(M,)``, numbers within what remains.
         banded: as a band; else as a sparse matrix.
-        cost: estimated time [ns] of one real factorisation.
+        cost: estimated time of a real and a complex factorisation, which motions need in turn, in proportion to that
+            of a real one [ns].
     """
 
     pattern: Pattern
@@ -150,10 +154,11 @@ def plans(pattern: Pattern, interiors: Iterable[Integers] = ()) -> Iterator[Plan
 
 
 def _band_cost(n: int, width: int) -> float:
-    """Return the time [ns] of LAPACK's band LU as measured: some per column, and more speed for wider bands."""
-    w = min(width, n)
-    rate = 6.5 if width < 32 else min(18.0, 9.0 + w / 40.0)  # LAPACK works on blocks of 32 columns
-    return 75.0 * n + (2.0 * n * w**2 - 4.0 / 3.0 * w**3) / rate
+    """Return the cost of a band LU as measured."""
+    if width < BLOCKED:
+        return n * (26.0 + 0.39 * width**2)
+    w = min(width, n)  # LAPACK: some per column, and more speed for wider bands
+    return 75.0 * n + (2.0 * n * w**2 - 4.0 / 3.0 * w**3) / min(18.0, 9.0 + w / 40.0)
 
 
 def _find(pattern: Pattern, rows: Integers, columns: Integers) -> Integers:

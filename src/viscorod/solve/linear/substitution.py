@@ -4,41 +4,9 @@ from __future__ import annotations
 
 from viscorod.mechanics.compilation.callback import call
 from viscorod.mechanics.compilation.compiled import kernel, part
-from viscorod.solve.linear.factors import HEAD, Factors
+from viscorod.solve.linear.band import solve_band, subtract
+from viscorod.solve.linear.factors import HEAD, REACH, Factors
 from viscorod.typing import Floats, Integers
-
-
-@part
-def _solve_band(values: Floats, width: int, n: int, pivots: Integers, b: Floats) -> None:
-    """Solve with the LU of a band in place: LAPACK's own loops pay a call per column, much for narrow bands."""
-    stride = 3 * width + 1
-    for j in range(n):
-        other = pivots[j] - 1
-        x = b[other]
-        if other != j:
-            b[other] = b[j]
-            b[j] = x
-        column = values[j * stride + 2 * width :]
-        for i in range(1, min(width, n - 1 - j) + 1):
-            b[j + i] -= column[i] * x
-    for j in range(n - 1, -1, -1):
-        first = max(0, j - 2 * width)
-        column = values[j * stride + 2 * width - (j - first) :]
-        x = b[j] * column[j - first]
-        b[j] = x
-        above = b[first:]
-        for i in range(j - first):
-            above[i] -= column[i] * x
-
-
-@part
-def _subtract(columns: Floats, size: int, values: Floats, count: int, x: Floats) -> None:
-    """Subtract six columns of a front times six values from ``count`` entries of ``x``; the columns begin there."""
-    a, b, c = columns, columns[size:], columns[2 * size :]
-    d, e, f = columns[3 * size :], columns[4 * size :], columns[5 * size :]
-    u, v, w, r, s, t = values[0], values[1], values[2], values[3], values[4], values[5]
-    for i in range(count):
-        x[i] -= (a[i] * u + b[i] * v + c[i] * w) + (d[i] * r + e[i] * s + f[i] * t)
 
 
 @part
@@ -54,20 +22,20 @@ def _forward(front: Floats, n: int, size: int, pivots: Integers, x: Floats) -> N
             for i in range(j + 1, p + 6):
                 x[i] -= front[j * size + i] * x[j]
         below = p + 6
-        _subtract(front[p * size + below :], size, x[p:], size - below, x[below:])
+        subtract(front[p * size + below :], size, x[p:], size - below, x[below:])
 
 
 @part
 def _backward(front: Floats, n: int, size: int, x: Floats) -> None:
     """Solve for the first ``n`` of ``size`` unknowns ``x`` of a front; the others are known."""
     for p in range(n, size, 6):
-        _subtract(front[p * size :], size, x[p:], n, x)
+        subtract(front[p * size :], size, x[p:], n, x)
     for p in range(n - 6, -1, -6):
         for j in range(p + 5, p - 1, -1):
             x[j] *= front[j * size + j]
             for i in range(p, j):
                 x[i] -= front[j * size + i] * x[j]
-        _subtract(front[p * size :], size, x[p:], p, x)
+        subtract(front[p * size :], size, x[p:], p, x)
 
 
 @part
@@ -127,7 +95,7 @@ def substitute(
         member += every
         done += 6 * inner
     if rest[1] == 0:
-        _solve_band(values, rest[0], remaining, integers[HEAD + done :], vector)
+        solve_band(values, rest[0], remaining, integers[HEAD + done :], integers[REACH], vector)
     else:
         call(rest[1], vector.ctypes, rest[2])
     member = 0

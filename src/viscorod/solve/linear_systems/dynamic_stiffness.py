@@ -35,7 +35,7 @@ class DynamicStiffness:
         scale = sparse.diags_array(units)
         scaled = [sparse.csr_array(scale @ part @ scale) for part in parts]
         self.size, self.conditions = len(units), 0 if gradients is None else int(gradients.shape[0])
-        own = np.abs(scaled[0].diagonal())
+        own = sum(np.abs(part.diagonal()) for part in (scaled[0], *scaled[3:]))
         self._weight = float(own.mean()) or 1.0
         self._scale = np.concatenate([units, np.full(self.conditions, self._weight)])
         if gradients is not None:

@@ -10,18 +10,24 @@ from scipy.interpolate import PchipInterpolator
 
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.materials.complex_moduli import ComplexModuli
+from viscorod.model.materials.loss_factor import LossFactor
 from viscorod.model.materials.material import Material
 from viscorod.model.materials.sweeps import DmaTable
-from viscorod.model.rod import Rod
-from viscorod.model.sections.isotropic_section import MaterialSection
 from viscorod.solve.formulations.system import GaussPositions
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
 
-__all__ = ["MeasuredPart", "TableModulus", "measured_parts", "without_measured"]
+__all__ = [
+    "ConstantModulus",
+    "MeasuredPart",
+    "MeasuredParts",
+    "TableModulus",
+    "measured_parts",
+    "without_measured",
+]
 
-SLACK = 1e-9
-"""Part of a frequency by which it may lie outside a table."""
+ROUND_OFF = 1e-12
+"""Part of a section's stiffness that is round-off of the others."""
 
 
 class TableModulus:
@@ -61,102 +67,174 @@ class TableModulus:
         return complex(*parts)
 
 
+class ConstantModulus:
+    """The complex modulus of a loss factor that is the same at all frequencies, ``E (1 + i eta)``.
+
+    Args:
+        modulus: E (1 + i eta), Pa.
+    """
+
+    band = None
+
+    def __init__(self, modulus: complex) -> None:
+        self._modulus = modulus
+
+    def at(self, omega: float) -> complex:
+        """Return the modulus [Pa] at any angular frequency [rad/s] above 0."""
+        del omega
+        return self._modulus
+
+
 @dataclass(frozen=True)
 class MeasuredPart:
-    """What a measured modulus has in the sections at the Gauss points, order of results.
+    """What a modulus that is known over frequency has in the sections at the Gauss points, order of results.
 
     Attributes:
-        rods: names of the rods of this material.
         section: stiffness at rest of this part ``(points, 6, 6)``.
-        law: the points at which the law of the material gives way to it ``(points,)``.
+        replaced: stiffness, viscosity, inertia (none) and branches that the fitted law has in its place, each
+            ``(points, 6, 6)`` or 0.
         rest: modulus at rest [Pa] that the stiffness has; modulus: over frequency.
     """
 
-    rods: tuple[str, ...]
     section: Floats
-    law: np.ndarray
+    replaced: tuple[Floats | float, ...]
     rest: float
-    modulus: TableModulus
+    modulus: TableModulus | ConstantModulus
 
     @property
-    def band(self) -> tuple[float, float]:
-        """Lowest and highest frequency that were measured [Hz]."""
+    def band(self) -> tuple[float, float] | None:
+        """Lowest and highest frequency that were measured [Hz]; None if it holds at any."""
         return self.modulus.band
 
     def factor(self, s: complex) -> complex:
-        """Return the modulus over that at rest, in harmonic motion ``s = i omega`` [1/s]."""
-        return self.modulus.at(abs(s.imag)) / self.rest
+        """Return the modulus over that at rest, in harmonic motion ``s = i omega`` [1/s]; 1 at rest."""
+        omega = abs(s.imag)
+        return self.modulus.at(omega) / self.rest if omega > 0.0 else 1.0
 
 
-def measured_parts(
-    model: ModelDescription, problem: Problem, places: GaussPositions
-) -> tuple[list[MeasuredPart], list[str]]:
-    """Return the parts of rods whose material was measured over frequency, and rods whose tables are not used as such.
+@dataclass(frozen=True)
+class MeasuredParts:
+    """All parts of a model whose moduli are known over frequency.
 
-    With one table Poisson's ratio is constant. Regions of composite sections keep the law that was fitted to theirs.
+    Attributes:
+        parts: two for each material at most.
+        told: where moduli come from, in sentences; notes: what is uncertain about them.
+        holds: frequencies [Hz] between which all constant loss factors were said to hold; None without any.
     """
-    groups: dict[int, list[str]] = {}
-    materials: dict[int, Material] = {}
-    for name, rod in model.rods.items():
-        material = rod.material
-        if material is not None and isinstance(material.damping, ComplexModuli):
-            groups.setdefault(id(material), []).append(name)
-            materials[id(material)] = material
-    fitted = [name for name, rod in model.rods.items() if rod.material is None and _has_tables(rod)]
-    found = []
-    for key, names in groups.items():
-        found += _parts(model, names, materials[key], problem, places)
-    return found, fitted
+
+    parts: tuple[MeasuredPart, ...] = ()
+    told: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    holds: tuple[float, float] | None = None
 
 
-def _has_tables(rod: Rod) -> bool:
-    """Return whether a composite section has materials with tables."""
-    for s in (0.0, *rod.section_breaks):
-        regions = getattr(rod.section_at(s), "regions", ())
-        if any(isinstance(getattr(r.material, "damping", None), ComplexModuli) for r in regions):
-            return True
-    return False
+def measured_parts(model: ModelDescription, problem: Problem, places: GaussPositions) -> MeasuredParts:
+    """Return the parts of the sections whose material was measured over frequency, or has a constant loss factor.
 
-
-def _parts(
-    model: ModelDescription, names: list[str], material: Material, problem: Problem, places: GaussPositions
-) -> list[MeasuredPart]:
-    damping = material.damping
-    assert isinstance(damping, ComplexModuli)
+    With one table Poisson's ratio is constant. Regions of composite sections take part with the warping that the
+    section has at its moduli at rest, as they do in the fitted law.
+    """
     count = len(places.s)
-    shapes = np.zeros((2, count, 6, 6))
-    numbers = [problem.rods.index(name) for name in names]
-    law = np.isin(places.rod, numbers)
-    for k in np.flatnonzero(law):
-        rod = model.rods[problem.rods[places.rod[k]]]
-        section = rod.section_at(float(places.s[k]))
-        assert isinstance(section, MaterialSection)  # others take no material
+    found: dict[int, tuple[Material, Floats, list[str]]] = {}
+    composite = False
+    for k in range(count):
+        name = problem.rods[places.rod[k]]
+        rod = model.rods[name]
         free = 1.0 - np.array(rod.constrained_strains, dtype=float)
-        extensional, shearing, _ = section.geometry(material.poissons_ratio)
-        shapes[:, k] = np.outer(free, free) * np.array([extensional, shearing])
-    tables = {strain: TableModulus(table, material.shift_factor) for strain, table in damping.tables.items()}
+        contents = rod.materials_at(float(places.s[k]))
+        for material, extensional, shearing in contents:
+            if not _over_frequency(material):
+                continue
+            _, shapes, names = found.setdefault(id(material), (material, np.zeros((2, count, 6, 6)), []))
+            shapes[:, k] += np.outer(free, free) * np.array([extensional, shearing])
+            composite = composite or len(contents) > 1
+            if name not in names:
+                names.append(name)
+    parts: list[MeasuredPart] = []
+    told, bands = [], []
+    for material, shapes, names in found.values():
+        parts += _parts(material, shapes, problem.relaxation_times)
+        told.append(_told(material, names))
+        if isinstance(material.damping, LossFactor):
+            bands.append(material.loss_band or (0.0, np.inf))
+    notes = [_COMPOSITE] if composite else []
+    holds = (max(b[0] for b in bands), min(b[1] for b in bands)) if bands else None
+    return MeasuredParts(tuple(parts), tuple(told), tuple(notes), holds)
+
+
+_COMPOSITE = (
+    "sections of several materials have the complex moduli of their regions, and the warping that the section has with "
+    "their moduli at rest: shear and torsion of strongly damped layers are of first order in their loss factor"
+)
+
+
+def _over_frequency(material: Material) -> bool:
+    """Return whether the complex modulus of a material is known without a fit."""
+    damping = material.damping
+    if isinstance(damping, LossFactor):
+        return damping.constant_moduli(material.given_moduli) is not None
+    return isinstance(damping, ComplexModuli)
+
+
+def _told(material: Material, names: Sequence[str]) -> str:
+    """Say where the modulus of a material comes from."""
+    rods, damping = ", ".join(names), material.damping
+    if isinstance(damping, ComplexModuli):
+        return f"{rods}: moduli of the table as measured, interpolated between its frequencies, without a fit"
+    assert isinstance(damping, LossFactor)
+    moduli = damping.constant_moduli(material.given_moduli)
+    assert moduli is not None
+    young, shear = moduli
+    text = f"E = {young.real:.6g} (1 + {young.imag / young.real:.4g} i) Pa"
+    if abs(shear.imag / shear.real - young.imag / young.real) > 1e-12:
+        text += f", G = {shear.real:.6g} (1 + {shear.imag / shear.real:.4g} i) Pa"
+    return f"{rods}: {text} at every frequency, without the Maxwell branches that motions are computed with"
+
+
+def _parts(material: Material, shapes: Floats, times: Floats) -> list[MeasuredPart]:
+    """Return the parts of one material with its C_E and C_G at all points ``(2, points, 6, 6)``."""
+    damping = material.damping
     young, shear = material.youngs_modulus, material.shear_modulus
+    none = 0.0 if material.branches else 1.0
+    viscous = none * (material.extensional_viscosity * shapes[0] + material.shear_viscosity * shapes[1])
+    branches: list[Floats | float] = [0.0] * len(times)
+    for b in material.branches:
+        branches[int(np.argmin(np.abs(times - b.time)))] += (
+            b.youngs_modulus * shapes[0] + b.shear_modulus * shapes[1]
+        )
+    law = (young * shapes[0] + shear * shapes[1], viscous, 0.0, *branches)
+    if isinstance(damping, LossFactor):
+        moduli = damping.constant_moduli(material.given_moduli)
+        assert moduli is not None
+        extension, shearing = map(ConstantModulus, moduli)
+        return [
+            MeasuredPart(young * shapes[0], law, young, extension),
+            MeasuredPart(shear * shapes[1], (), shear, shearing),
+        ]
+    assert isinstance(damping, ComplexModuli)
+    tables = {strain: TableModulus(table, material.shift_factor) for strain, table in damping.tables.items()}
     if len(tables) == 1 or material.poissons_ratio == 0.5:  # incompressible: both moduli go together
-        modulus = tables[damping.of]
         rest = young if damping.of == "extension" else shear
-        return [MeasuredPart(tuple(names), young * shapes[0] + shear * shapes[1], law, rest, modulus)]
+        return [MeasuredPart(law[0], law, rest, tables[damping.of])]
     return [
-        MeasuredPart(tuple(names), young * shapes[0], law, young, tables["extension"]),
-        MeasuredPart(tuple(names), shear * shapes[1], np.zeros_like(law), shear, tables["shear"]),
+        MeasuredPart(young * shapes[0], law, young, tables["extension"]),
+        MeasuredPart(shear * shapes[1], (), shear, tables["shear"]),
     ]
 
 
-def without_measured(
-    parts: Sequence[MeasuredPart], section: Sequence[Floats], damping: Floats
-) -> list[Floats]:
+def without_measured(parts: Sequence[MeasuredPart], section: Sequence[Floats]) -> list[Floats]:
     """Return what to add to the matrices of the sections ``(points, 6, 6)`` so that measured parts are no more in them.
 
     Args:
         section: those of every coefficient: stiffness, viscosity, inertia (none) and branches.
-        damping: viscosity without that of laws of sections.
     """
-    law = np.any([part.law for part in parts], axis=0)[:, None, None]
-    changes = [np.where(law, -matrices, 0.0) for matrices in section]
-    changes[0] = -np.sum([part.section for part in parts], axis=0)
-    changes[1] = np.where(law, -damping, 0.0)
+    changes = []
+    for k, matrices in enumerate(section):
+        replaced = np.zeros_like(matrices)
+        for part in parts:
+            if part.replaced:
+                replaced += part.replaced[k]
+        # what is left of nothing else is round-off
+        alone = np.abs(matrices - replaced) <= ROUND_OFF * np.abs(replaced)
+        changes.append(np.where(alone, -matrices, -replaced))
     return changes

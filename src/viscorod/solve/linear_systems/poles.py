@@ -11,14 +11,16 @@ from viscorod.errors import SolveError
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear_systems.dynamic_stiffness import DynamicStiffness
 from viscorod.solve.linear_systems.small_motions import SmallMotions
-from viscorod.solve.modes.linearisation import Linearisation
+from viscorod.solve.modes.damped import REAL
+from viscorod.solve.modes.linearisation import Linearisation, nodal_motions
 from viscorod.solve.modes.mode_names import StrainEnergies, numbered
 from viscorod.solve.modes.undamped import undamped_modes
 from viscorod.solve.modes.vibrations import complex_modes
 from viscorod.solve.statics.static_solver import StaticSolver
-from viscorod.typing import Floats
+from viscorod.solve.steady.geometric_steady import GeometricSteady
+from viscorod.solve.steady.stability import SLOW, stability
 
-__all__ = ["Poles", "poles_below"]
+__all__ = ["Poles", "poles_about_rotation", "poles_below"]
 
 FIRST, MOST = 12, 200
 """Modes sought at first, and at most."""
@@ -67,6 +69,35 @@ def poles_below(
         count *= 2
 
 
+def poles_about_rotation(
+    solver: StaticSolver, equations: GeometricSteady, small: SmallMotions, hertz: float
+) -> Poles:
+    """Return the poles of small motions about a steady rotation, as :func:`poles_below` does about an equilibrium."""
+    rate, system, limit = abs(equations.rate), equations.small_motions(), 2.0 * np.pi * hertz
+    count, most = FIRST, min(MOST, small.free.shape[1])
+    reach = FURTHER * limit if small.measured else limit
+    while True:
+        found = stability(system, rate, min(count, most))
+        s = found.eigenvalues
+        kept = np.flatnonzero((s.imag > SLOW * rate) & (s.imag > REAL * np.abs(s)))
+        enough = bool((np.abs(s[kept]) > reach).any())
+        if enough or count >= most or len(s) > count:
+            break
+        count *= 2
+    kept = kept[: int(np.searchsorted(np.abs(s[kept]), reach)) + 1]
+    shapes = np.array([found.system.increments(complex(s[k]), found.vectors[:, k]) for k in kept])
+    nodal = shapes.reshape(len(kept), -1).T
+    energies = StrainEnergies(solver.system, equations.state(), nodal_motions(small.problem))
+    names = numbered(energies.kinds(nodal), np.zeros(len(kept), dtype=bool))
+    roots = s[kept]
+    if small.measured and len(kept):
+        refine = _Refinement(small)
+        roots = np.array([refine.root(complex(one), d) for one, d in zip(roots, shapes, strict=True)])
+    order = np.argsort(np.abs(roots), kind="stable")
+    order = order[: int(np.searchsorted(np.abs(roots[order]), limit)) + 1]
+    return Poles(roots[order], tuple(names[k] for k in order), found.complete and (enough or count >= most))
+
+
 def _of_modes(
     solver: StaticSolver, state: State, linear: Linearisation, count: int
 ) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -95,7 +126,7 @@ def _measured(
     names = numbered(energies.kinds(shapes[:, kept]), np.zeros(len(kept), dtype=bool))
     refine = _Refinement(small)
     roots = np.array(
-        [refine.root(np.sqrt(undamped.squares[k]), d) for k, d in zip(kept, nodal.T, strict=True)]
+        [refine.root(1j * float(np.sqrt(undamped.squares[k])), d) for k, d in zip(kept, nodal.T, strict=True)]
     )
     order = np.argsort(np.abs(roots), kind="stable")
     return roots[order], tuple(names[k] for k in order)
@@ -114,11 +145,13 @@ class _Refinement:
         gram = sparse.csc_array(free.T @ free)
         self.project = sparse.linalg.splu(gram)
 
-    def root(self, omega: float, nodal: Floats) -> complex:
-        """Return the pole next to an undamped mode with its nodal increments."""
-        x = self.project.solve(np.asarray(self.small.free.T @ nodal)).astype(complex)
+    def root(self, s: complex, nodal: np.ndarray) -> complex:
+        """Return the pole next to one of another law, with its nodal increments."""
+        moved = np.asarray(self.small.free.T @ nodal)
+        x = self.project.solve(np.ascontiguousarray(moved.real)) + 1j * self.project.solve(
+            np.ascontiguousarray(moved.imag)
+        )
         against = x.conj() / np.vdot(x, x).real
-        s = 1j * omega
         conditions = np.zeros((self.solver.conditions, 1))
         for _ in range(ROUNDS):
             slope = self._slope(s, x)

@@ -1,4 +1,4 @@
-"""Small motions of all nodes about an equilibrium, those of supports beside the free ones.
+"""Small motions of all nodes about an equilibrium or a steady rotation, those of supports beside the free ones.
 
 The forces of small motions ``d exp(s t)`` are ``sum_i c_i(s) A_i d`` with a few sparse matrices and scalar
 coefficients: 1 (stiffness), ``s`` (damping), ``s^2`` (inertia), ``s tau/(1 + s tau)`` of every Maxwell branch, and
@@ -23,6 +23,8 @@ from viscorod.solve.linear_systems.measured_moduli import MeasuredPart, without_
 from viscorod.solve.modes.maxwell_modes import strain_operators
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.solve.steady.geometric_steady import GeometricSteady
+from viscorod.solve.steady.steady_equations import Tangent
 from viscorod.typing import Floats, Integers
 
 Complexes = np.ndarray
@@ -35,7 +37,7 @@ WORDS = ("d1", "d2", "d3", "about d1", "about d2", "about d3")
 
 @dataclass(frozen=True)
 class SmallMotions:
-    """Small motions about a state at rest, as matrices over the body increments of all nodes ``d (6 n,)``, SI units.
+    """Small motions about a state as matrices over the body increments of all nodes ``d (6 n,)``, SI units.
 
     ``d = free x + held p`` with the free motions ``x`` and those of supports ``p`` (displacements [m] and rotations
     [rad] along their axes).
@@ -112,7 +114,7 @@ def small_motions(
     assert isinstance(system, GeometricSystem)
     problem, n = system.problem, system.problem.size
     solver.restore(state, 0.0, before=before, scale=scale)
-    resting = State(state.r, state.q, np.zeros((n, 6)), state.multiplier)
+    resting = _resting(state)
     loads = solver.loads.at(0.0, before, scale)
     damping_matrix = Matrix(problem.pattern)
     system.assemble(resting, loads, None, tangent=True, moving=False, rate_matrix=damping_matrix)
@@ -122,10 +124,45 @@ def small_motions(
     unbalanced = system.residual()
     supports.impose(resting, unbalanced.copy(), system.matrix, tangent=True)
     rows = sparse.csr_array(system.matrix.sparse().tocsr()[supports.free_rows()][:, :size])
+    gradients = sparse.csr_array(system.constraint_gradients(resting)) if system.constraints.rows else None
+    tangent = Tangent(stiffness, damping, rows, unbalanced[:n], gradients)
+    return _gathered(solver, state, tangent, measured)
+
+
+def motions_about_rotation(
+    solver: StaticSolver, equations: GeometricSteady, measured: Sequence[MeasuredPart] = ()
+) -> SmallMotions:
+    """Return the small motions about a steady rotation, seen in axes that turn with it.
+
+    These are the global axes at the instant of its state. Gyroscopic forces are in the matrix of ``s``, centrifugal
+    ones in that of 1.
+
+    Args:
+        solver: of the model; equations: that have converged; measured: see :func:`small_motions`.
+    """
+    system, state = solver.system, equations.state()
+    tangent = equations.tangent()
+    # strains, and what laws of sections make of them
+    system.assemble(_resting(state), equations.loads, None, tangent=True, moving=False)
+    return _gathered(solver, state.copy(), tangent, measured)
+
+
+def _resting(state: State) -> State:
+    return State(state.r, state.q, np.zeros_like(state.twist), state.multiplier)
+
+
+def _gathered(
+    solver: StaticSolver, state: State, tangent: Tangent, measured: Sequence[MeasuredPart]
+) -> SmallMotions:
+    """Return small motions from the matrices of all nodes, with what is measured apart."""
+    system, resting = solver.system, _resting(state)
+    assert isinstance(system, GeometricSystem)
+    problem = system.problem
+    stiffness, damping, rows = tangent.stiffness, tangent.damping, tangent.rows
     free, held, motions = _bases(solver, resting)
     gradients, norms = None, np.zeros(0)
-    if system.constraints.rows:
-        found = sparse.csr_array(system.constraint_gradients(resting))
+    if tangent.gradients is not None:
+        found = tangent.gradients
         norms = np.sqrt(np.asarray(found.multiply(found).sum(axis=1)).ravel())
         gradients = sparse.csr_array(sparse.diags_array(1.0 / norms) @ found)
     strains = _strain_rows(strain_operators(system, resting), system)
@@ -140,7 +177,7 @@ def small_motions(
             section.append(memory.branches[:, j][at.section])
     weights = np.repeat(at.length, 6)
     if measured:
-        changes = without_measured(measured, section, at.damping)
+        changes = without_measured(measured, section)
         less = _from_sections(changes[0], strains, weights)
         stiffness, rows = stiffness + less, rows + sparse.csr_array(free.T @ less)
         damping = damping + _from_sections(changes[1], strains, weights)
@@ -151,7 +188,8 @@ def small_motions(
     nodal = [stiffness, damping, sparse.csr_array(block_diagonal(problem.mass))]
     nodal += [_from_sections(matrices_, strains, weights) for matrices_ in section[3:]]
     balance = [rows, *(sparse.csr_array(free.T @ matrix) for matrix in nodal[1:])]
-    nodal[0] = sparse.csr_array(nodal[0] + _turning_forces(unbalanced[:n]))
+    nodal[0] = sparse.csr_array(nodal[0] + _turning_forces(tangent.unbalanced))
+    bands = [part.band for part in measured if part.band is not None]
     return SmallMotions(
         problem,
         state,
@@ -166,7 +204,7 @@ def small_motions(
         tuple(section),
         strains,
         np.zeros(0) if memory is None else memory.times,
-        None if not measured else (max(p.band[0] for p in measured), min(p.band[1] for p in measured)),
+        (max(b[0] for b in bands), min(b[1] for b in bands)) if bands else None,
     )
 
 

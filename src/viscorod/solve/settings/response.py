@@ -62,7 +62,8 @@ class _Ported(Definition):
     about: AboutField = Key(
         '"equilibrium" under the loads at t = 0- (just before t = 0), the equilibrium once "released", under those '
         'just after t = 0, or the "reference" shape (as if free of load); a state of an earlier result: about the '
-        "equilibrium under the loads at t = 0- that is found from there",
+        "equilibrium under the loads at t = 0- that is found from there, or of a steady rotation about the one "
+        "with its angular velocity, in axes that turn with it",
         default="equilibrium",
     )
 
@@ -96,8 +97,9 @@ class ResponseSettings(_Ported, Meshed):
     )
     tolerance: Annotated[float, _tolerance] = Key("of these lines, as a part of the response", default=0.01)
     moduli: Annotated[str, one_of("measured", "law")] = Key(
-        '"measured": where a material has a table over frequency (complex_moduli) its complex modulus is taken from '
-        'there, without a fit; "law": the fitted law, with which motions are computed too',
+        '"measured": where a material has a table over frequency (complex_moduli), or one loss factor over a band '
+        "(loss_factor), its complex modulus is the measured one, or E (1 + i eta) at every frequency, without a fit; "
+        '"law": the fitted law, with which motions are computed too',
         default="measured",
     )
 

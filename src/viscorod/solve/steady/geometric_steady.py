@@ -33,7 +33,7 @@ from viscorod.solve.steady.free_motions import FreeMotions
 from viscorod.solve.steady.rigid_rotation import RotationAxis, coriolis, rigid_twists
 from viscorod.solve.steady.stability import FULL, FirstOrder, SecondOrder, first_order
 from viscorod.solve.steady.steady_checks import SupportKind, no_loads, support_kind
-from viscorod.solve.steady.steady_equations import Balance, Measure, imbalance
+from viscorod.solve.steady.steady_equations import Balance, Measure, Tangent, imbalance
 from viscorod.solve.transient.integrators import jacobian
 from viscorod.typing import Floats, Integers
 
@@ -208,6 +208,31 @@ class GeometricSteady:
             for c in self._copies(state, free)
         ]
         return first_order(small, free, copies, self.rate)
+
+    def tangent(self) -> Tangent:
+        """Return the matrices of small motions in body increments of all nodes at the present state."""
+        self.balance()
+        state, n = self.state(), self.problem.size
+        forces, _ = self.residual()
+        self._linearise(state, self._points.section_force[0])
+        size, constraints = 6 * n, self.system.constraints
+        stiffness, damping = (
+            sparse.csr_array(self.problem.pattern.sparse(blocks)[:size, :size])
+            for blocks in (self._K, self._C)
+        )
+        self._matrix.blocks[:] = self._K
+        imposed = np.concatenate([forces, (constraints.scale * constraints.gap).reshape(-1, 6)])
+        self.supports.impose(state, imposed, self._matrix, tangent=True)
+        rows = sparse.csr_array(self._matrix.sparse().tocsr()[self.supports.free_rows()][:, :size])
+        gradients = gradients_of_gaps(constraints, state, self._held_rows()) if constraints.rows else None
+        return Tangent(stiffness, damping, rows, forces, gradients)
+
+    @property
+    def may_be_copied(self) -> bool:
+        """True if turning or moving all in space makes a copy of the rotation that supports allow."""
+        state = self.state()
+        unit = np.where(self.supports.free_rows() % 6 < 3, self.problem.length, 1.0)
+        return len(self._copies(state, FreeMotions.of(self.supports, state, unit, None))) > 0
 
     def _evaluate(self, state: State) -> None:
         """Evaluate strains, elastic forces and gaps; without twists, whose strain rates are round-off."""

@@ -51,7 +51,16 @@ class Search:
         solver.supports.update(0.0)
 
     def run(self) -> SteadyRotation:
-        """Find the steady rotation.
+        """Find the steady rotation and its small motions.
+
+        Raises:
+            InputError: there is none of this kind; SolveError: none was found.
+        """
+        equations = self.equations()
+        return describe_rotation(self.solver, equations, self.effort.iterations, self.settings.modes)
+
+    def equations(self) -> SteadyEquations:
+        """Return the equations at the steady rotation.
 
         Raises:
             InputError: there is none of this kind; SolveError: none was found.
@@ -84,7 +93,7 @@ class Search:
                 "iterations. What to try: another axis or start; begin from a slower or faster rotation "
                 "(start = its result)"
             )
-        return describe_rotation(self.solver, equations, self.effort.iterations, settings.modes)
+        return equations
 
     # --- first guesses
 

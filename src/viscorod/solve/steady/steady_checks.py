@@ -48,8 +48,13 @@ def support_kind(problem: Problem) -> SupportKind:
     return SupportKind.HELD
 
 
-def require_steady(model: ModelDescription, problem: Problem, settings: SteadySettings) -> None:
+def require_steady(
+    model: ModelDescription, problem: Problem, settings: SteadySettings, loads: int | None = None
+) -> None:
     """Check that there can be such a rotation.
+
+    Args:
+        model, problem, settings: of the rotation; loads: how many of the model's act, all unless given.
 
     Raises:
         InputError: with everything that is in its way, by name.
@@ -88,7 +93,7 @@ def require_steady(model: ModelDescription, problem: Problem, settings: SteadySe
             )
         )
     faults += _springs(model, settings)
-    for index, load in enumerate(model.loads):
+    for index, load in enumerate(model.loads[:loads]):
         faults += _load(index, load, problem, settings)
     if settings.formulation == "intrinsic":
         faults += _intrinsic_supports(model, problem, settings)

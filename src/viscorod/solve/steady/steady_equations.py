@@ -42,6 +42,22 @@ class Balance:
         return sparse.csr_array(sparse.vstack([self.matrix, sparse.csr_array(row[None])]))
 
 
+@dataclass(frozen=True)
+class Tangent:
+    """Small motions in body increments of all nodes, before supports are imposed: matrices by increments and rates.
+
+    Attributes:
+        stiffness, damping: ``(6 n, 6 n)``; rows: of the stiffness in the motions that supports leave ``(free, 6 n)``.
+        unbalanced: forces that the supports take ``(n, 6)``; gradients: of conditions ``(rows, 6 n)``; None without.
+    """
+
+    stiffness: sparse.csr_array
+    damping: sparse.csr_array
+    rows: sparse.csr_array
+    unbalanced: Floats
+    gradients: sparse.csr_array | None
+
+
 class SteadyEquations(Protocol):
     """Unknowns of a steady rotation and the equations that they fulfil."""
 

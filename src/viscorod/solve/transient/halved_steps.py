@@ -45,8 +45,8 @@ class Trials:
         rest: the largest error that no mode explains, body axes ``(n, 6)``; within: largest ones of the polynomials
             between the ends of steps, in their middle, at every node.
         moved: largest displacement [m] and rotation [rad] of a node from the start ``(2,)``.
-        forces: largest force [N] and moment [N m] of sections ``(2,)``; apart: largest error of these in a step, where
-            strains are unknowns of their own.
+        forces: largest force [N] and moment [N m] of sections ``(2,)``; apart: largest error of these in a step, also
+            within it where strains are unknowns of their own.
     """
 
     rest: Floats
@@ -141,9 +141,8 @@ class HalvedSteps:
         trials.border = (number + 1 + trials.next) // 2
         self._measure()
         self._take(end, h, before.twist, integrator.state)
-        if self.strains:
-            found, better = (at.snapshot().section_force for at in (integrator, twin))
-            trials.apart = np.maximum(trials.apart, _largest(found - better) / self.seen)
+        found, better = (at.snapshot().section_force for at in (integrator, twin))
+        trials.apart = np.maximum(trials.apart, _largest(found - better) / self.seen)
 
     def _take(self, end: float, h: float, before: Floats, state: State) -> None:
         """Take the difference of a state of the run from the twin's as the error of a step, mode by mode."""

@@ -32,6 +32,9 @@ FORCE_SAFETY = 2.0
 """The same for section forces, in which vibrations that are hard to follow have a larger part."""
 LEAST_MOTION = 1e-9
 """Motion, over the length or in rad, below which it is round-off."""
+LEAST_FORCE = 1e-8
+"""Part of the force that holds the model at its speed on a circle of its length, below which one is round-off: sections
+of a body that falls freely carry nothing."""
 FINER = 3.0
 """Times that steps are shorter with which a motion is nearly free of their errors: a few thousandths are left."""
 MOST = 3.0
@@ -46,7 +49,7 @@ class StepErrors:
         gap: largest error of a displacement [m] and of a rotation [rad] of a node ``(2,)``; forces: of the force [N]
             and the moment [N m] of a section ``(2,)``.
         moved, loaded: largest displacement [m] and rotation [rad] from the start, force [N] and moment [N m] of
-            sections ``(2,)``.
+            sections, no less than round-off ``(2,)``.
         length: of the model [m].
     """
 
@@ -77,10 +80,17 @@ class StepErrors:
         rest = (apart * trials.rest).reshape(-1, 1)
         fields = np.hstack([vibrating, rigid, rest, trials.within.reshape(-1, 1)]).reshape(size, 2, 3, -1)
         gap = SAFETY * np.sqrt(np.square(fields).sum(axis=(2, 3))).max(axis=0)
-        if halved.strains:  # stiff sections turn the drift of poses into forces that are none
-            vibrating = vibrating * (min(trials.lengths) * np.abs(modes.eigenvalues) < RESOLVED)
-        forces = FORCE_SAFETY * (_section_forces(problem, start, vibrating) + trials.apart)
-        return cls(gap, forces, trials.moved, trials.forces, problem.length)
+        followed = min(trials.lengths) * np.abs(modes.eigenvalues) < RESOLVED
+        forces = _section_forces(problem, start, vibrating * followed)
+        stiff = (
+            trials.apart
+        )  # stiff sections turn a motion that went far from the start into forces that are none
+        if not halved.strains:
+            stiff = np.minimum(stiff, _section_forces(problem, start, vibrating * ~followed))
+        forces = FORCE_SAFETY * (forces + stiff)
+        round_off = LEAST_FORCE * np.max(trials.energies) * np.array([1.0 / problem.length, 1.0])
+        loaded = np.maximum(trials.forces, round_off)
+        return cls(gap, forces, trials.moved, loaded, problem.length)
 
     @property
     def motion(self) -> float:
