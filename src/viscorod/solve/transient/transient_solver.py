@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.solve.energy_account import EnergiesWithin, EnergyAccount, StepShare
+from viscorod.solve.energy_account import EnergiesWithin, EnergyAccount
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Records
 from viscorod.solve.problem.problem import Problem
@@ -239,12 +239,11 @@ class Transient:
         least, after = -np.inf, account.copy()
         for begin in range(0, len(parts), AT_ONCE):
             some = np.array(parts[begin : begin + AT_ONCE])
-            states, work, loss = integrator.between(some)
+            states, share = integrator.between(some)
+            loss = share.loss
             loss[0] = max(loss[0], least)
-            loss = np.maximum.accumulate(loss)  # interpolation must not give energy back
+            np.maximum.accumulate(loss, out=loss)  # interpolation must not give energy back
             least = loss[-1]
-            outside, driven = integrator.outside_until(some), integrator.actuator_until(some)
-            share = StepShare(work, loss, outside, driven, integrator.branch_losses(some))
             energy = EnergiesWithin(before, after, some, states.kinetic, share)
             instants = times[begin : begin + len(some)]
             history.extend(instants, Records(states, energy), end - t, iterations)

@@ -18,6 +18,7 @@ from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.nodes import inertia
 from viscorod.solve.constraints.projection import start_consistently
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.dashpot_memory import at_points
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
@@ -58,6 +59,10 @@ _OUTCOME = {
 }
 
 
+SCRATCH = frozenset({"_ad", "_points", "actions"})
+"""What every step computes anew."""
+
+
 class Collocation:
     """Common part of all collocation methods (see :class:`~viscorod.solve.transient.integrators.contract.Integrator`).
 
@@ -68,8 +73,6 @@ class Collocation:
     """
 
     looks_within = True
-
-    unsaved = frozenset({"_ad", "_points", "actions"})
 
     stale = 0.1
     """Convergence rate from which on the Jacobian is renewed."""
@@ -137,6 +140,14 @@ class Collocation:
         self._have_jacobian = self._fresh_jacobian = False
         self._factor_step = self._end = self._step = 0.0
         self._rate = 1.0
+
+    @property
+    def unsaved(self) -> frozenset[str]:
+        """What ``saved_state`` leaves out: where strains follow from poses, the system remembers nothing."""
+        problem, remembers = self.system.problem, self.system.imposed.changes
+        if problem.constrained or problem.relaxing or remembers or self.forces.motion is not None:
+            return SCRATCH
+        return SCRATCH | {"forces", "system"}
 
     # --- the contract
 
@@ -263,40 +274,27 @@ class Collocation:
 
     def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        inside = self.recorder.between(
+        states, work, loss = self.recorder.between(
             parts, self.t, self._step, self.state, self._end_rate, self.account.powers, self.loss
         )
+        outside = actuator = np.zeros(len(parts))
+        if len(self.actions.loads.motion.nodes):  # only loads that see motion dissipate anything
+            outside = self._step * (self.tableau.partial_weights(parts) @ self.account.powers[2])
+        if len(self.stages.rest):
+            actuator = self._step * (self.tableau.partial_weights(parts) @ self.account.powers[3])
         if self.dashpots is None:
-            return inside
-        places, count = self.system.gauss_indices(), len(parts)
+            return Inside(states, StepShare(work, loss, outside, actuator, np.zeros((len(parts), 0))))
+        places = self.system.gauss_indices()
         found = self.dashpots.springs_between(parts)
         powers = [self.dashpots.memory.power_of(spring).ravel()[places] for spring in found]
-        springs = np.asarray(at_points(found, places))
-        states = inside.states._replace(
-            branch_power=np.array(powers).reshape(count, -1), branch_strain=springs
-        )
-        return inside._replace(states=states)
+        states = states._replace(branch_power=np.array(powers), branch_strain=at_points(found, places))
+        lost = self.dashpots.loss_until(parts)
+        return Inside(states, StepShare(work, loss, outside, actuator, lost))
 
     @property
     def branch_loss(self) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return np.zeros(0) if self.dashpots is None else self.dashpots.loss
-
-    def branch_losses(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return np.zeros((len(parts), 0)) if self.dashpots is None else self.dashpots.loss_until(parts)
-
-    def outside_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        if not len(self.actions.loads.motion.nodes):  # only loads that see motion dissipate anything
-            return np.zeros(len(parts))
-        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self.account.powers[2])
-
-    def actuator_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        if not len(self.stages.rest):
-            return np.zeros(len(parts))
-        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self.account.powers[3])
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: factors follow from the Jacobian."""

@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.statics.newton import Outcome
@@ -51,11 +52,10 @@ class StepReport(NamedTuple):
 
 
 class Inside(NamedTuple):
-    """States at ``k`` parts of a step, and work and viscous loss from its start up to there ``(k,)`` [J]."""
+    """States at ``k`` parts of a step, and what happened from its start up to there."""
 
     states: Snapshots
-    work: Floats
-    loss: Floats
+    share: StepShare
 
 
 class Integrator(Protocol):
@@ -67,17 +67,12 @@ class Integrator(Protocol):
     3. ``accept()`` takes the last attempt, which converged: ``t`` and ``state`` are those at the end of the step.
        ``work`` is the work of loads and supports during the step, ``loss`` the energy that viscosity dissipated,
        ``kinetic`` and ``elastic`` are the energies at ``t``, all in J.
-    4. ``snapshot()`` returns all fields at ``t``; ``between(parts)`` returns them at parts of the last step, with work
-       and loss up to there.
+    4. ``snapshot()`` returns all fields at ``t``; ``between(parts)`` returns them at parts of the last step, with what
+       happened up to there.
 
     ``outside`` is the energy that loads dissipated outside of the model during the step, not a part of ``loss``, and
-    ``work`` does not count it as taken from the model; ``outside_until(parts)``, ``(k,)``, is the same up to parts of
-    the step.
-
-    ``actuator`` is the work of what changed rest strains during the step, no part of ``work``; so ``actuator_until``.
-
-    ``branch_loss (n,)`` is the energy that each Maxwell branch dissipated during the step, a part of ``loss``;
-    ``branch_losses(parts)``, ``(k, n)``, is the same up to parts of the step.
+    ``work`` does not count it as taken from the model; ``actuator`` is the work of what changed rest strains, no part
+    of ``work``; ``branch_loss (n,)`` is the energy that each Maxwell branch dissipated, a part of ``loss``.
 
     ``resume()`` computes what is not saved, after everything that is saved has been restored (see ``saved_state``).
 
@@ -145,13 +140,7 @@ class Integrator(Protocol):
         """Return all fields at ``t``."""
 
     def between(self, parts: Floats) -> Inside:
-        """Return all fields at ``parts (k,)`` (0 to 1) of the last step, and work and loss from its start."""
-
-    def outside_until(self, parts: Floats) -> Floats:
-        """Return the energy ``(k,)`` [J] that loads dissipated outside in the last step up to ``parts (k,)``."""
-
-    def actuator_until(self, parts: Floats) -> Floats:
-        """Return the work ``(k,)`` [J] of what changed rest strains in the last step up to ``parts (k,)``."""
+        """Return all fields at ``parts (k,)`` (0 to 1) of the last step, and what happened up to there."""
 
     def resume(self) -> None:
         """Compute what is not saved."""
@@ -165,6 +154,3 @@ class Integrator(Protocol):
 
     def begin_half(self) -> None:
         """Leave behind what is carried over from steps of another length, and iterate further than in a run."""
-
-    def branch_losses(self, parts: Floats) -> Floats:
-        """Return the energy ``(k, n)`` [J] that each branch dissipated in the last step up to ``parts (k,)``."""

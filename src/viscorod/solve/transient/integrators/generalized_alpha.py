@@ -22,6 +22,7 @@ from viscorod.mechanics.nodes import inertia
 from viscorod.mechanics.rotations.rotation import add_mapped, inverse_motion_tangent, retract
 from viscorod.solve.constraints.projection import close_gaps, start_consistently, with_allowed_velocities
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
@@ -302,7 +303,11 @@ class GeneralizedAlpha:
             Snapshots.of(before.blend(after, part, state, self.system))
             for state, part in zip(states, parts, strict=True)
         ]
-        return Inside(Snapshots.joined(blended), parts * self.work, parts * self.loss)
+        work, loss, outside, actuator = (
+            parts * one for one in (self.work, self.loss, self.outside, self.actuator)
+        )
+        lost = np.multiply.outer(parts, self.branch_loss)
+        return Inside(Snapshots.joined(blended), StepShare(work, loss, outside, actuator, lost))
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: every iteration factorises."""
@@ -323,14 +328,6 @@ class GeneralizedAlpha:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: means of other steps do not serve."""
         self._fresh = True
 
-    def outside_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: linear in time."""
-        return parts * self.outside
-
-    def actuator_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return parts * self.actuator
-
     def _actuator_work(self, began: float) -> float:
         """Return the work [J] of what changed the rest strains since ``began`` [s]: their change times mean forces."""
         imposed = self.system.imposed
@@ -340,10 +337,6 @@ class GeneralizedAlpha:
         change = imposed.driven(self._end, True) - imposed.driven(began)
         mean = 0.5 * (self._snapshot.section_force + self.system.gauss_points().section_force)
         return -float(np.einsum("g,gi,gi", positions.length, mean, change.reshape(-1, 6)[places]))
-
-    def branch_losses(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: linear in time."""
-        return np.multiply.outer(parts, self.branch_loss)
 
     def _solve(self, t: float, before: bool, relation: Relation, increment: Floats) -> Solution:
         """Solve the balance at time ``t`` for the poses reached by ``increment`` (predicted) from the last state."""

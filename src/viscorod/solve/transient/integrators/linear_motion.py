@@ -7,6 +7,7 @@ import scipy.sparse.linalg as spla
 from scipy import sparse
 
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.statics.newton import Outcome
@@ -236,18 +237,6 @@ class LinearMotion:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: the next step factorises."""
         self._factor_step = 0.0
 
-    def branch_losses(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self._branch_powers)
-
-    def outside_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self._powers[:, 2])
-
-    def actuator_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: no rest strain changes here."""
-        return np.zeros(len(parts))
-
     def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`.
 
@@ -255,7 +244,8 @@ class LinearMotion:
         towards the stages if they are many.
         """
         h, found, tableau = self._step, [], self.tableau
-        totals = h * tableau.partial_weights(parts) @ self._powers
+        until = tableau.partial_weights(parts)
+        totals = h * until @ self._powers
         ends = h, self._before, self._now, self._rates
         missed = [
             self._stages[:, i] - _quintic(float(c), *ends)[:2] for i, c in enumerate(tableau.exact_inside)
@@ -269,7 +259,9 @@ class LinearMotion:
             load = self.body.loads(self.t - (1.0 - float(part)) * h, False)
             found.append(Snapshots.of(self.body.snapshot(xi, x, a, load, dashpot)))
         loss = np.maximum(np.minimum(totals[:, 1], self.loss), 0.0)
-        return Inside(Snapshots.joined(found), totals[:, 0], loss)
+        outside, branches = (h * (until @ powers) for powers in (self._powers[:, 2], self._branch_powers))
+        still = np.zeros(len(parts))  # no rest strain changes here
+        return Inside(Snapshots.joined(found), StepShare(totals[:, 0], loss, outside, still, branches))
 
     @property
     def seen_by_halving(self) -> float:

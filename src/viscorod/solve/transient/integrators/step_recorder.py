@@ -13,7 +13,6 @@ from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot, Snapshots
-from viscorod.solve.transient.integrators.contract import Inside
 from viscorod.solve.transient.integrators.record_kernels import (
     Between,
     Kept,
@@ -118,8 +117,8 @@ class StepRecorder:
         end_rate: Floats,
         powers: Floats,
         whole_loss: float,
-    ) -> Inside:
-        """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss from its start.
+    ) -> tuple[Snapshots, Floats, Floats]:
+        """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss ``(k,)`` [J] up to there.
 
         Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), corrected
         towards the stages if they are many; Gauss points and reactions follow the stages.
@@ -166,7 +165,7 @@ class StepRecorder:
         if self.stage_constraints is not None:
             joints = self.stage_constraints.between(states, parts, t - (1.0 - parts) * h, self.solve_real)
         (strain, rate, force), (kinetic, work, loss) = found.fields.points, found.energies
-        found_states = Snapshots(
+        snapshots = Snapshots(
             found.r,
             found.q,
             found.twist,
@@ -179,7 +178,7 @@ class StepRecorder:
             np.zeros(count),
             joints,
         )
-        return Inside(found_states, work, loss)
+        return snapshots, work, loss
 
 
 def interpolate_states(
