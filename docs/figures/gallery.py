@@ -209,6 +209,47 @@ def blade(axes: Axes, result: vr.Steady) -> None:
         axes.plot([rpm] * 3, values, "o", color=RED, label="flapping, measured" if rpm == 0 else "_")
 
 
+def whirl(axes: Axes, result: vr.Campbell) -> None:
+    """Draw damping ratios of the shaft over its speed, with the limit of the closed form."""
+    clean(axes, "speed [rad/s]", "damping ratio [%]")
+    for k, colour in enumerate((RED, BLUE)):
+        way = "forward" if result.whirl[-1, k] > 0.0 else "backward"
+        axes.plot(result.speeds, 100.0 * result.damping_ratios[:, k], color=colour, label=f"{way} whirl")
+    axes.axhline(0.0, color="#222222", linewidth=0.8)
+    axes.plot(252.904, 0.0, "o", color=GREEN, label="closed form")
+
+
+def lines(axes: Axes, result: vr.Campbell) -> None:
+    """Draw frequencies over the speed, with the critical speeds."""
+    clean(axes, "speed [rad/s]", "frequency [Hz]")
+    for k in range(3):
+        axes.plot(result.speeds, result.frequencies[:, k], color=(RED, BLUE, ORANGE)[k])
+    axes.plot(result.speeds, result.speeds / (2.0 * np.pi), "--", color="#8a8a8a")
+    found = result.critical_speeds
+    axes.plot([one.speed for one in found], [one.frequency for one in found], "o", color="#222222")
+    axes.set_ylim(0.0, 45.0)
+    heading(axes, "Frequencies from space, once per turn (dashed)")
+
+
+def frequencies(axes: Axes, result: vr.Stability) -> None:
+    """Draw frequencies of the column over its load."""
+    clean(axes, "load [EI/L²]", "frequency [Hz]")
+    for k in range(len(result.modes)):
+        axes.plot(result.load_factors, result.frequencies[:, k], color=(RED, BLUE, ORANGE)[k])
+    heading(axes, "Frequencies over the load")
+
+
+def growth(axes: Axes, result: vr.Stability) -> None:
+    """Draw rates of growth of the column over its load, with the limit of the boundary value problem."""
+    clean(axes, "load [EI/L²]", "growth rate Re s [1/s]")
+    for k in range(len(result.modes)):
+        axes.plot(result.load_factors, result.eigenvalues[:, k].real, color=(RED, BLUE, ORANGE)[k])
+    axes.axhline(0.0, color="#222222", linewidth=0.8)
+    axes.plot(10.96611, 0.0, "o", color=GREEN, label="boundary value problem")
+    axes.plot(20.05095, 0.0, "x", color="#8a8a8a", label="without damping")
+    axes.set_ylim(-2.5, 1.5)
+
+
 def path(place: str, axis: str, known: list[tuple[float, float]], name: str) -> Callable[..., None]:
     """Draw the load factor over a displacement, with known points."""
 
@@ -246,6 +287,8 @@ RIGHT: dict[str, Callable[..., None]] = {
     "soft_arm": decay("end_plate.rim", "y", 2.05687, 0.12589, "ratio of the small vibration"),
     "spinning_up_arm": lag,
     "swept_blade": blade,
+    "whirling_shaft": whirl,
+    "becks_column": growth,
 }
 
 
@@ -261,6 +304,10 @@ def draw(name: str) -> Path:
         if name == "helix_spring":
             window = (0.0, 0.4)
         snapshots(picture, left, result, *window)
+    elif isinstance(result, vr.Campbell):
+        lines(left, result)
+    elif isinstance(result, vr.Stability):
+        frequencies(left, result)
     else:
         draw_shapes(left, result)
         left.get_legend().remove()

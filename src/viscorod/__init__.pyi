@@ -83,9 +83,13 @@ from .model.sections.stiffness_section import MaxwellBranch as MaxwellBranch
 from .model.sections.stiffness_section import StiffnessSection as StiffnessSection
 from .pictures.viewer import view as view
 from .results.buckling import Buckling as Buckling
+from .results.campbell import Campbell as Campbell
+from .results.campbell import CriticalSpeed as CriticalSpeed
 from .results.decrement import Decrement as Decrement
 from .results.energy import Energy as Energy
 from .results.files.storage import load as load
+from .results.followed_modes import Limit as Limit
+from .results.followed_modes import Meeting as Meeting
 from .results.frequency_response import FrequencyResponse as FrequencyResponse
 from .results.linear_system import LinearSystem as LinearSystem
 from .results.modes_result import Modes as Modes
@@ -94,6 +98,7 @@ from .results.reduced_system import ReducedSystem as ReducedSystem
 from .results.resonances import Resonance as Resonance
 from .results.run import Equilibrium as Equilibrium
 from .results.run import Run as Run
+from .results.stability_result import Stability as Stability
 from .results.state_matrices import StateMatrices as StateMatrices
 from .results.steady_result import Steady as Steady
 from .results.sweep_result import Sweep as Sweep

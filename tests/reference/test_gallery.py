@@ -84,6 +84,8 @@ CHECKS = {
         (0.80317, 0.12316, np.radians(120.0)),
         2e-5,
     ),
+    "becks_column": (lambda found: found.limits[0].at, 10.96611166, 1e-7),
+    "whirling_shaft": (lambda diagram: diagram.limits[0].at, 252.904, 2e-5),
     "swept_blade": (lambda turning: turning.frequencies[[0, 2, 3]], (14.7, 26.1, 44.8), 0.08),
 }
 

@@ -6,9 +6,8 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import require_no_initial_strain
-from viscorod.analyses.equilibrium_search import Search
-from viscorod.analyses.static_stages import constant_stage
-from viscorod.errors import InputError, SolveError
+from viscorod.analyses.growing_loads import begin_growing, move
+from viscorod.errors import SolveError
 from viscorod.results.buckling import Buckling
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import StationReader
@@ -18,7 +17,6 @@ from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.statics.critical_loads import CriticalPoint, CriticalSearch
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.path_follower import PathFollower
-from viscorod.solve.statics.stage import Stage, begin_stage
 from viscorod.typing import Floats
 
 __all__ = ["buckling"]
@@ -55,61 +53,11 @@ def buckling(discrete: DiscreteModel, settings: BucklingSettings) -> Buckling:
 
 def _begin(discrete: DiscreteModel, settings: BucklingSettings) -> State:
     """Return the equilibrium about which the linear problem is solved, with the stage of the loads that grow begun."""
-    static = discrete.static
-    state = State.reference(discrete.problem)
-    whole = Stage.whole(static, len(discrete.model.loads))
-    last = None
-    if settings.constant:
-        last = constant_stage(discrete, settings.constant)
-        begin_stage(static, last, None, 0.0, True)
-        discrete.require_held(static.loads.at(0.0, True, 1.0), searching=True)
-        _move(discrete, state, 1.0, "the prestress")
-        whole = Stage(
-            np.where(last.loads > 0.0, last.loads, whole.loads),
-            np.where(last.supports > 0.0, last.supports, whole.supports),
-            np.where(last.motors > 0.0, last.motors, whole.motors),
-        )
-    begin_stage(static, whole, last, 0.0, True)
-    growing = static.loads.at(0.0, True, 1.0)
-    if last is None:
-        discrete.require_held(growing)
-    if not _grows(whole, last, discrete):
-        raise InputError(
-            "no critical loads: no load or prescribed motion grows at t = 0; add one, or leave it out of constant"
-        )
+    state = begin_growing(discrete, settings.constant, "no critical loads")
     if settings.about:
-        _move(discrete, state, settings.about, f"the load factor {settings.about:g}")
-    static.restore(state, 0.0, before=True, scale=settings.about)
+        move(discrete, state, settings.about, f"the load factor {settings.about:g}")
+    discrete.static.restore(state, 0.0, before=True, scale=settings.about)
     return state
-
-
-def _grows(whole: Stage, last: Stage | None, discrete: DiscreteModel) -> bool:
-    """Return whether anything acts that is not there from the beginning."""
-    static, supports = discrete.static, discrete.supports
-    before = static.loads.at(0.0, True, 0.0)
-    after = static.loads.at(0.0, True, 1.0)
-    same = (
-        np.array_equal(before.dead, after.dead)
-        and np.array_equal(before.following, after.following)
-        and np.array_equal(before.gravity, after.gravity)
-        and len(before.stations) == len(after.stations)
-        and before.pushes == after.pushes
-        and (before.rest == after.rest or not discrete.problem.rest_strains)
-    )
-    supports.update(0.0, True, 1.0)
-    moving = supports.target.any() and (last is None or not np.array_equal(whole.supports, last.supports))
-    return bool(not same or moving or discrete.problem.joints.motions)
-
-
-def _move(discrete: DiscreteModel, state: State, factor: float, where: str) -> None:
-    """Move ``state`` to an equilibrium.
-
-    Raises:
-        SolveError: there is none.
-    """
-    search = Search(discrete, factor, allowed=factor == 1.0)
-    if not search.run(state):
-        raise SolveError(f"No equilibrium was found under {where}. {search.failure()}")
 
 
 def _found(

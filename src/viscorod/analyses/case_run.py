@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscorod.analyses.call_arguments import CallOptions, Progress
+from viscorod.analyses.campbell import campbell
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium
 from viscorod.analyses.frequency_response import frequency_response, with_inputs
@@ -25,21 +26,26 @@ from viscorod.analyses.refinement import (
     refined_periodic,
     refined_response,
 )
+from viscorod.analyses.stability import stability
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
+from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
+from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
 if TYPE_CHECKING:
+    from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
 
 __all__ = ["as_model", "discretised_case", "run_case"]
@@ -76,7 +82,7 @@ def run_case(
     resume: bool = False,
     anew: bool = False,
     stop: Callable[[], str] | None = None,
-) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Periodic:
+) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Periodic | Stability:
     """Run the analysis of a case file.
 
     Args:
@@ -106,6 +112,10 @@ def run_case(
             return refined_modes(modes, discrete, settings)
         if isinstance(settings, ResponseSettings):
             return refined_response(frequency_response, discrete, settings)
+        if isinstance(settings, CampbellSettings):
+            return campbell(discrete, settings)
+        if isinstance(settings, StabilitySettings):
+            return stability(discrete, settings)
         if isinstance(settings, PeriodicSettings):
             return refined_periodic(periodic, discrete, settings)
         return refined(ANALYSES[type(settings)], discrete, settings)

@@ -23,6 +23,7 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.checks import require_fit
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
@@ -179,7 +180,7 @@ def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
         settings.initial == "reference" or settings.start is not None
     )
     unloaded = isinstance(settings, ModesSettings | ResponseSettings) and settings.about == "reference"
-    settled = not (flies or unloaded or isinstance(settings, SteadySettings))
+    settled = not (flies or unloaded or isinstance(settings, SteadySettings | CampbellSettings))
     slowest = frequencies[frequencies > 0.0][:1]
     return _doubts(discrete.model, discrete.problem, slowest, settled=settled)
 

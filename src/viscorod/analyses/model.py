@@ -21,18 +21,22 @@ from viscorod.analyses.call_arguments import (
 from viscorod.checks import checked
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings.buckling import BucklingSettings
+from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.response import LinearSettings, ResponseSettings
+from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.theories import TheorySettings
 
 if TYPE_CHECKING:
     from viscorod.analyses.co_simulation import CoSimulation
     from viscorod.results.buckling import Buckling
+    from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.linear_system import LinearSystem
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
     from viscorod.results.theory_comparison import TheoryComparison
 
@@ -249,6 +253,47 @@ class Model(ModelDescription):
         from viscorod.analyses.refinement import refined_buckling
 
         return refined_buckling(buckling, DiscreteModel.of(self), settings)
+
+    @takes(CampbellSettings)
+    def campbell(self, settings: CampbellSettings) -> Campbell:
+        """Follow modes over the speed of a steady rotation: a Campbell diagram with critical speeds and limits.
+
+        Supports turn with the model about a given axis, as in :meth:`steady`; springs and dampers to the ground are
+        those of bearings, which are alike all around the axis. Modes are followed by their shapes through crossings and
+        veerings. Critical speeds and limits of stability are roots that are solved for, not read off a curve.
+
+        Returns:
+            roots, frequencies, damping ratios and whirl over the speed, critical speeds, limits of stability.
+
+        Raises:
+            InputError: the model cannot turn steadily about this axis, or has no frequencies in space.
+            SolveError: a rotation or its small motions were not found.
+        """
+        from viscorod.analyses.campbell import campbell
+        from viscorod.analyses.discrete import DiscreteModel
+
+        return campbell(DiscreteModel.of(self), settings)
+
+    @takes(StabilitySettings)
+    def stability(self, settings: StabilitySettings) -> Stability:
+        """Follow modes about the equilibria over a load factor: where they begin to flutter, and to diverge.
+
+        Damping and loads that follow are included.
+
+        All loads, prescribed motions and rest strains grow with the load factor, but those that are ``constant``.
+        Limits of stability are roots that are solved for, not read off a curve.
+
+        Returns:
+            roots, frequencies and damping ratios over the load factor, and where modes begin to grow and cease to.
+
+        Raises:
+            InputError: the model is inconsistent, nothing holds it, or nothing grows.
+            SolveError: an equilibrium or its small motions were not found.
+        """
+        from viscorod.analyses.discrete import DiscreteModel
+        from viscorod.analyses.stability import stability
+
+        return stability(DiscreteModel.of(self), settings)
 
     @checked
     def draw(self, path: str | Path, title: str = "") -> Path:

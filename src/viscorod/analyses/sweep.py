@@ -20,10 +20,12 @@ from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.fields.definition import did_you_mean, show, some_of
 from viscorod.results.sweep_result import Sweep, SweepRun
+from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
+from viscorod.solve.settings.stability import StabilitySettings
 
 __all__ = ["sweep"]
 
@@ -65,7 +67,10 @@ def sweep(
     """
     if not isinstance(case, Case):
         case = load_case(case)
-    if isinstance(case.settings, ModesSettings | ResponseSettings | PeriodicSettings):
+    if isinstance(
+        case.settings,
+        ModesSettings | ResponseSettings | CampbellSettings | StabilitySettings | PeriodicSettings,
+    ):
         why = "sweeps are of motions, equilibria, paths and steady rotations"
         raise InputError(Fault(case.kind, "", why, "compute every case by itself, in a loop"))
     if progress is not None:

@@ -36,10 +36,12 @@ from viscorod.model.materials.material import Material
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.section_profile import Piecewise, Taper, one_section
 from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
+from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
@@ -54,6 +56,8 @@ ANALYSES: dict[str, type[AnySettings]] = {
     "steady": SteadySettings,
     "modes": ModesSettings,
     "response": ResponseSettings,
+    "campbell": CampbellSettings,
+    "stability": StabilitySettings,
     "periodic": PeriodicSettings,
 }
 """The analyses by their table in a case file; exactly one of them stands in a file."""
@@ -176,7 +180,8 @@ class CaseReader:
                 f"the tables {' and '.join(given)}" if given else "",
                 "a case asks for exactly one analysis",
                 "give one table: [simulate] with a duration, [equilibrium], [path], [steady] with a spin, [modes], "
-                "[response] with inputs and outputs, or [periodic] with inputs, amplitudes and outputs",
+                "[response] with inputs and outputs, [periodic] with inputs, amplitudes and outputs, "
+                "[campbell] with an axis and a band, or [stability] with a band",
             )
         for key in given:
             parsed = self._parsed(key, ANALYSES[key].model_validate, self.data[key])

@@ -14,6 +14,7 @@ from typing import Annotated
 import typer
 
 from viscorod.cli.animate_command import animate
+from viscorod.cli.campbell_command import campbell
 from viscorod.cli.check_command import check
 from viscorod.cli.damping_commands import app as damping
 from viscorod.cli.example_command import example
@@ -25,6 +26,7 @@ from viscorod.cli.probe_command import probe
 from viscorod.cli.response_command import response
 from viscorod.cli.run_commands import resume, run
 from viscorod.cli.schema_command import schema
+from viscorod.cli.stability_command import stability
 from viscorod.cli.sweep_command import sweep
 from viscorod.cli.theories_command import theories
 from viscorod.cli.view_command import view
@@ -45,6 +47,8 @@ for command in (
     resume,
     modes,
     response,
+    campbell,
+    stability,
     periodic,
     sweep,
     theories,

@@ -67,21 +67,23 @@ def opened(path: Path) -> Run | Equilibrium | Steady | Modes:
     """Return the result in a file.
 
     Raises:
-        InputError: no such file, or it holds a sweep, a frequency response or periodic motions.
+        InputError: no such file, or it holds a sweep, a response, followed modes or periodic motions.
     """
     from viscorod.results.files.storage import load
+    from viscorod.results.followed_modes import FollowedModes
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.periodic import Periodic
     from viscorod.results.sweep_result import Sweep
 
     found = load(path)
-    if isinstance(found, FrequencyResponse):
+    if isinstance(found, FrequencyResponse | FollowedModes):
+        what = "frequency response" if isinstance(found, FrequencyResponse) else found.what
         raise InputError(
             Fault(
                 str(path),
                 "",
-                "this is a frequency response, which has no states of a model",
-                "viscorod response writes its pictures; in Python: viscorod.load(path).plot(...)",
+                f"this is a {what}, which has no states of a model",
+                f"viscorod {found.kind} writes its pictures; in Python: viscorod.load(path).plot(...)",
             )
         )
     if isinstance(found, Periodic):

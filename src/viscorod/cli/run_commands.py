@@ -21,10 +21,12 @@ from viscorod.errors import InputError, SolveError
 if TYPE_CHECKING:
     from viscorod.analyses.discrete import DiscreteModel
     from viscorod.casefile.case import Case
+    from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
 
 __all__ = ["resume", "run"]
@@ -122,7 +124,7 @@ def _compute(
     settings = case.settings
     static = not isinstance(settings, SimulateSettings)
     total = settings.duration if isinstance(settings, SimulateSettings) else 1.0
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Periodic
+    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Periodic | Stability
     with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
         try:
             with _polite_stop() as stop, reporting(total, static=static) as progress:
@@ -182,7 +184,7 @@ def _polite_stop() -> Iterator[Callable[[], str]]:
 
 
 def _write(
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Periodic,
+    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Periodic | Stability,
     folder: Path,
     doubts: Sequence[str],
 ) -> list[Path]:
@@ -194,6 +196,13 @@ def _write(
         return [folder / "run.nc", *pictures]
     known: list[Any] = json.loads(result.data.attrs.get("warnings", "[]"))
     result.data.attrs["warnings"] = json.dumps([*doubts, *known])
-    word = {"modes": "modes", "response": "bode", "periodic": "amplitude"}.get(result.kind, "shape")
+    words = {
+        "modes": "modes",
+        "response": "bode",
+        "campbell": "campbell",
+        "stability": "stability",
+        "periodic": "amplitude",
+    }
+    word = words.get(result.kind, "shape")
     picture = result.plot(folder / f"{word}.png")
     return [result.save(folder / "run.nc"), picture]

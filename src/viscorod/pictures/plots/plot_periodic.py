@@ -62,7 +62,7 @@ def draw_periodic(result: Periodic, kind: str = "amplitude") -> Figure:
 def _backbone(result: Periodic) -> Figure:
     """Draw frequency and damping ratio of free vibrations over the amplitude."""
     picture = figure(8.0, 6.4)
-    picture.subplots_adjust(top=0.84, hspace=0.42)
+    picture.subplots_adjust(top=0.86 if result.title else 0.94, hspace=0.42)
     size, unit = result.amplitude(0), str(result.data["output_unit"].values[0])
     upper, lower = picture.add_subplot(2, 1, 1), picture.add_subplot(2, 1, 2)
     upper.plot(size, result.frequencies, color=BLUE, linewidth=1.6)
@@ -73,7 +73,7 @@ def _backbone(result: Periodic) -> Figure:
         lower.plot(size, shown, color=GREEN, linewidth=1.6, label=f"by the decrement of {result.outputs[0]}")
     clean(upper, "", "frequency [Hz]")
     clean(lower, f"amplitude of {result.outputs[0]} [{unit}]", "damping ratio")
-    lower.set_ylim(bottom=0.0)
+    lower.set_ylim(0.0, 1.12 * float(result.damping_ratios.max()) or 1.0)
     legend_above(lower, 2)
     heading(upper, "free vibrations over their amplitude")
     return picture

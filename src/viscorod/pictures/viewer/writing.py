@@ -33,6 +33,7 @@ from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
+    from viscorod.results.followed_modes import FollowedModes
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.periodic import Periodic
     from viscorod.results.sweep_result import Sweep
@@ -49,7 +50,7 @@ _TRIES = 6
 
 @checked
 def view(
-    result: Result | FrequencyResponse | Periodic | Sweep,
+    result: Result | FrequencyResponse | FollowedModes | Periodic | Sweep,
     path: str | Path,
     *,
     frames: int = FRAMES,
@@ -78,6 +79,8 @@ def view(
             "Steady": ("a steady rotation", "give a run, an equilibrium or a path"),
             "Modes": ("a list of modes", "draw them with plot"),
             "FrequencyResponse": ("a frequency response", "draw it with plot"),
+            "Campbell": ("a Campbell diagram", "draw it with plot"),
+            "Stability": ("stability along a load", "draw it with plot"),
             "Periodic": ("a curve of periodic motions", "draw it with plot"),
             "Sweep": ("a sweep", "give one of its members"),
         }.get(type(result).__name__, ("this", "give a run, an equilibrium or a path"))

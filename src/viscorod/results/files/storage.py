@@ -23,10 +23,12 @@ from viscorod.whole_files import replacing
 if TYPE_CHECKING:
     import xarray as xr
 
+    from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
     from viscorod.results.sweep_result import Sweep
 
@@ -198,8 +200,10 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
 
 
 @checked
-def load(path: str | Path) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Periodic | Sweep:
-    """Open a saved run, equilibrium, steady rotation, modes, frequency response, periodic motions or sweep.
+def load(
+    path: str | Path,
+) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Periodic | Stability | Sweep:
+    """Open a saved result: of a motion, an equilibrium, a steady rotation, modes, a response, a sweep, and all others.
 
     It answers everything that a fresh one does.
 
@@ -222,6 +226,14 @@ def load(path: str | Path) -> Run | Equilibrium | Steady | Modes | FrequencyResp
         from viscorod.results.frequency_response import FrequencyResponse
 
         return FrequencyResponse(data)
+    if str(data.attrs.get("kind")) == "campbell":
+        from viscorod.results.campbell import Campbell
+
+        return Campbell(data)
+    if str(data.attrs.get("kind")) == "stability":
+        from viscorod.results.stability_result import Stability
+
+        return Stability(data)
     if str(data.attrs.get("kind")) == "periodic":
         from viscorod.results.periodic import Periodic
 
@@ -250,8 +262,8 @@ def result_of(data: xr.Dataset, path: Path) -> Run | Equilibrium | Steady | Mode
     found = str(data.attrs.get("kind", ""))
     if found not in kinds:
         raise InputError(
-            f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, response, periodic, "
-            "sweep)"
+            f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, response, "
+            "periodic, campbell, stability, sweep)"
         )
     require_sound(data, path)
     return kinds[found](data)

@@ -9,12 +9,16 @@ from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import Flag, Number, different, whole_number, word
 from viscorod.solve.settings.mesh import Meshed
 
-__all__ = ["BucklingSettings"]
+__all__ = ["BucklingSettings", "ConstantNames"]
 
 
 @accepts(listed(TEXT), "list of names")
 def _names(value: Any) -> tuple[str, ...]:
     return different(value, word, "load")
+
+
+ConstantNames = Annotated[tuple[str, ...], _names]
+"""What acts in full throughout."""
 
 
 class BucklingSettings(Meshed):
@@ -27,7 +31,7 @@ class BucklingSettings(Meshed):
         "load factor of the state about which the linear problem is solved; critical ones beyond it are sought",
         default=0.0,
     )
-    constant: Annotated[tuple[str, ...], _names] = Key(
+    constant: ConstantNames = Key(
         "what acts in full throughout, the prestress, by the names of stages: loads by their `name` or kind, "
         "prescribed motions by their places. All else grows with the load factor",
         default=(),

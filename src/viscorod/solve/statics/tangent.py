@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from viscorod.errors import SolveError
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.statics.work import Work
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
 __all__ = ["Tangent", "negative_eigenvalues", "softest"]
 
@@ -28,6 +28,10 @@ ITERATIONS = 8
 """Inverse iterations, next to where stiffness vanishes."""
 NEUTRAL = 1e-13
 """Stiffness, as a part of the mean, that a direction without any is given where it would make a pivot vanish."""
+NOTHING = 1e-14
+"""Entries of a condition, which has unit length, that are round-off."""
+MANY = 3.0
+"""Motions that are coupled with so many times more others than most are those of the whole structure."""
 
 
 @dataclass(frozen=True)
@@ -188,10 +192,13 @@ class _Pivots:
         and the effort is that of a band.
         """
         scale = float(np.abs(stiffness.diagonal()).mean()) or 1.0
-        held = sparse.csr_array(gradients)
+        held = sparse.csr_array(gradients, copy=True)
+        held.data[np.abs(held.data) < NOTHING] = (
+            0.0  # else conditions would follow motions that they do not hold
+        )
+        held.eliminate_zeros()
         stiffness = sparse.csc_array(stiffness / scale + held.T @ held)
-        pattern = sparse.csr_array(abs(stiffness))
-        order = reverse_cuthill_mckee(sparse.csr_matrix(pattern), symmetric_mode=True)
+        order = _along(sparse.csr_array(abs(stiffness)))
         size, conditions = len(order), int(held.shape[0])
         place = np.empty(size)
         place[order] = np.arange(size)
@@ -214,6 +221,16 @@ class _Pivots:
 
         self.solve = solve
         return int(np.count_nonzero(factor.U.diagonal() < 0.0)) - conditions
+
+
+def _along(pattern: sparse.csr_array) -> Integers:
+    """Return an order along the structure; motions of very many nodes, as rigid ones, come last."""
+    coupled = np.diff(pattern.indptr)
+    many = coupled > MANY * np.median(coupled)
+    few = np.flatnonzero(~many)
+    local = sparse.csr_matrix(pattern[few][:, few])
+    order = few[reverse_cuthill_mckee(local, symmetric_mode=True)]
+    return np.concatenate([order, np.flatnonzero(many)])
 
 
 def _all_eigenvalues(matrix: sparse.csc_array) -> np.ndarray:

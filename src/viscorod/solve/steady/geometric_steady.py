@@ -186,6 +186,10 @@ class GeometricSteady:
 
     def small_motions(self) -> FirstOrder:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
+        return first_order(*self.motions_of_second_order(), self.rate)
+
+    def motions_of_second_order(self) -> tuple[SecondOrder, FreeMotions, list[Floats]]:
+        """Return the small motions before supports, those that are free, and the motions to copies of the rotation."""
         state = self.state()
         self.balance()
         ad = self._linearise(state, self._points.section_force[0])
@@ -207,7 +211,7 @@ class GeometricSteady:
             rigid_twists(state.r, state.q, c[:3], c[3:], self.line.centre).ravel()
             for c in self._copies(state, free)
         ]
-        return first_order(small, free, copies, self.rate)
+        return small, free, copies
 
     def tangent(self) -> Tangent:
         """Return the matrices of small motions in body increments of all nodes at the present state."""

@@ -95,6 +95,12 @@ class Search:
             )
         return equations
 
+    def driven(self) -> GeometricSteady:
+        """Return the equations of rotations with the spin of the settings, from the unloaded or settled shape on."""
+        found = self._from_reference(float(np.linalg.norm(np.asarray(self.settings.spin, dtype=float))))
+        assert isinstance(found, GeometricSteady)
+        return found
+
     # --- first guesses
 
     def _from_start(self) -> SteadyEquations:

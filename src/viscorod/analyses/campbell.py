@@ -1,0 +1,152 @@
+"""Campbell diagrams: modes over the speed of a rotation, followed, with critical speeds and limits of stability."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.equilibrium import require_no_initial_strain
+from viscorod.analyses.followed import common_variables, names_of, on_fine_mesh
+from viscorod.errors import Fault, InputError
+from viscorod.results.campbell import Campbell
+from viscorod.solve.refinement.followed_errors import FinerModes, critical_errors
+from viscorod.solve.settings.campbell import CampbellSettings
+from viscorod.solve.steady.driven_rotations import DrivenRotations
+from viscorod.solve.steady.steady_checks import require_steady
+from viscorod.solve.steady.whirl import Rounds
+from viscorod.solve.tracking.engine_orders import critical_speeds
+from viscorod.solve.tracking.meetings import meetings
+from viscorod.solve.tracking.mode_tracking import Sample, Tracker
+from viscorod.solve.tracking.special_values import limits
+from viscorod.typing import Floats
+
+__all__ = ["campbell", "rotations"]
+
+
+def rotations(discrete: DiscreteModel, settings: CampbellSettings) -> DrivenRotations:
+    """Return the steady rotations of a model about the axis of the settings.
+
+    Raises:
+        InputError: the model cannot turn steadily.
+    """
+    discrete.static.stop = discrete.options.stop
+    discrete.require_independent()
+    require_no_initial_strain(discrete)
+    steady = settings.steady()
+    require_steady(discrete.model, discrete.problem, steady)
+    return DrivenRotations(discrete.static, steady)
+
+
+def campbell(discrete: DiscreteModel, settings: CampbellSettings) -> Campbell:
+    """Follow the modes over the speeds on a mesh that is fine enough; see ``Model.campbell``."""
+    meshes = on_fine_mesh(
+        discrete, lambda one: rotations(one, settings), settings.values[-1], settings.modes, settings.accuracy
+    )
+    return _followed(*meshes, settings)
+
+
+def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: CampbellSettings) -> Campbell:
+    """Follow the modes; ``finer`` is the same model with elements halved, for the error of the mesh."""
+    family, speeds = rotations(discrete, settings), settings.values
+    tracker = Tracker(family, settings.modes, discrete.static.check_interrupt)
+    tracker.follow(speeds, first=1 if speeds[0] == 0.0 else 0)
+    whole = _Diagram(family, settings.frame, tracker)
+    waves = whole.waves()
+    critical = critical_speeds(tracker, settings.engine_orders, waves)
+    found, met = limits(tracker), meetings(tracker.samples, family.mass)
+    better = None if finer is None else FinerModes(rotations(finer, settings), tracker)
+    samples = tracker.at(speeds)
+    notes: list[str] = []
+    start = samples[1 if speeds[0] == 0.0 else 0]
+    names = names_of(discrete, family.state(start.parameter), start)
+    variables, coordinates = common_variables(
+        "speed", samples, names, found, met, better, tracker.doubts, notes
+    )
+    shifts = np.array(speeds)[:, None] * np.array(waves)
+    seen = np.array([sample.roots for sample in samples]) + 1j * shifts
+    along = ("speed", "mode")
+    variables |= {
+        "frequency": (along, np.abs(seen.imag) / (2.0 * np.pi)),
+        "damping_ratio": (along, -seen.real / np.maximum(np.abs(seen), np.finfo(float).tiny) + 0.0),
+        "whirl": (
+            along,
+            np.array([whole.rounds(sample).whirl(sample.roots, sample.parameter) for sample in samples]),
+        ),
+        "limit_frequency": (
+            "limit",
+            np.array(
+                [abs(one.root.imag + waves[one.mode] * one.parameter) / (2.0 * np.pi) for one in found],
+                dtype=float,
+            ),
+        ),
+        "critical_speed": ("critical", np.array([one.speed for one in critical], dtype=float)),
+        "critical_mode": ("critical", np.array([one.mode for one in critical], dtype=np.int64)),
+        "critical_order": ("critical", np.array([one.order for one in critical], dtype=float)),
+        "critical_frequency": (
+            "critical",
+            np.array([one.order * one.speed / (2.0 * np.pi) for one in critical], dtype=float),
+        ),
+        "critical_damping_ratio": (
+            "critical",
+            np.array(
+                [-one.root.real / np.hypot(one.root.real, one.order * one.speed) for one in critical],
+                dtype=float,
+            ),
+        ),
+        "critical_error": ("critical", critical_errors(better, critical, waves)),
+    }
+    attrs = discrete.complete(
+        {
+            "kind": Campbell.kind,
+            "outcome": "completed",
+            "frame": settings.frame,
+            "nodes": discrete.problem.size,
+            "iterations": family.iterations,
+            "warnings": json.dumps([*json.loads(discrete.attributes.get("warnings", "[]")), *notes]),
+        }
+    )
+    import xarray as xr
+
+    coordinates |= {"speed": np.array(speeds), "engine_order": np.array(settings.engine_orders, dtype=float)}
+    return Campbell(xr.Dataset(variables, coordinates, attrs))
+
+
+@dataclass
+class _Diagram:
+    """What the modes are in the frame of the diagram."""
+
+    family: DrivenRotations
+    frame: str
+    tracker: Tracker
+
+    def rounds(self, sample: Sample) -> Rounds:
+        """Return how the modes go round the axis at one speed."""
+        return self.family.rounds(sample.parameter, sample.shapes)
+
+    def waves(self) -> Sequence[int]:
+        """Return by how many speeds the frequencies in the frame of the diagram are more than on the model.
+
+        Raises:
+            InputError: a mode goes round neither way alone, so that it has no frequency in space.
+        """
+        count = len(self.tracker.samples[0].roots)
+        if self.frame == "turning":
+            return [0] * count
+        middle = self.tracker.samples[len(self.tracker.samples) // 2]
+        found: Floats = self.rounds(middle).waves()
+        if (found == 2).any():
+            number = int(np.argmax(found == 2)) + 1
+            raise InputError(
+                Fault(
+                    "frame",
+                    "'space'",
+                    f"at {middle.parameter:.6g} rad/s mode {number} goes round the axis both ways: the model is not "
+                    "alike all around it, so that from outside its motions have several frequencies",
+                    "take frame = 'turning'",
+                )
+            )
+        return [int(wave) for wave in found]

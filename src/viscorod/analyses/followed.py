@@ -1,0 +1,143 @@
+"""What the results of followed modes have in common, whatever the parameter is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.solve.formulations.system import State
+from viscorod.solve.modes.linearisation import nodal_motions
+from viscorod.solve.modes.mode_names import StrainEnergies, numbered
+from viscorod.solve.problem.division import divisions_of
+from viscorod.solve.refinement.followed_errors import FinerModes
+from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES
+from viscorod.solve.tracking.meetings import Meeting
+from viscorod.solve.tracking.mode_tracking import SWINGS, Family, Sample, Tracker
+from viscorod.solve.tracking.special_values import Limit, grows
+
+__all__ = ["common_variables", "names_of", "on_fine_mesh"]
+
+MOST_MESHES = 12
+"""Meshes that are tried at most."""
+SAME = 1e-6
+"""Distance of two roots, as a part of them, within which they are one."""
+GAIN = 0.7
+"""Part of the error before that refinement leaves at most, where it is the mesh that makes the error."""
+
+
+def on_fine_mesh(
+    discrete: DiscreteModel,
+    family: Callable[[DiscreteModel], Family],
+    at: float,
+    count: int,
+    accuracy: float,
+) -> tuple[DiscreteModel, DiscreteModel | None]:
+    """Return a model on a mesh that is fine enough, where the program may choose it, and that with elements halved.
+
+    Args:
+        discrete: to begin with; family: returns its small motions over the parameter; at: value at which frequencies
+            are compared; count: of them; accuracy: wanted of each.
+    """
+    if not discrete.watch.feasible:
+        return discrete, None
+    free = {name for name, rod in discrete.model.rods.items() if rod.elements is None}
+    before = np.inf
+    for _ in range(MOST_MESHES):
+        coarse = divisions_of(discrete.problem)
+        finer = discrete.on_mesh({name: division.halved() for name, division in coarse.items()})
+        if not free:
+            break
+        mine, theirs = (_frequencies(family(one), at, count) for one in (discrete, finer))
+        paired = min(len(mine), len(theirs), count)
+        worst = float((np.abs(mine[:paired] - theirs[:paired]) / theirs[:paired]).max(initial=0.0))
+        if worst <= accuracy or worst > GAIN * before or finer.problem.size > MOST_CHOSEN_NODES:
+            break
+        before = worst
+        discrete = discrete.on_mesh({n: d.halved() if n in free else d for n, d in coarse.items()})
+    return discrete.renewed(discrete.options, {}), finer.renewed(discrete.options, {})
+
+
+def _frequencies(family: Family, at: float, count: int) -> np.ndarray:
+    """Return the angular frequencies of the slowest motions that oscillate [rad/s]."""
+    found = Tracker(family, count).spectrum(at, 0.0).roots
+    return np.sort(found.imag[found.imag > SWINGS * np.abs(found)])
+
+
+def _stray(samples: list[Sample]) -> float | None:
+    """Return the first value of the parameter at which a motion grows that is not followed; None without."""
+    for sample in samples:
+        known = np.concatenate([sample.roots, sample.roots.conj()])
+        for s in sample.spectrum.roots:
+            if grows(complex(s)) and np.abs(known - s).min() > SAME * abs(s):
+                return sample.parameter
+    return None
+
+
+def names_of(discrete: DiscreteModel, state: State, sample: Sample) -> list[str]:
+    """Return the names of the modes by their strains in a sample, about a state."""
+    energies = StrainEnergies(discrete.system, state, nodal_motions(discrete.problem))
+    order = np.argsort(np.abs(sample.roots), kind="stable")
+    kinds = energies.kinds(sample.shapes[:, order])
+    found = numbered(kinds, sample.roots[order].imag == 0.0)
+    names = [""] * len(found)
+    for place, name in zip(order, found, strict=True):
+        names[place] = name
+    return names
+
+
+def common_variables(
+    along: str,
+    samples: list[Sample],
+    names: list[str],
+    limits: list[Limit],
+    meetings: list[Meeting],
+    finer: FinerModes | None,
+    doubts: list[tuple[float, float, tuple[int, ...]]],
+    notes: list[str],
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return variables and coordinates of a data set; what is uncertain is added to the ``notes``."""
+    roots = np.array([sample.roots for sample in samples])
+    for low, high, numbers in doubts:
+        which = ", ".join(names[k] for k in numbers)
+        notes.append(
+            f"between {low:.8g} and {high:.8g} these modes may have been taken for one another, their shapes change "
+            f"too fast: {which}"
+        )
+    if not all(sample.spectrum.complete for sample in samples):
+        notes.append("it is not known whether all slow motions were found: others may grow")
+    stray = _stray(samples)
+    if stray is not None:
+        notes.append(
+            f"motions that are not followed grow from {along.replace('_', ' ')} {stray:.6g} on: follow more modes"
+        )
+    if finer is None:
+        notes.append(
+            "errors of the mesh were not estimated: the model is too large for a finer one beside it"
+        )
+    tau = 2.0 * np.pi
+    variables: dict[str, Any] = {
+        "eigenvalue": ((along, "mode", "part"), np.stack([roots.real, roots.imag], axis=-1)),
+        "likeness": ((along, "mode"), np.array([sample.likeness for sample in samples])),
+        "mesh_error": ("mode", np.zeros(len(names)) if finer is None else finer.errors(samples)),
+        f"limit_{along}": ("limit", np.array([one.parameter for one in limits], dtype=float)),
+        "limit_mode": ("limit", np.array([one.mode for one in limits], dtype=np.int64)),
+        "limit_kind": ("limit", np.array([one.kind for one in limits], dtype=str)),
+        "limit_unstable": ("limit", np.array([one.unstable for one in limits], dtype=np.int64)),
+        "limit_frequency": ("limit", np.array([abs(one.root.imag) / tau for one in limits], dtype=float)),
+        "limit_error": (
+            "limit",
+            np.array([0.0 if finer is None else finer.limit_error(one) for one in limits], dtype=float),
+        ),
+        f"meeting_{along}": ("meeting", np.array([one.parameter for one in meetings], dtype=float)),
+        "meeting_modes": (
+            ("meeting", "pair"),
+            np.array([one.modes for one in meetings], dtype=np.int64).reshape(-1, 2),
+        ),
+        "meeting_crosses": ("meeting", np.array([one.crosses for one in meetings], dtype=np.int64)),
+        "meeting_frequency": ("meeting", np.array([one.frequency / tau for one in meetings], dtype=float)),
+        "meeting_gap": ("meeting", np.array([one.gap / tau for one in meetings], dtype=float)),
+    }
+    return variables, {"mode": names, "part": ["real", "imaginary"]}

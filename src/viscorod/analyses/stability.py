@@ -1,0 +1,80 @@
+"""Stability along a load: modes about the equilibria over the load factor, followed, with flutter and divergence."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.equilibrium import require_no_initial_strain
+from viscorod.analyses.followed import common_variables, names_of, on_fine_mesh
+from viscorod.analyses.growing_loads import begin_growing
+from viscorod.results.stability_result import Stability
+from viscorod.solve.refinement.followed_errors import FinerModes
+from viscorod.solve.settings.stability import StabilitySettings
+from viscorod.solve.statics.loaded_equilibria import LoadedEquilibria
+from viscorod.solve.tracking.meetings import meetings
+from viscorod.solve.tracking.mode_tracking import Tracker
+from viscorod.solve.tracking.special_values import limits
+
+__all__ = ["stability"]
+
+
+def stability(discrete: DiscreteModel, settings: StabilitySettings) -> Stability:
+    """Follow the modes over the load factors on a mesh that is fine enough; see ``Model.stability``."""
+    meshes = on_fine_mesh(
+        discrete,
+        lambda one: _equilibria(one, settings),
+        settings.values[0],
+        settings.modes,
+        settings.accuracy,
+    )
+    return _followed(*meshes, settings)
+
+
+def _equilibria(discrete: DiscreteModel, settings: StabilitySettings) -> LoadedEquilibria:
+    """Return the equilibria of a model over its load factor.
+
+    Raises:
+        InputError: nothing holds the model, or nothing grows.
+    """
+    discrete.static.stop = discrete.options.stop
+    discrete.require_independent()
+    require_no_initial_strain(discrete)
+    state = begin_growing(discrete, settings.constant, "no loads whose factor could grow")
+    return LoadedEquilibria(discrete.static, state)
+
+
+def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: StabilitySettings) -> Stability:
+    """Follow the modes; ``finer`` is the same model with elements halved, for the error of the mesh."""
+    import xarray as xr
+
+    family, factors = _equilibria(discrete, settings), settings.values
+    tracker = Tracker(family, settings.modes, discrete.static.check_interrupt)
+    tracker.follow(factors)
+    found, met = limits(tracker), meetings(tracker.samples, family.mass)
+    better = None if finer is None else FinerModes(_equilibria(finer, settings), tracker)
+    samples = tracker.at(factors)
+    names = names_of(discrete, family.state(factors[0]), samples[0])
+    notes: list[str] = []
+    variables, coordinates = common_variables(
+        "load_factor", samples, names, found, met, better, tracker.doubts, notes
+    )
+    roots = np.array([sample.roots for sample in samples])
+    along = ("load_factor", "mode")
+    variables |= {
+        "frequency": (along, np.abs(roots.imag) / (2.0 * np.pi)),
+        "damping_ratio": (along, -roots.real / np.maximum(np.abs(roots), np.finfo(float).tiny) + 0.0),
+    }
+    attrs = discrete.complete(
+        {
+            "kind": Stability.kind,
+            "outcome": "completed",
+            "constant": json.dumps(list(settings.constant)),
+            "nodes": discrete.problem.size,
+            "iterations": family.iterations,
+            "warnings": json.dumps([*json.loads(discrete.attributes.get("warnings", "[]")), *notes]),
+        }
+    )
+    return Stability(xr.Dataset(variables, coordinates | {"load_factor": np.array(factors)}, attrs))

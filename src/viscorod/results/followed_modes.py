@@ -1,0 +1,298 @@
+"""Results of modes that were followed along a parameter: roots over a speed or a load, limits, crossings."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Self
+
+import numpy as np
+
+from viscorod.checks import checked
+from viscorod.errors import InputError
+from viscorod.results.text_table import table
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["FollowedModes", "Limit", "Meeting"]
+
+Variables = dict[str, tuple[tuple[str, ...], str, str]]
+"""Name -> dimensions, unit and long name."""
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A value of the parameter at which a mode begins to grow, or ceases to.
+
+    Attributes:
+        at: speed [rad/s] or load factor; mode: its name; number: from 1.
+        kind: "flutter", it oscillates, or "divergence"; unstable: whether it grows beyond.
+        frequency: of the oscillation [Hz]; mesh_error: estimated error by the mesh, as a part of the value.
+    """
+
+    at: float
+    mode: str
+    number: int
+    kind: str
+    unstable: bool
+    frequency: float
+    mesh_error: float
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Two modes whose frequencies meet.
+
+    Attributes:
+        at: about where, speed [rad/s] or load factor; modes: names; crosses: they cross, or else veer.
+        frequency: there [Hz]; gap: the least distance of both that was seen [Hz].
+    """
+
+    at: float
+    modes: tuple[str, str]
+    crosses: bool
+    frequency: float
+    gap: float
+
+
+class FollowedModes:
+    """Modes followed along a parameter; ``data`` is an ``xarray.Dataset``."""
+
+    kind: ClassVar[str]
+    what: ClassVar[str]
+    """In words, as in "this data set is no ..."."""
+    along: ClassVar[str]
+    """The dimension of the parameter."""
+    unit: ClassVar[str]
+    more: ClassVar[Variables] = {}
+    """Variables beside those of all."""
+
+    def __init__(self, data: xr.Dataset) -> None:
+        known = self.variables()
+        missing = [name for name in known if name not in data.variables]
+        if data.attrs.get("kind") != self.kind or missing:
+            raise InputError(
+                f"this data set is no {self.what} of viscorod: {', '.join(missing) or 'it is of another kind'}"
+            )
+        for name, (dims, unit, text) in known.items():
+            if data[name].dims != dims:
+                raise InputError(f"this data set is no {self.what} of viscorod: {name} has other dimensions")
+            data[name].attrs.update({"units": unit, "long_name": text} if unit else {"long_name": text})
+            if data[name].dtype.kind == "f" and not np.isfinite(data[name].values).all():
+                raise InputError(f"this data set is no {self.what} of viscorod: {name} is not finite")
+        self.data = data
+
+    @classmethod
+    def variables(cls) -> Variables:
+        """Return the dimensions, units and long names of all variables."""
+        p = cls.along
+        return {
+            p: ((p,), cls.unit, "parameter along which modes are followed"),
+            "mode": (("mode",), "", "what most of the strain energy is in, and its number among these"),
+            "part": (("part",), "", "real and imaginary"),
+            "eigenvalue": ((p, "mode", "part"), "1/s", "s of the motion exp(s t), as seen on the model"),
+            "frequency": (
+                (p, "mode"),
+                "Hz",
+                "of the oscillation, Im s over 2 pi, in the frame of the diagram",
+            ),
+            "damping_ratio": ((p, "mode"), "1", "-Re s over |s|, in the frame of the diagram"),
+            "likeness": ((p, "mode"), "1", "MAC of the shape with the one next to it on the way"),
+            "mesh_error": (("mode",), "1", "estimated error of the frequency by the mesh, in parts of it"),
+            f"limit_{p}": (("limit",), cls.unit, "where a mode begins to grow or ceases to"),
+            "limit_mode": (("limit",), "", "number of the mode from 0"),
+            "limit_kind": (("limit",), "", "flutter or divergence"),
+            "limit_unstable": (("limit",), "", "1 where it grows beyond, 0 where it ceases to"),
+            "limit_frequency": (("limit",), "Hz", "of the oscillation"),
+            "limit_error": (("limit",), "1", "estimated error by the mesh, in parts of the value"),
+            f"meeting_{p}": (("meeting",), cls.unit, "about where two frequencies meet"),
+            "meeting_modes": (("meeting", "pair"), "", "numbers of the modes from 0"),
+            "meeting_crosses": (("meeting",), "", "1 where they cross, 0 where they veer"),
+            "meeting_frequency": (("meeting",), "Hz", "there"),
+            "meeting_gap": (("meeting",), "Hz", "least distance that was seen"),
+        } | cls.more
+
+    @property
+    def title(self) -> str:
+        """Title of the case, empty if it has none."""
+        return str(self.data.attrs.get("title", ""))
+
+    @property
+    def outcome(self) -> str:
+        """How it ended, "completed"."""
+        return str(self.data.attrs.get("outcome", ""))
+
+    @property
+    def values(self) -> Floats:
+        """Values of the parameter ``(n,)``."""
+        return np.asarray(self.data[self.along].values, dtype=float)
+
+    @property
+    def modes(self) -> tuple[str, ...]:
+        """Names of the modes, by their strains where they begin to be followed."""
+        return tuple(str(name) for name in self.data["mode"].values)
+
+    @cached_property
+    def eigenvalues(self) -> np.ndarray:
+        """Roots ``s`` [1/s] of the motions ``exp(s t)`` as they are seen on the model ``(n, modes)``, complex."""
+        parts = np.asarray(self.data["eigenvalue"].values, dtype=float)
+        found: np.ndarray = parts[..., 0] + 1j * parts[..., 1]
+        return found
+
+    @property
+    def frequencies(self) -> Floats:
+        """Frequencies of the oscillations, ``Im s`` over 2 pi [Hz] ``(n, modes)``."""
+        return np.asarray(self.data["frequency"].values, dtype=float)
+
+    @property
+    def damping_ratios(self) -> Floats:
+        """``-Re s/|s|`` ``(n, modes)``; less than 0 where a mode grows."""
+        return np.asarray(self.data["damping_ratio"].values, dtype=float)
+
+    @property
+    def mesh_errors(self) -> Floats:
+        """Estimated errors of the frequencies by the mesh, in parts of them ``(modes,)``."""
+        return np.asarray(self.data["mesh_error"].values, dtype=float)
+
+    @property
+    def limits(self) -> list[Limit]:
+        """Where modes begin to grow and cease to, in order."""
+        data, names = self.data, self.modes
+        return [
+            Limit(
+                float(data[f"limit_{self.along}"].values[k]),
+                names[int(data["limit_mode"].values[k])],
+                int(data["limit_mode"].values[k]) + 1,
+                str(data["limit_kind"].values[k]),
+                bool(data["limit_unstable"].values[k]),
+                float(data["limit_frequency"].values[k]),
+                float(data["limit_error"].values[k]),
+            )
+            for k in range(data.sizes["limit"])
+        ]
+
+    @property
+    def meetings(self) -> list[Meeting]:
+        """Where frequencies cross and veer, in order."""
+        data, names = self.data, self.modes
+        return [
+            Meeting(
+                float(data[f"meeting_{self.along}"].values[k]),
+                (names[int(pair[0])], names[int(pair[1])]),
+                bool(data["meeting_crosses"].values[k]),
+                float(data["meeting_frequency"].values[k]),
+                float(data["meeting_gap"].values[k]),
+            )
+            for k, pair in enumerate(np.asarray(data["meeting_modes"].values).reshape(-1, 2))
+        ]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the result says against itself, in sentences."""
+        return [str(text) for text in json.loads(self.data.attrs.get("warnings", "[]"))]
+
+    def report(self) -> str:
+        """Return a report: modes at both ends, limits, crossings and veerings, warnings."""
+        return "\n\n".join(block for block in (*self._blocks(), self._meetings(), self._warnings()) if block)
+
+    def _blocks(self) -> list[str]:
+        return [self._heading(), self._modes(), self._limits()]
+
+    def _heading(self) -> str:
+        raise NotImplementedError
+
+    def _modes(self) -> str:
+        f, d = self.frequencies, self.damping_ratios
+        first, last = (f"{value:.5g}" for value in self.values[[0, -1]])
+        rows = [
+            [name, f"{f[0, k]:.6g}", f"{d[0, k]:.4g}", f"{f[-1, k]:.6g}", f"{d[-1, k]:.4g}", f"{error:.1g}"]
+            for k, (name, error) in enumerate(zip(self.modes, self.mesh_errors, strict=True))
+        ]
+        header = [
+            "mode",
+            f"[Hz] at {first}",
+            "damping ratio",
+            f"[Hz] at {last}",
+            "damping ratio",
+            "mesh error",
+        ]
+        return table("Modes at both ends", header, rows)
+
+    def _limits(self) -> str:
+        limits, growing = (
+            self.limits,
+            int((self.eigenvalues.real[0] > 1e-7 * np.abs(self.eigenvalues[0])).sum()),
+        )
+        start = f"{growing} of the modes grow from the beginning on. " if growing else ""
+        if not limits:
+            return start + (
+                "No other mode that was followed begins to grow"
+                if growing
+                else "No mode that was followed grows"
+            )
+        rows = [
+            [
+                one.mode,
+                f"{one.at:.10g}",
+                ("begins: " if one.unstable else "ends: ") + one.kind,
+                f"{one.frequency:.6g}",
+                f"{one.mesh_error:.1g}",
+            ]
+            for one in limits
+        ]
+        header = ["mode", self._axis_words, "what", "[Hz]", "mesh error"]
+        return start + table("Limits of stability", header, rows)
+
+    @property
+    def _axis_words(self) -> str:
+        return f"{self.along.replace('_', ' ')}{f' [{self.unit}]' if self.unit else ''}"
+
+    def _meetings(self) -> str:
+        if not self.meetings:
+            return ""
+        rows = [
+            [
+                f"{one.modes[0]}, {one.modes[1]}",
+                "cross" if one.crosses else "veer",
+                f"{one.at:.5g}",
+                f"{one.frequency:.5g}",
+                "-" if one.crosses else f"{one.gap:.3g}",
+            ]
+            for one in self.meetings
+        ]
+        header = ["modes", "they", f"near {self._axis_words}", "[Hz]", "least distance [Hz]"]
+        return table("Frequencies that meet, as seen on the model", header, rows)
+
+    def _warnings(self) -> str:
+        return "\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]) if self.warnings else ""
+
+    @checked
+    def save(self, path: str | Path) -> Path:
+        """Write it to a netCDF4 file, which ``viscorod.load`` reads; returns the path."""
+        from viscorod.results.files.storage import write
+
+        return write(self.data, path)
+
+    @checked
+    def save_csv(self, path: str | Path) -> Path:
+        """Write frequencies and damping ratios of all modes over the parameter as a table; returns the path."""
+        from viscorod.results.files.csv_text import write
+
+        return write(self.columns(), path)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Return the columns of the table by their headings with units."""
+        found = {self._axis_words: self.values}
+        for k, name in enumerate(self.modes):
+            found[f"{name}: frequency [Hz]"] = self.frequencies[:, k]
+            found[f"{name}: damping ratio"] = self.damping_ratios[:, k]
+            found[f"{name}: growth [1/s]"] = self.eigenvalues[:, k].real
+        return found
+
+    def __reduce__(self) -> tuple[Callable[[xr.Dataset], Self], tuple[xr.Dataset]]:
+        return type(self), (self.data,)

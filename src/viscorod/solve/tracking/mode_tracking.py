@@ -1,0 +1,289 @@
+"""Modes followed along a parameter through crossings and veerings, by their shapes (MAC) and the course of their roots.
+
+Between two values of the parameter every mode is matched with the motion whose shape is most like its own, the modal
+assurance criterion (Allemang and Brown, Proc. 1st IMAC, 1982), and whose root lies where its course leads. Where a
+shape has no counterpart the step is halved: modes that veer exchange their shapes within a small change of the
+parameter, and keep their order. What stays open is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from scipy import sparse
+from scipy.optimize import linear_sum_assignment
+
+from viscorod.errors import SolveError
+from viscorod.solve.tracking.moving_pencil import MovingPencil, Spectrum
+from viscorod.typing import Floats
+
+__all__ = ["SWINGS", "Family", "Sample", "Tracker", "alike"]
+
+SURE = 0.8
+"""Likeness of two shapes from which on they are those of one mode."""
+HALVINGS = 7
+"""How often a step is halved at most to tell modes apart."""
+EQUAL = 1e-6
+"""Distance of roots, as a part of them, within which any combination of their shapes is a mode."""
+COURSE = 0.3
+"""Weight of the distance of a root from the course of a mode beside the likeness of shapes."""
+OWN = 0.1
+"""Weight of the likeness with a shape itself where roots are equal."""
+BEND = 0.05
+"""Distance from the course, as a part of the root, that counts as far."""
+REACH = 1.3
+"""How far beyond the largest root of a mode others are sought."""
+STILL = 1e-6
+"""Part of the median of the slowest roots below which one is that of a motion at rest."""
+PARTNER = 1e-6
+"""Distance of two roots from being mirror images, as a part of them."""
+SWINGS = 0.04
+"""Imaginary part, as a part of a root, from which on a mode is followed: damping ratios below 0.999."""
+CROWD = 0.5
+"""Part of the rate at which overdamped motions crowd, below which one is a mode of its own."""
+SHIFTS, FIRST = 30, 4
+"""Shifts that are tried at most, and roots by which one is judged."""
+SHIFT = 0.37
+"""Real shift about which roots are sought, as a part of the slowest one."""
+
+
+class Family(Protocol):
+    """Small motions that depend on a parameter."""
+
+    mass: sparse.csr_array
+    """Inertia of body increments of the nodes, sparse ``(6 n, 6 n)``."""
+
+    def pencil(self, parameter: float) -> MovingPencil:
+        """Return the small motions at a value of the parameter."""
+
+    def principal(self, parameter: float, shapes: np.ndarray) -> np.ndarray:
+        """Return combinations ``(6 n, m)`` of shapes with one root, each of which is a motion of one kind."""
+
+
+@dataclass
+class Sample:
+    """The modes that are followed, at one value of the parameter.
+
+    Attributes:
+        parameter: its value; roots: of the modes [1/s], Im < 0 where one has passed zero; shapes: body increments
+            ``(6 n, modes)``, unit inertia; likeness: of each shape with the one before ``(modes,)``.
+        spectrum: all motions that were found there.
+    """
+
+    parameter: float
+    roots: np.ndarray
+    shapes: np.ndarray
+    likeness: Floats
+    spectrum: Spectrum
+
+
+@dataclass
+class Tracker:
+    """Follows the slowest modes of a family.
+
+    Attributes:
+        family: whose modes they are; count: how many.
+        samples: at all values of the parameter so far, those between the ones asked for too, in order.
+        doubts: stretches of the parameter in which modes could not be told apart, with their numbers.
+    """
+
+    family: Family
+    count: int
+    check_interrupt: Callable[[], None] = lambda: None
+    samples: list[Sample] = field(default_factory=list)
+    doubts: list[tuple[float, float, tuple[int, ...]]] = field(default_factory=list)
+    _shift: float = 0.0
+
+    def follow(self, parameters: Sequence[float], first: int = 0) -> None:
+        """Follow the modes over increasing values of the parameter, from the one numbered ``first`` to both ends.
+
+        Raises:
+            SolveError: the small motions were not found somewhere.
+        """
+        start = self._begin(float(parameters[first]))
+        upwards = [start]
+        for value in parameters[first + 1 :]:
+            self._step(upwards, float(value), 0)
+        downwards = [start]
+        for value in list(parameters[:first])[::-1]:
+            self._step(downwards, float(value), 0)
+        self.samples = downwards[:0:-1] + upwards
+
+    def at(self, parameters: Sequence[float]) -> list[Sample]:
+        """Return the samples at values that were asked for."""
+        known = {sample.parameter: sample for sample in self.samples}
+        return [known[float(value)] for value in parameters]
+
+    def spectrum(self, parameter: float, reach: float, count: int | None = None) -> Spectrum:
+        """Return all motions up to ``reach`` [1/s], and at least ``count``, with unit inertia."""
+        self.check_interrupt()
+        pencil = self.family.pencil(parameter)
+        wanted = min(self.count + 2 if count is None else count, pencil.size // 2)
+        if self._shift == 0.0:
+            self._shift = _first_shift(pencil)
+        found = pencil.slowest(wanted, reach, self._shift)
+        shapes = found.shapes
+        for same in _clusters(found.roots):
+            shapes[:, same] = self.family.principal(parameter, shapes[:, same])
+        size = np.sqrt(np.einsum("ik,ik->k", shapes.conj(), self.family.mass @ shapes).real)
+        return Spectrum(found.roots, shapes / size, found.complete)
+
+    def _begin(self, parameter: float) -> Sample:
+        found = self.spectrum(parameter, 0.0)
+        while True:
+            s = found.roots
+            still = np.abs(s) <= STILL * float(np.median(np.abs(s)))
+            chosen = np.flatnonzero(~still & self._worth(s, parameter))[: self.count]
+            if len(chosen) >= self.count or len(s) >= 4 * self.count + 40:
+                break
+            more = self.spectrum(parameter, 0.0, 2 * len(s))
+            if len(more.roots) <= len(s):
+                break
+            found = more
+        if not len(chosen):
+            raise SolveError("No small motion oscillates where modes begin to be followed")
+        return Sample(parameter, s[chosen], found.shapes[:, chosen], np.ones(len(chosen)), found)
+
+    def _worth(self, s: np.ndarray, parameter: float) -> np.ndarray:
+        """Return which roots begin modes: those that swing or grow, and creeping ones slower than all of these.
+
+        Of the material's own damping very many motions creep about as fast as it relaxes; none of these is taken.
+        """
+        swings = (s.imag > SWINGS * np.abs(s)) | (s.real > 1e-6 * np.abs(s))
+        first = float(np.abs(s[swings]).min(initial=np.inf))
+        crowd = CROWD * self.family.pencil(parameter).quadratic.creep
+        return np.asarray(swings | (np.abs(s) < min(first, crowd)))
+
+    def _step(self, way: list[Sample], parameter: float, depth: int) -> None:
+        """Add the sample at the next value, with others before it where modes could not be told apart."""
+        last = way[-1]
+        reach = REACH * float(np.abs(last.roots).max())
+        found = self.spectrum(parameter, reach)
+        sample = self._matched(way, found, parameter)
+        poor = np.flatnonzero(sample.likeness < SURE)
+        if len(poor) and depth < HALVINGS:
+            self._step(way, 0.5 * (last.parameter + parameter), depth + 1)
+            self._step(way, parameter, depth + 1)
+            return
+        if len(poor):
+            ends = sorted((last.parameter, parameter))
+            self.doubts.append((ends[0], ends[1], tuple(int(k) for k in poor)))
+        way.append(sample)
+
+    def _matched(self, way: list[Sample], found: Spectrum, parameter: float) -> Sample:
+        """Return the motions that continue the modes of the last sample."""
+        last = way[-1]
+        expected, mass = _course(way, parameter), self.family.mass
+        likeness = alike(last.roots, last.shapes, found.roots, found.shapes, mass)
+        mirrored = alike(last.roots, last.shapes, found.roots, found.shapes.conj(), mass)
+        momenta = (mass @ last.shapes).conj().T
+        products = [np.abs(momenta @ shapes) ** 2 for shapes in (found.shapes, found.shapes.conj())]
+        far = [
+            np.abs(roots[None, :] - expected[:, None])
+            / (BEND * np.maximum(np.abs(expected), 0.1 * np.abs(expected).min())[:, None])
+            for roots in (found.roots, found.roots.conj())
+        ]
+        cost = np.array(
+            [
+                1.0 - mac - OWN * own + COURSE * np.minimum(d, 1.0) + 1e-3 * np.minimum(d, 100.0)
+                for mac, own, d in zip((likeness, mirrored), products, far, strict=True)
+            ]
+        )
+        conjugate = cost[1] < cost[0]
+        rows, columns = linear_sum_assignment(cost.min(axis=0))
+        chosen = columns[np.argsort(rows)]
+        chosen = self._growing(found, chosen, likeness)
+        turned = conjugate[np.arange(len(chosen)), chosen] & (found.roots[chosen].imag != 0.0)
+        roots, shapes = found.roots[chosen], found.shapes[:, chosen]
+        roots = np.where(turned, roots.conj(), roots)
+        shapes = np.where(turned, shapes.conj(), shapes)
+        macs = np.where(
+            turned, mirrored[np.arange(len(chosen)), chosen], likeness[np.arange(len(chosen)), chosen]
+        )
+        return Sample(parameter, roots, shapes, np.asarray(macs), found)
+
+    def _growing(self, found: Spectrum, chosen: np.ndarray, likeness: Floats) -> np.ndarray:
+        """Return the choice with the growing one of two roots where an oscillation, or two, have ended in both.
+
+        These are two real roots, or without damping two with the same frequency, of which one grows as the other fades.
+        """
+        s, taken, better = found.roots, set(chosen.tolist()), chosen.copy()
+        for k, place in enumerate(chosen):
+            partners = np.flatnonzero(
+                (np.abs(s.imag - s[place].imag) <= PARTNER * np.abs(s[place])) & (s.real > s[place].real)
+            )
+            for other in partners:
+                mirrored = s[place].imag == 0.0 or abs(s[other] + s[place].conj()) <= PARTNER * abs(s[place])
+                grows = s[other].real > s[better[k]].real
+                if (
+                    mirrored
+                    and grows
+                    and int(other) not in taken
+                    and likeness[k, other] > 0.5 * likeness[k, place]
+                ):
+                    taken.add(int(other))
+                    better[k] = other
+        return better
+
+
+def _first_shift(pencil: MovingPencil) -> float:
+    """Return a real shift [1/s] that is somewhat less than the slowest root.
+
+    Raises:
+        SolveError: nothing moves.
+    """
+    M, K = pencil.quadratic.M.diagonal(), np.abs(pencil.quadratic.K.diagonal())
+    shift = 1e-4 * float(np.sqrt(K.sum() / M.sum()))
+    for _ in range(SHIFTS):
+        found = np.abs(pencil.slowest(min(FIRST, pencil.size // 2), 0.0, shift).roots)
+        moving = found[found > STILL * np.median(found)] if len(found) else found
+        if not len(moving):
+            raise SolveError("The model has no small motions that could be followed")
+        slowest = float(moving.min())
+        near = 0.05 * slowest < shift < 0.7 * slowest
+        shift = SHIFT * slowest
+        if near:
+            break
+    return shift
+
+
+def alike(
+    roots: np.ndarray, shapes: np.ndarray, others: np.ndarray, theirs: np.ndarray, mass: sparse.csr_array
+) -> Floats:
+    """Return the likeness (MAC) of shapes of unit inertia ``(m, k)``; of equal roots of the nearest combination."""
+    products = np.abs(shapes.conj().T @ (mass @ theirs)) ** 2
+    mine, other = _equal(roots), _equal(others)
+    within = np.maximum(mine @ products, products @ other.T)
+    return np.asarray(np.minimum(within, 1.0))
+
+
+def _equal(roots: np.ndarray) -> Floats:
+    """Return a matrix of ones where two roots are equal but for round-off."""
+    return np.asarray(
+        np.abs(roots[:, None] - roots[None, :]) <= EQUAL * np.maximum(np.abs(roots[:, None]), np.abs(roots)),
+        dtype=float,
+    )
+
+
+def _clusters(roots: np.ndarray) -> list[np.ndarray]:
+    """Return the places of roots that are equal, where there are several."""
+    near = _equal(roots) > 0.0
+    groups = {tuple(np.flatnonzero(row).tolist()) for row in near}
+    return [
+        np.array(group) for group in sorted(groups) if len(group) > 1 and near[np.ix_(group, group)].all()
+    ]
+
+
+def _course(way: list[Sample], parameter: float) -> np.ndarray:
+    """Return where the roots of the modes lead at a value of the parameter."""
+    last = way[-1]
+    if len(way) < 2:
+        return last.roots
+    before = way[-2]
+    part = (parameter - last.parameter) / (last.parameter - before.parameter)
+    ahead = last.roots + part * (last.roots - before.roots)
+    turned = (last.roots.imag == 0.0) != (before.roots.imag == 0.0)
+    return np.where(turned, last.roots, ahead)

@@ -1,0 +1,187 @@
+"""Stability along a load against boundary value problems solved here: Beck's column, Ziegler's pendulum.
+
+Beck (1952): ``(1 + tau s) EI w'''' + P w'' + c s w + m s^2 w = 0``, clamped, free under a force that follows; with
+``s = i w`` its determinant vanishes at the flutter load (Bolotin, Nonconservative Problems of the Theory of Elastic
+Stability, 1963). Ziegler (1952): two bars, 2m and m, springs c: ``(7/2 - sqrt 2) c/l``, 41/28 with hardly any damping.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq, minimize_scalar, root
+
+import viscorod as vr
+
+LOOSE = [1, 1, 1, 1e-12, 1e-12, 2e-12]
+
+
+def beck(tau=0.0, outside=0.0, elements=8, branches=(), load=1.0, following=True):
+    """A column of EI, length and mass per length 1 that neither shears nor stretches."""
+    C = np.array([1.0, 1.0, 1.0, 1.0, 30.0, 1.0])
+    made = [vr.MaxwellBranch(time=t, stiffness=g * np.diag(C)) for g, t in branches]
+    section = vr.StiffnessSection(np.diag(C), LOOSE, damping=tau * np.diag(C) if tau else None, branches=made)
+    model = vr.Model()
+    rod = vr.Rod.straight(
+        (0, 0, 0), (0, 0, 1), section=section, elements=elements, order=4, constraints="kirchhoff"
+    )
+    model.add("column", rod)
+    model.clamp("column.start")
+    model.force("column.end", (0, 0, -load), following=following)
+    if outside:
+        model.drag("column", linear_across=outside)
+    return model
+
+
+def determinant(s, load, modulus=1.0, outside=0.0):
+    """That of Beck's column for motions exp(s t); ``modulus`` is the complex one over EI."""
+    p, q = load / modulus, (s**2 + outside * s) / modulus
+    middle = np.sqrt(0.25 * p**2 - q + 0j)
+    a, b = np.sqrt(middle - 0.5 * p + 0j), np.sqrt(middle + 0.5 * p + 0j)
+    # w = A (cosh a x - cos b x) + B (sinh a x / a - sin b x / b), moment and shear vanish at the end
+    moment = a**2 * np.cosh(a) + b**2 * np.cos(b), a * np.sinh(a) + b * np.sin(b)
+    shear = a**3 * np.sinh(a) - b**3 * np.sin(b), a**2 * np.cosh(a) + b**2 * np.cos(b)
+    return moment[0] * shear[1] - moment[1] * shear[0]
+
+
+def undamped():
+    """The largest load on the curve of the first two frequencies: its double root."""
+
+    def load(w):
+        return brentq(lambda p: determinant(1j * w, p).real, 5.0, 25.0, xtol=1e-14)
+
+    found = minimize_scalar(
+        lambda w: -load(w), bounds=(9.0, 13.0), method="bounded", options={"xatol": 1e-10}
+    )
+    return load(found.x), found.x
+
+
+def damped(guess, modulus=lambda s: 1.0, outside=0.0):
+    """Load and angular frequency at which a motion neither grows nor fades."""
+
+    def left(x):
+        s = 1j * x[1]
+        value = determinant(s, x[0], modulus(s), outside)
+        return [value.real, value.imag]
+
+    found = root(left, guess, tol=1e-13)
+    assert found.success
+    return found.x
+
+
+def flutter(model, **settings):
+    found = model.stability(**{"band": (0.0, 25.0), "count": 6, "modes": 3} | settings)
+    (limit,) = found.limits
+    assert (limit.kind, limit.unstable) == ("flutter", True)
+    return limit
+
+
+def test_flutter_of_becks_column():
+    """20.05095 EI/L^2, here to 1e-8 of the double root; the mesh error that is told is the one there is."""
+    load, omega = undamped()
+    assert load == pytest.approx(20.05095, abs=5e-6)
+    found = flutter(beck())
+    assert found.at == pytest.approx(load, rel=1e-8)
+    assert found.frequency == pytest.approx(omega / (2.0 * np.pi), rel=1e-5)
+    coarse = flutter(beck(elements=3))
+    gap = abs(coarse.at / load - 1.0)
+    assert 0.8 * gap < coarse.mesh_error < 1.25 * gap
+
+
+@pytest.mark.parametrize(("tau", "guess"), [(1e-3, (10.9, 5.4)), (0.1, (13.6, 5.5))])
+def test_flutter_with_kelvin_voigt_damping(tau, guess):
+    """A little damping lowers it to 10.94; more of it raises it again."""
+    load, omega = damped(guess, lambda s: 1.0 + tau * s)
+    found = flutter(beck(tau))
+    assert found.at == pytest.approx(load, rel=1e-8)
+    assert found.frequency == pytest.approx(omega / (2.0 * np.pi), rel=1e-7)
+
+
+def test_flutter_with_maxwell_branches():
+    """The same boundary value problem with the complex modulus of two branches."""
+    pairs = ((0.3, 0.02), (0.2, 0.3))
+    load, omega = damped((12.0, 6.0), lambda s: 1.0 + sum(g * s * t / (1.0 + s * t) for g, t in pairs))
+    found = flutter(beck(branches=pairs, elements=4), modes=2)
+    assert found.at == pytest.approx(load, rel=2e-6)
+    assert found.frequency == pytest.approx(omega / (2.0 * np.pi), rel=2e-6)
+
+
+@pytest.mark.parametrize(("outside", "guess"), [(0.1, (20.05, 11.0)), (300.0, (37.6, 0.6))])
+def test_flutter_in_a_thick_fluid(outside, guess):
+    """Damping from outside does not lower it, and lifts it to 37.7 where inertia does not count."""
+    load, _ = damped(guess, outside=outside)
+    found = flutter(beck(outside=outside, elements=6), band=(0.0, 45.0), count=10)
+    assert found.at == pytest.approx(load, rel=1e-6)
+    if outside > 1.0:
+        assert load == pytest.approx(37.7, abs=0.1)
+
+
+def test_the_growing_one_of_two_that_meet_is_followed():
+    """With one mode the other that it meets is not followed: the limit is seen all the same."""
+    one, two = (beck(elements=3).stability(band=(0.0, 25.0), count=6, modes=k) for k in (1, 3))
+    assert [limit.at for limit in one.limits] == pytest.approx([limit.at for limit in two.limits], rel=1e-11)
+    assert not one.warnings
+    late = beck(elements=3).stability(band=(22.0, 25.0), count=3, modes=1)
+    assert "grow from the beginning" in late.report()
+
+
+def test_eulers_column_diverges():
+    """pi^2/4 under a load that keeps its direction, here in tenths of that; frequencies vanish there."""
+    found = beck(load=0.1 * np.pi**2 / 4.0, following=False, elements=4).stability(
+        band=(0.0, 12.0), count=4, modes=2
+    )
+    (limit,) = found.limits
+    assert (limit.kind, limit.frequency) == ("divergence", 0.0)
+    assert limit.at == pytest.approx(10.0, rel=1e-8)
+    assert found.frequencies[0, 0] == pytest.approx(3.516015268 / (2.0 * np.pi), rel=1e-6)
+
+
+def ziegler(damping):
+    """Two bars of length 1 on hinges with springs, masses 2 and 1 at their ends, a force of 1 that follows."""
+    section = vr.StiffnessSection(np.ones(6), [1e-9, 1e-9, 1e-9, 1e-12, 1e-12, 2e-12])
+    held = ("shear_1", "shear_2", "stretch", "bend_1", "bend_2", "twist")
+    model = vr.Model()
+    for name, z, mass in (("lower", 0.0, 2.0), ("upper", 1.0, 1.0)):
+        bar = vr.Rod.straight(
+            (0, 0, z), (0, 0, z + 1.0), section=section, elements=1, order=1, constraints=held
+        )
+        model.add(name, bar)
+        model.add(f"{name}_mass", vr.Body(mass, (1e-9, 1e-9, 1e-9), centre=(0, 0, z + 1.0)))
+        model.attach(f"{name}.end", f"{name}_mass")
+    hinge = {"axis": (0, 1, 0), "stiffness": {"rz": 1.0}}
+    if damping:
+        hinge["damping"] = {"rz": damping}
+    model.revolute("lower.start", "ground", **hinge)
+    model.revolute("upper.start", "lower.end", **hinge)
+    model.force("upper.end", (0, 0, -1.0), following=True)
+    return model
+
+
+def test_zieglers_pendulum():
+    """Joints and bodies: (7/2 - sqrt 2) without damping, and 41/28 with damping that all but vanishes."""
+    settings = {"band": (0.0, 3.0), "count": 7, "modes": 2}
+    assert flutter(ziegler(0.0), **settings).at == pytest.approx(3.5 - np.sqrt(2.0), rel=1e-7)
+    assert flutter(ziegler(1e-3), **settings).at == pytest.approx(41.0 / 28.0, rel=1e-5)
+
+
+def test_what_it_refuses():
+    with pytest.raises(vr.InputError, match="no loads whose factor could grow"):
+        beck().stability(band=(0.0, 1.0), constant=["force"])
+    with pytest.raises(vr.InputError, match="give load_factors"):
+        beck().stability()
+    loose = beck()
+    loose.supports.clear()
+    with pytest.raises(vr.InputError, match="no static equilibrium"):
+        loose.stability(band=(0.0, 1.0))
+
+
+def test_it_is_kept_drawn_and_told(tmp_path):
+    found = beck(1e-2, elements=3).stability(band=(0.0, 15.0), count=4, modes=2)
+    again = vr.load(found.save(tmp_path / "stability.nc"))
+    assert isinstance(again, vr.Stability)
+    assert again.report() == found.report()
+    assert "begins: flutter" in found.report()
+    assert found.plot(tmp_path / "stability.png").stat().st_size > 10_000
+    table = found.save_csv(tmp_path / "stability.csv").read_text(encoding="utf-8").splitlines()
+    assert table[0].startswith("load factor,")
+    assert len(table) == 1 + 4
