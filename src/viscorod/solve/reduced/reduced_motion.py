@@ -6,12 +6,13 @@ import numpy as np
 import scipy.linalg
 
 from viscorod.mechanics.elements.poses_from_strains import rotated
+from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import Snapshot
+from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.reduced.reduced_loads import ReducedLoads
 from viscorod.solve.reduced.reduced_model import ReducedModel
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.contract import Inside, StepReport
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, Tableau, radau
 from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
@@ -255,10 +256,10 @@ class ReducedMotion:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return self.model.snapshot(self.state, self._y, self._rate, self._external)
 
-    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
+    def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: cubic between both ends."""
         h, model, s = self._step, self.model, parts[:, None]
-        totals = h * self.tableau.partial_weights(parts) @ self._powers
+        work, loss, outside = (h * self.tableau.partial_weights(parts) @ self._powers).T
         gap, first, last = self._y - self._before, h * self._rate_before, h * self._rate
         b, c = 3.0 * gap - 2.0 * first - last, first + last - 2.0 * gap
         y = self._before + s * (first + s * (b + s * c))
@@ -266,26 +267,16 @@ class ReducedMotion:
         weights = self.tableau.polynomials(parts)
         roots = self._root_before + np.tensordot(weights, self._roots - self._root_before, 1)
         roots[..., 3:] /= np.linalg.norm(roots[..., 3:], axis=-1, keepdims=True)
-        found, loss = [], 0.0
+        found = []
         for k, state in enumerate(self._states(y, roots)):
             t = self.t - (1.0 - float(parts[k])) * h
             _, external, _ = self._forces(t, state, before=False)
-            work, lost, _ = totals[k]
-            loss = max(loss, min(float(lost), self.loss))  # interpolation must not give energy back
-            found.append((model.snapshot(state, y[k], rate[k], external), float(work), loss))
-        return found
-
-    def outside_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self._powers[:, 2])
-
-    def actuator_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: no rest strain changes here."""
-        return np.zeros(len(parts))
-
-    def branch_losses(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: there are no branches."""
-        return np.zeros((len(parts), 0))
+            found.append(Snapshots.of(model.snapshot(state, y[k], rate[k], external)))
+        # interpolation must not give energy back
+        loss = np.maximum.accumulate(np.clip(loss, 0.0, self.loss))
+        none = np.zeros((len(parts), 0))  # no rest strain changes here, and there are no branches
+        share = StepShare(work, loss, outside, np.zeros(len(parts)), none)
+        return Inside(Snapshots.joined(found), share)
 
     def watch(self, duration: float) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: rows of records are corners."""
