@@ -266,6 +266,21 @@ def growth(axes: Axes, result: vr.Stability) -> None:
     axes.set_ylim(-2.5, 1.5)
 
 
+def critical(number: int, known: float) -> Callable[[Axes, vr.Buckling], None]:
+    """Return what draws a shape of the tall rod in its plane, with the factor of the closed form."""
+
+    def draw(axes: Axes, result: vr.Buckling) -> None:
+        clean(axes, "displacement, largest 1", "height [m]")
+        moved = result.shapes[number, :, :2]
+        across = moved[:, int(np.argmax(np.abs(moved).max(axis=0)))]
+        name = f"{result.load_factors[number]:.5f} times its weight (Greenhill {known:.5f})"
+        axes.plot(across, result.positions[number][:, 2], color=BLUE, linewidth=2.0, label=name)
+        axes.axvline(0.0, color="#8a8a8a", linestyle="--", linewidth=1.0)
+        legend_above(axes, 1)
+
+    return draw
+
+
 def path(place: str, axis: str, known: list[tuple[float, float]], name: str) -> Callable[..., None]:
     """Draw the load factor over a displacement, with known points."""
 
@@ -305,6 +320,7 @@ RIGHT: dict[str, Callable[..., None]] = {
     "spinning_up_arm": lag,
     "swept_blade": blade,
     "whirling_shaft": whirl,
+    "tall_rod": critical(2, 7.26894),
     "becks_column": growth,
 }
 
@@ -327,6 +343,8 @@ def draw(name: str) -> Path:
         lines(left, result)
     elif isinstance(result, vr.Stability):
         frequencies(left, result)
+    elif isinstance(result, vr.Buckling):
+        critical(0, 1.01773)(left, result)
     else:
         draw_shapes(left, result)
         left.get_legend().remove()

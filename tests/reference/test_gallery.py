@@ -94,6 +94,7 @@ CHECKS = {
     ),
     "shaken_strip": (amplification, (15.39, 156.6), 4e-3),
     "becks_column": (lambda found: found.limits[0].at, 10.96611166, 1e-7),
+    "tall_rod": (lambda found: found.load_factors, [1.017725, 1.017725, 7.26894, 7.26894], 2e-5),
     "whirling_shaft": (lambda diagram: diagram.limits[0].at, 252.904, 2e-5),
     "swept_blade": (lambda turning: turning.frequencies[[0, 2, 3]], (14.7, 26.1, 44.8), 0.08),
 }

@@ -197,9 +197,9 @@ def refined_buckling(
     def compared(found: Buckling, other: Buckling) -> tuple[Buckling, Floats]:
         paired = min(len(found.load_factors), len(other.load_factors))
         mine, theirs = found.load_factors[:paired], other.load_factors[:paired]
-        errors = np.full(len(found.load_factors), np.inf)
+        errors = np.ones(len(found.load_factors))
         errors[:paired] = np.abs(mine - theirs) / np.maximum(np.abs(theirs), np.finfo(float).tiny)
-        return replace(found, errors=errors), errors
+        return found.with_errors(errors), errors
 
     return beside_finer(analysis, discrete, settings, compared)
 

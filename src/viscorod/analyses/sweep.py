@@ -20,6 +20,7 @@ from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.fields.definition import did_you_mean, show, some_of
 from viscorod.results.sweep_result import Sweep, SweepRun
+from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.periodic import PeriodicSettings
@@ -66,7 +67,7 @@ def sweep(
     """
     if not isinstance(case, Case):
         case = load_case(case)
-    if isinstance(case.settings, CampbellSettings | StabilitySettings | PeriodicSettings):
+    if isinstance(case.settings, BucklingSettings | CampbellSettings | StabilitySettings | PeriodicSettings):
         why = "sweeps are of motions, equilibria, paths, steady rotations, modes and frequency responses"
         raise InputError(Fault(case.kind, "", why, "compute every case by itself, in a loop"))
     if progress is not None:

@@ -20,6 +20,7 @@ from viscorod.errors import InputError, SolveError
 if TYPE_CHECKING:
     from viscorod.analyses.discrete import DiscreteModel
     from viscorod.casefile.case import Case
+    from viscorod.results.buckling import Buckling
     from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
@@ -128,7 +129,9 @@ def _compute(
         total, quantity = settings.duration, TIME
     elif isinstance(settings, ResponseSettings):
         total, quantity = settings.highest, FREQUENCY
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Periodic | Stability
+    result: (
+        Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Periodic | Stability
+    )
     with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
         try:
             with polite_stop() as stop, reporting(total, quantity) as progress:
@@ -158,7 +161,15 @@ def _compute(
 
 
 def _write(
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Periodic | Stability,
+    result: Run
+    | Equilibrium
+    | Steady
+    | Modes
+    | Buckling
+    | FrequencyResponse
+    | Campbell
+    | Periodic
+    | Stability,
     folder: Path,
     doubts: Sequence[str],
 ) -> list[Path]:

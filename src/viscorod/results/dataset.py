@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 def dataset(
     kind: str, problem: Problem, gauss: GaussPositions, history: History, attrs: dict[str, Any]
 ) -> xr.Dataset:
-    """Arrange a history as the data set of a run ("simulate"), an equilibrium, a steady rotation or modes.
+    """Arrange a history as the data set of a result that has states.
 
     Args:
-        kind: "simulate", "equilibrium", "steady" or "modes".
+        kind: "simulate", "equilibrium", "steady", "modes" or "buckling".
         problem: the solved one; gauss: positions of its Gauss points.
         history: recorded states.
         attrs: attributes of the whole data set (see ``schema``).
@@ -62,7 +62,7 @@ def dataset(
     }
     energy = np.array(history.energy)
     variables["elastic"] = (along, energy[:, 1])
-    if kind not in ("equilibrium", "modes"):
+    if kind not in ("equilibrium", "modes", "buckling"):
         variables |= {
             "velocity": ((*states, "axis"), velocity),
             "angular_velocity": ((*states, "axis"), spin),

@@ -55,7 +55,7 @@ class ResultAttributes(BaseModel):
 
     model_config = ConfigDict(extra="allow")
 
-    kind: Literal["simulate", "equilibrium", "steady", "modes"]
+    kind: Literal["simulate", "equilibrium", "steady", "modes", "buckling"]
     title: str = ""
     outcome: str = "completed"
     message: str = ""
@@ -107,6 +107,17 @@ class ResultAttributes(BaseModel):
     drift_velocity: Amount | None = None
     pose_gap: Amount | None = None
     rotation_gap: Amount | None = None
+    modes: Count | None = None
+    modes_velocities: Count | None = None
+    modes_strains: Count | None = None
+    modes_rigid: Count | None = None
+    modes_highest: Amount | None = None
+    modes_open: Amount | None = None
+    modes_fewer: Count | None = None
+    modes_position_gap: Amount | None = None
+    modes_rotation_gap: Amount | None = None
+    modes_motion_gap: Amount | None = None
+    modes_force_gap: Amount | None = None
     stage_ends: Json[list[Count]] | None = None
     limit_points: Numbers | None = None
     bifurcations: Numbers | None = None
@@ -122,6 +133,8 @@ class ResultAttributes(BaseModel):
     mode_rigid: Count | None = None
     mode_certified: Literal[0, 1] | None = None
     mode_about: str = ""
+    buckling_exact: Literal[0, 1] | None = None
+    buckling_complete: Literal[0, 1] | None = None
 
 
 _TOGETHER = {
@@ -129,6 +142,8 @@ _TOGETHER = {
     "pose_gap": ("rotation_gap",),
     "smallest_step_why": ("smallest_step", "smallest_step_at"),
     "mesh_motion_error": ("mesh_errors",),
+    "modes": ("modes_velocities", "modes_strains", "modes_rigid", "modes_highest", "modes_open"),
+    "modes_fewer": ("modes_position_gap", "modes_rotation_gap", "modes_motion_gap", "modes_force_gap"),
 }
 """Attribute -> others without which it says nothing."""
 _STEADY = ("formulation", "damping", "residual", "unstable", "neutral", "growth_rate")
@@ -166,6 +181,8 @@ def _missing(found: ResultAttributes, plain: Mapping[str, Any]) -> Iterator[str]
         needed |= dict.fromkeys(_STEADY, "kind")
     if found.kind == "modes":
         needed |= dict.fromkeys(("mode_rigid", "mode_certified"), "kind")
+    if found.kind == "buckling":
+        needed |= dict.fromkeys(("buckling_exact", "buckling_complete"), "kind")
     if found.formulation == "intrinsic" and found.kind == "simulate":
         needed |= dict.fromkeys(("dynamics", "damping"), "formulation")
     if found.negative_eigenvalues is not None and found.stability != "tangent stiffness":

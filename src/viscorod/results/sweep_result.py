@@ -14,6 +14,7 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from viscorod.checks import checked
 from viscorod.errors import InputError
+from viscorod.results.buckling import Buckling
 from viscorod.results.data_schema import DIMENSION
 from viscorod.results.energy import Energy
 from viscorod.results.files.storage import read, result_of, write
@@ -76,7 +77,7 @@ class SweepRun:
 
     number: int
     values: Mapping[str, Any]
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | None
+    result: Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | None
     message: str = ""
     outcome: str = COMPLETED
 

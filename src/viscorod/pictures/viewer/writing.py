@@ -81,6 +81,7 @@ def view(
     if not isinstance(result, Run | Equilibrium | Modes | Steady):
         what, instead = {
             "FrequencyResponse": ("a frequency response", "draw it with plot"),
+            "Buckling": ("a list of critical loads", "draw them with plot"),
             "Campbell": ("a Campbell diagram", "draw it with plot"),
             "Stability": ("stability along a load", "draw it with plot"),
             "Periodic": ("a curve of periodic motions", "draw it with plot"),

@@ -33,6 +33,8 @@ from viscorod.solve.problem.imposed_strains import ImposedStrains
 from viscorod.solve.problem.joint_set import JointSet
 from viscorod.solve.problem.law_callbacks import LawCallbacks, MotionLaws
 from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
+from viscorod.solve.reduced.reduced_loads import ReducedLoads
+from viscorod.solve.reduced.reduced_model import ReducedModel
 from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, Relation, Solution
 from viscorod.solve.transient.integrators.record_kernels import Reading
 from viscorod.solve.transient.integrators.stage_data import (
@@ -56,6 +58,7 @@ UNCHANGED = (
     JointSet, LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads,
     LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, StageFactors, StageLoads, SupportMotion, Work,
     Coefficients, Relation, Solution, GaussPositions, ElementWork, ImposedStrains, StackedSolvers, Reading,
+    ReducedModel, ReducedLoads,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 
