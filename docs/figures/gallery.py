@@ -209,6 +209,22 @@ def blade(axes: Axes, result: vr.Steady) -> None:
         axes.plot([rpm] * 3, values, "o", color=RED, label="flapping, measured" if rpm == 0 else "_")
 
 
+def curve(axes: Axes, result: vr.FrequencyResponse) -> None:
+    """Draw how far the end moves over the clamp."""
+    clean(axes, "frequency [Hz]", "end over clamp")
+    axes.loglog(result.frequencies, result.amplification(), color=BLUE, linewidth=1.4)
+    heading(axes, "Amplification over frequency")
+
+
+def shaken(axes: Axes, result: vr.FrequencyResponse) -> None:
+    """Draw the amplification around the first resonance, with the exact values."""
+    first = result.poles[0].imag / (2.0 * np.pi)
+    near = np.abs(result.frequencies / first - 1.0) < 0.06
+    clean(axes, "frequency [Hz]", "amplification")
+    axes.semilogy(result.frequencies[near], result.amplification()[near], color=BLUE, label="computed")
+    axes.plot([0.95 * first, first], [15.39, 156.6], "o", color=RED, label="beam with complex modulus")
+
+
 def whirl(axes: Axes, result: vr.Campbell) -> None:
     """Draw damping ratios of the shaft over its speed, with the limit of the closed form."""
     clean(axes, "speed [rad/s]", "damping ratio [%]")
@@ -299,6 +315,7 @@ RIGHT: dict[str, Callable[..., None]] = {
     "princeton_beam": princeton,
     "right_angle_frame": energy(114.88, "independent"),
     "rubber_strip": decay("strip.end", "z", 2.40078, 0.0504, "ratio of the small vibration"),
+    "shaken_strip": shaken,
     "soft_arm": decay("end_plate.rim", "y", 2.05687, 0.12589, "ratio of the small vibration"),
     "spinning_up_arm": lag,
     "swept_blade": blade,
@@ -320,6 +337,8 @@ def draw(name: str) -> Path:
         if name == "helix_spring":
             window = (0.0, 0.4)
         snapshots(picture, left, result, *window)
+    elif isinstance(result, vr.FrequencyResponse):
+        curve(left, result)
     elif isinstance(result, vr.Campbell):
         lines(left, result)
     elif isinstance(result, vr.Stability):
@@ -333,7 +352,8 @@ def draw(name: str) -> Path:
         heading(left, f"Reference shape (dashed), {'turning (bold)' if name == 'swept_blade' else thin}")
     RIGHT[name](right, result)
     for axes in (left, right):
-        axes.locator_params(axis="x", nbins=6)
+        if axes.get_xscale() == "linear":
+            axes.locator_params(axis="x", nbins=6)
     legend_above(right, 4)
     shot = BytesIO()
     picture.savefig(shot, format="png", dpi=DPI)

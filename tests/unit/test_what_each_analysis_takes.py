@@ -29,6 +29,7 @@ ANALYSES = {
     "linear dynamics": lambda model: moved(model, dynamics="linear", **LINEARISED),
     "steady rotation": lambda model: model.steady(**SPIN, modes=2),
     "steady rotation, intrinsic": lambda model: model.steady(**SPIN, modes=2, formulation="intrinsic"),
+    "motion in modes": lambda model: moved(model, formulation="intrinsic", modes=2),
 }
 BRANCH = vr.MaxwellBranch(time=0.1, stiffness=C)
 

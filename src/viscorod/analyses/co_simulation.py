@@ -10,7 +10,13 @@ import numpy as np
 
 from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.motion import described, initial_state, small_motions, stepping
+from viscorod.analyses.motion import (
+    described,
+    initial_state,
+    integrator_makers,
+    small_motions,
+    stepping,
+)
 from viscorod.analyses.provenance import provenance
 from viscorod.checks import checked
 from viscorod.errors import InputError, SolveError
@@ -55,7 +61,10 @@ class CoSimulation:
         self._discrete, self._wrenches = discrete, wrenches
         state, _ = initial_state(discrete, settings)
         integrator, control, self._chosen = stepping(
-            discrete, settings, small_motions(discrete, settings, state)
+            discrete,
+            settings,
+            small_motions(discrete, settings, state),
+            integrator_makers(discrete, settings, state)[0],
         )
         self._transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)
         self._reader = StationReader(discrete.problem)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
+from viscorod.analyses.modal_reduction import reduced_makers, told_of_modes
 from viscorod.analyses.motion_events import monitors
 from viscorod.analyses.start_state import StartState
 from viscorod.errors import InputError, SolveError, warn
@@ -34,6 +36,7 @@ from viscorod.solve.modes.vibrations import natural_frequencies
 from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.initial_shape import strain_rods
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.reduced.reduced_motion import ReducedMotion
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
@@ -52,7 +55,15 @@ from viscorod.solve.transient.transient_solver import Transient
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["described", "failure", "initial_state", "motion", "small_motions", "stepping"]
+__all__ = [
+    "described",
+    "failure",
+    "initial_state",
+    "integrator_makers",
+    "motion",
+    "small_motions",
+    "stepping",
+]
 
 REACHED = 1e-6
 """Distance over the size of the model, or angle, by which a start may miss what supports and joints prescribe."""
@@ -97,8 +108,9 @@ def _motion(
     options = discrete.options
     state, began_from = initial_state(discrete, settings)
     linear = small_motions(discrete, settings, state)
-    integrator, control, chosen = stepping(discrete, settings, linear)
-    halved, start = _halved_steps(discrete, settings, linear, chosen), state.copy()
+    makers = integrator_makers(discrete, settings, state)
+    integrator, control, chosen = stepping(discrete, settings, linear, makers[0])
+    halved, start = _halved_steps(discrete, settings, linear, chosen, makers[1]), state.copy()
     transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node, halved)
     began = time.perf_counter()
 
@@ -144,7 +156,8 @@ def _motion(
         watch = discrete.watch
         see = watch.see_motion if settings.dynamics == "nonlinear" else watch.see_linear_motion
         scale = float(settings.initial == "equilibrium")
-        see((integrator.t, integrator.snapshot()), discrete.static, scale, damped_by_steps(halved))
+        if settings.modes is None:  # what modes leave out is not in balance on any mesh
+            see((integrator.t, integrator.snapshot()), discrete.static, scale, damped_by_steps(halved))
         attrs |= watch.attributes
     attrs["message"] = message = failure(discrete, transient)
     _tell(attrs, _blows(discrete.problem))
@@ -296,7 +309,9 @@ def described(
         found |= {"events": json.dumps(events), "ended_by": watch.ended_by}
     if discrete.system.constraints.rows:
         found["drift_position"], found["drift_velocity"] = transient.integrator.drift
-    if settings.dynamics == "nonlinear":
+    if isinstance(transient.integrator, ReducedMotion):
+        found |= told_of_modes(settings, transient.integrator)
+    elif settings.dynamics == "nonlinear":
         found["linear_solver"] = discrete.problem.plan.description
     if _integrates_strains(settings):
         found["pose_gap"], found["rotation_gap"] = pose_gap(discrete.system, transient.result.history)
@@ -305,7 +320,7 @@ def described(
 
 def _integrates_strains(settings: SimulateSettings) -> bool:
     """Return whether strains are integrated in time beside the poses, so that both can be compared."""
-    return settings.formulation == "intrinsic" and settings.dynamics == "nonlinear"
+    return settings.formulation == "intrinsic" and settings.dynamics == "nonlinear" and settings.modes is None
 
 
 def failure(discrete: DiscreteModel, transient: Transient) -> str:
@@ -323,8 +338,29 @@ def failure(discrete: DiscreteModel, transient: Transient) -> str:
     return ""
 
 
+def integrator_makers(
+    discrete: DiscreteModel, settings: SimulateSettings, state: State
+) -> tuple[Callable[..., Integrator], Callable[..., Integrator]]:
+    """Return what makes the integrator of a motion from a state, and a twin of it with a system of its own."""
+    if settings.modes is not None:
+        return reduced_makers(discrete, settings, state)
+    method = INTEGRATORS[settings.integrator]
+    make: Any = method.make_linear if settings.dynamics == "linear" else method.make
+
+    def twin(**given: Any) -> Integrator:
+        system = FORMULATIONS[discrete.formulation].make(discrete.problem)
+        system.given_strain = discrete.system.given_strain
+        found: Integrator = make(system, SupportState(discrete.problem), **given)
+        return found
+
+    return partial(make, discrete.system, discrete.supports), twin
+
+
 def stepping(
-    discrete: DiscreteModel, settings: SimulateSettings, linear: Linearisation
+    discrete: DiscreteModel,
+    settings: SimulateSettings,
+    linear: Linearisation,
+    make: Callable[..., Integrator],
 ) -> tuple[Integrator, StepControl, dict[str, Any]]:
     """Return integrator, step control and what was chosen, by name; ``linear`` are small motions about the start."""
     method = INTEGRATORS[settings.integrator]
@@ -332,36 +368,36 @@ def stepping(
     tolerance: float | Tolerance | None = settings.tolerance
     if tolerance is None and method.tolerance is not None:
         tolerance = PartOfMotion(discrete.supports, linear, duration)
-    make: Any = method.make_linear if settings.dynamics == "linear" else method.make
     given: dict[str, Any] = dict(method.parameters)
     given |= {name: getattr(settings, name) for name in given if getattr(settings, name) is not None}
     if tolerance is not None:
         largest = settings.time_step or duration / LEAST_STEPS
         for period in discrete.problem.periods:
             largest = min(largest, period / STEPS_PER_PERIOD)
-        integrator = make(discrete.system, discrete.supports, **given, tolerance=tolerance)
+        integrator = make(**given, tolerance=tolerance)
         control: StepControl = ErrorControl(integrator.estimate_order, largest, duration)
         return integrator, control, given | {"largest_step": largest}
     step = settings.time_step
     if step is None:
         step = choose_time_step(discrete.problem, natural_frequencies(linear, SEEN), duration)
-    return make(discrete.system, discrete.supports, **given), FixedSteps(step), given | {"time_step": step}
+    return make(**given), FixedSteps(step), given | {"time_step": step}
 
 
 def _halved_steps(
-    discrete: DiscreteModel, settings: SimulateSettings, linear: Linearisation, chosen: Mapping[str, Any]
+    discrete: DiscreteModel,
+    settings: SimulateSettings,
+    linear: Linearisation,
+    chosen: Mapping[str, Any],
+    make: Callable[..., Integrator],
 ) -> HalvedSteps | None:
     """Return what computes some steps of a motion again, with solvers of its own; None for large models."""
     if not discrete.watch.feasible:
         return None
     method = INTEGRATORS[settings.integrator]
-    make: Any = method.make_linear if settings.dynamics == "linear" else method.make
     given = {name: chosen[name] for name in method.parameters}
     if method.tolerance is not None:
         given["tolerance"] = settings.tolerance or method.tolerance
-    system = FORMULATIONS[discrete.formulation].make(discrete.problem)
-    system.given_strain = discrete.system.given_strain
-    twin = make(system, SupportState(discrete.problem), **given)
+    twin = make(**given)
     strains = _integrates_strains(settings)
     return HalvedSteps(
         twin, StartModes.of(linear), discrete.problem, method.order_with(given), strains=strains

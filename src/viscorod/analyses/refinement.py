@@ -254,9 +254,13 @@ def refined_response(
     While an undamped frequency in the band differs by more than ``accuracy`` from that of the mesh with all elements
     halved, and the program may choose the mesh of a rod, the finer mesh is taken. The result keeps the difference.
     """
-    highest = settings.band[1] if settings.band else (settings.frequencies or (0.0,))[-1]
-    discrete, errors = _resolving(discrete, highest, settings.accuracy)
-    found = analysis(discrete, settings)
+    discrete, errors = _resolving(discrete, settings.highest, settings.accuracy)
+    try:
+        found = analysis(discrete, settings)
+    except SolveError as error:
+        if isinstance(error.run, FrequencyResponse):
+            error.run.data.attrs["frequency_error"] = errors
+        raise
     found.data.attrs["frequency_error"] = errors
     return found
 
@@ -267,7 +271,9 @@ def refined_periodic(
     settings: PeriodicSettings,
 ) -> Periodic:
     """Compute periodic motions on a mesh that resolves vibrations as high as they are; see :func:`refined_response`."""
-    highest = max(settings.frequencies or (settings.frequency or 0.0,))
+    highest = max(
+        settings.frequencies or (settings.frequency or 0.0,)
+    )  # of free vibrations the first is compared
     discrete, errors = _resolving(discrete, highest, settings.accuracy)
     found = analysis(discrete, settings)
     found.data.attrs["frequency_error"] = errors

@@ -108,6 +108,7 @@ def _formulation(run: Run) -> str:
     if attrs.get("formulation", "geometric") == "geometric":
         return ""
     kind = "linear dynamics, " if attrs["dynamics"] == "linear" else ""
+    kind += f"{attrs['modes']} modes, " if "modes" in attrs else ""
     return f"; intrinsic formulation, {kind}{attrs['damping']} damping"
 
 
@@ -416,12 +417,32 @@ def _effort(result: Result) -> str:
             f"Smallest step: {attrs['smallest_step']:.3g} s at t = {attrs['smallest_step_at']:.6g} s, "
             f"limited by {attrs['smallest_step_why']}"
         )
+    if "modes" in attrs:
+        lines.append(_modes(attrs))
     if "pose_gap" in attrs:
         lines.append(
             f"Poses integrated in time and along the rods differ by at most {attrs['pose_gap']:.3g} m "
             f"and {attrs['rotation_gap']:.3g} rad"
         )
     return "\n".join(lines)
+
+
+def _modes(attrs: Mapping[str, Any]) -> str:
+    """Say in which modes a motion was sought, and what fewer of them would have made of it."""
+    rigid, count = int(attrs["modes_rigid"]), int(attrs["modes"])
+    beside = int(attrs["modes_velocities"]) - rigid - count
+    turning = f", {_counted(rigid, 'rigid motions')}" if rigid else ""
+    text = (
+        f"Modes: {_counted(count, 'vibrations')} up to {attrs['modes_highest']:.4g} Hz"
+        f"{turning} and {beside} quasi-static answers"
+    )
+    if "modes_fewer" not in attrs:
+        return f"{text}; what fewer of them would make of it is not known"
+    return (
+        f"{text}; in {attrs['modes_fewer']} modes positions differ by up to {attrs['modes_position_gap']:.2g} m, "
+        f"{attrs['modes_motion_gap']:.2g} of the largest displacement, rotations by "
+        f"{attrs['modes_rotation_gap']:.2g} rad, and section forces by {attrs['modes_force_gap']:.2g} of the largest"
+    )
 
 
 def _mesh(result: Result) -> str:

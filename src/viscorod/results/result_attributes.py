@@ -107,6 +107,17 @@ class ResultAttributes(BaseModel):
     drift_velocity: Amount | None = None
     pose_gap: Amount | None = None
     rotation_gap: Amount | None = None
+    modes: Count | None = None
+    modes_velocities: Count | None = None
+    modes_strains: Count | None = None
+    modes_rigid: Count | None = None
+    modes_highest: Amount | None = None
+    modes_open: Amount | None = None
+    modes_fewer: Count | None = None
+    modes_position_gap: Amount | None = None
+    modes_rotation_gap: Amount | None = None
+    modes_motion_gap: Amount | None = None
+    modes_force_gap: Amount | None = None
     stage_ends: Json[list[Count]] | None = None
     limit_points: Numbers | None = None
     bifurcations: Numbers | None = None
@@ -131,6 +142,8 @@ _TOGETHER = {
     "pose_gap": ("rotation_gap",),
     "smallest_step_why": ("smallest_step", "smallest_step_at"),
     "mesh_motion_error": ("mesh_errors",),
+    "modes": ("modes_velocities", "modes_strains", "modes_rigid", "modes_highest", "modes_open"),
+    "modes_fewer": ("modes_position_gap", "modes_rotation_gap", "modes_motion_gap", "modes_force_gap"),
 }
 """Attribute -> others without which it says nothing."""
 _STEADY = ("formulation", "damping", "residual", "unstable", "neutral", "growth_rate")

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 _GAP = 1e-2
 _MESH = 0.01  # accepted error of positions by the mesh, as a part of the largest displacement
 _FORCE = 0.05  # accepted error of section forces by the mesh, as a part of the largest one
+_MODES = 0.1  # accepted difference from the motion in half as many modes, whose error is the larger one
+_OPEN = 1e-3  # accepted distance of a place from where it is held, over the size of the model
 _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
 _OF_ALL = 1e-6  # and as a part of all energy that is there: a body that turns evenly moves next to none
 
@@ -56,8 +58,26 @@ def warnings_of(result: Result) -> list[str]:
             f"poses integrated in time and along the rods differ by {gap:.2g} of the model's size: "
             "the mesh is too coarse for this motion; use more elements or a higher order"
         )
-    texts += _mesh_warnings(result)
+    texts += _mesh_warnings(result) + _mode_warnings(result)
     return texts + _strain_warnings(result)
+
+
+def _mode_warnings(result: Result) -> list[str]:
+    """Return warnings of a motion in too few modes."""
+    attrs, texts = result.data.attrs, []
+    gap = float(attrs.get("modes_motion_gap", 0.0))
+    if gap > _MODES:
+        texts.append(
+            f"in {attrs['modes_fewer']} modes the motion differs by {100.0 * gap:.2g} % of the largest displacement "
+            f"from that in {attrs['modes']}: use more modes"
+        )
+    opened = float(attrs.get("modes_open", 0.0)) / float(attrs.get("scale_length", 1.0))
+    if opened > _OPEN:
+        texts.append(
+            f"rods between supports, or in loops, miss their ends by up to {opened:.2g} of the model's size: use more "
+            "modes"
+        )
+    return texts
 
 
 def energy_doubt(data: xr.Dataset) -> str:

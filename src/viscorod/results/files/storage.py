@@ -234,10 +234,6 @@ def load(
         if path.is_dir():
             return Run(stopped_run(path))
     data = read(path)
-    if str(data.attrs.get("kind")) == "response":
-        from viscorod.results.frequency_response import FrequencyResponse
-
-        return FrequencyResponse(data)
     if str(data.attrs.get("kind")) == "campbell":
         from viscorod.results.campbell import Campbell
 
@@ -257,13 +253,16 @@ def load(
     return result_of(data, Path(path))
 
 
-def result_of(data: xr.Dataset, path: Path) -> Run | Equilibrium | Steady | Modes | Buckling:
+def result_of(
+    data: xr.Dataset, path: Path
+) -> Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse:
     """Return the result whose data set was read from a file, after looking at all of it.
 
     Raises:
         InputError: it is no result, or a damaged one.
     """
     from viscorod.results.buckling import Buckling
+    from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.soundness import require_sound
@@ -273,6 +272,8 @@ def result_of(data: xr.Dataset, path: Path) -> Run | Equilibrium | Steady | Mode
         kind.kind: kind for kind in (Run, Equilibrium, Steady, Modes, Buckling)
     }
     found = str(data.attrs.get("kind", ""))
+    if found == FrequencyResponse.kind:
+        return FrequencyResponse(data)
     if found not in kinds:
         raise InputError(
             f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, response, "

@@ -14,6 +14,7 @@ from viscorod.model.connections.velocity_support import VelocitySupport
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.reduced_checks import unfit_for_modes
 from viscorod.solve.transient.integrators import INTEGRATORS, integrators_that
 
 if TYPE_CHECKING:
@@ -103,6 +104,8 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
         ):
             why = "generalised alpha has no laws of sections with rest strains that change with time"
             yield from _changing_rest(model, why, "take integrator = 'radau'")
+    if settings.modes is not None:
+        yield from unfit_for_modes(model)
     yield from _struck_dashpots(model, settings)
     yield from _driven_held_strains(model, settings)
     for index, event in enumerate(settings.events):

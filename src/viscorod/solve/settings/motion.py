@@ -17,6 +17,7 @@ from viscorod.model.fields.values import (
     Positive,
     one_number_of,
     one_of,
+    whole_number,
 )
 from viscorod.solve.formulations.registry import damping_words, dampings, formulation_words
 from viscorod.solve.settings.mesh import LARGEST_TOLERANCE, Meshed
@@ -27,6 +28,8 @@ __all__ = ["SimulateSettings"]
 
 
 LEAST_TOLERANCE = 1e-10
+MOST_MODES = 200
+"""Vibration modes of a reduced motion at most: its arrays grow with their cube."""
 
 
 def _has(parameter: str, method: Method) -> bool:
@@ -84,6 +87,11 @@ class SimulateSettings(Meshed):
         '"nonlinear", or "linear" about the state that the motion starts from, with linearised damping',
         default="nonlinear",
     )
+    modes: Annotated[int | None, optional(whole_number(1, MOST_MODES))] = Key(
+        "of the intrinsic formulation: the motion is sought in so many vibration modes, with rigid motions and the "
+        "answers to products of modes beside them; left out: in the velocities of all nodes",
+        default=None,
+    )
     events: Events = Key(
         "what is watched for and recorded, and may end the run: `Crossing`, `Decayed`, `SteadyState`",
         default=(),
@@ -137,6 +145,28 @@ class SimulateSettings(Meshed):
             raise RefusedError(
                 f"{method.title} integrates nonlinear dynamics only",
                 f"give integrator = {integrators_that(lambda other: other.make_linear)}, or leave out dynamics",
+                found=show(self.integrator),
+                at=("integrator",),
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _fits_modes(self) -> Self:
+        if self.modes is None:
+            return self
+        method = INTEGRATORS[self.integrator]
+        if self.formulation != "intrinsic" or self.dynamics == "linear":
+            raise RefusedError(
+                "motions in modes are those of the nonlinear intrinsic equations",
+                "add formulation = 'intrinsic' and leave out dynamics, or leave out modes; linear motions in modes: "
+                "model.linear(...).reduced(...)",
+                found=show(self.modes),
+                at=("modes",),
+            )
+        if method.make_reduced is None:
+            raise RefusedError(
+                f"{method.title} does not integrate motions in modes",
+                f"give integrator = {integrators_that(lambda other: other.make_reduced)}, or leave out modes",
                 found=show(self.integrator),
                 at=("integrator",),
             )

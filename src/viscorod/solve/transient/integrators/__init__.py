@@ -28,6 +28,8 @@ class Method(NamedTuple):
         velocity_supports: it holds velocities along moving axes.
         parameters: settings that are its own, with their values unless given.
         make_linear: as ``make``, for linear dynamics; None: it has nonlinear dynamics only.
+        make_reduced: likewise of a :class:`~viscorod.solve.reduced.reduced_model.ReducedModel`, for motions in modes:
+            ``make_reduced(model, **given)``.
     """
 
     make: Callable[..., Integrator]
@@ -39,6 +41,7 @@ class Method(NamedTuple):
     velocity_supports: bool = True
     parameters: Mapping[str, float] = MappingProxyType({})
     make_linear: Callable[..., Integrator] | None = None
+    make_reduced: Callable[..., Integrator] | None = None
 
     def order_with(self, parameters: Mapping[str, float]) -> int:
         """Return the order with other values of its parameters."""
@@ -55,6 +58,7 @@ INTEGRATORS: dict[str, Method] = {
         tolerance=1e-4,
         parameters={"stages": 3},
         make_linear=deferred("transient.integrators.linear_motion:linear_radau"),
+        make_reduced=deferred("reduced.reduced_motion:reduced_radau"),
     ),
     "generalized_alpha": Method(
         deferred("transient.integrators.generalized_alpha:GeneralizedAlpha"),
@@ -70,6 +74,7 @@ INTEGRATORS: dict[str, Method] = {
         "the midpoint rule",
         order=2,
         make_linear=deferred("transient.integrators.linear_motion:linear_midpoint"),
+        make_reduced=deferred("reduced.reduced_motion:reduced_midpoint"),
     ),
 }
 

@@ -1,0 +1,1 @@
+"""The intrinsic equations in a few modes of velocities and strains, with quadratic coefficients."""
