@@ -33,6 +33,7 @@ FILE = {
     "steady": ("table `[steady]`", "one of these", "see Analyses"),
     "modes": ("table `[modes]`", "one of these", "see Analyses"),
     "response": ("table `[response]`", "one of these", "see Analyses"),
+    "buckling": ("table `[buckling]`", "one of these", "see Analyses"),
     "campbell": ("table `[campbell]`", "one of these", "see Analyses"),
     "stability": ("table `[stability]`", "one of these", "see Analyses"),
     "periodic": ("table `[periodic]`", "one of these", "see Analyses"),

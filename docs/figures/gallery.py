@@ -209,6 +209,22 @@ def blade(axes: Axes, result: vr.Steady) -> None:
         axes.plot([rpm] * 3, values, "o", color=RED, label="flapping, measured" if rpm == 0 else "_")
 
 
+def curve(axes: Axes, result: vr.FrequencyResponse) -> None:
+    """Draw how far the end moves over the clamp."""
+    clean(axes, "frequency [Hz]", "end over clamp")
+    axes.loglog(result.frequencies, result.amplification(), color=BLUE, linewidth=1.4)
+    heading(axes, "Amplification over frequency")
+
+
+def shaken(axes: Axes, result: vr.FrequencyResponse) -> None:
+    """Draw the amplification around the first resonance, with the exact values."""
+    first = result.poles[0].imag / (2.0 * np.pi)
+    near = np.abs(result.frequencies / first - 1.0) < 0.06
+    clean(axes, "frequency [Hz]", "amplification")
+    axes.semilogy(result.frequencies[near], result.amplification()[near], color=BLUE, label="computed")
+    axes.plot([0.95 * first, first], [15.39, 156.6], "o", color=RED, label="beam with complex modulus")
+
+
 def whirl(axes: Axes, result: vr.Campbell) -> None:
     """Draw damping ratios of the shaft over its speed, with the limit of the closed form."""
     clean(axes, "speed [rad/s]", "damping ratio [%]")
@@ -250,6 +266,21 @@ def growth(axes: Axes, result: vr.Stability) -> None:
     axes.set_ylim(-2.5, 1.5)
 
 
+def critical(number: int, known: float) -> Callable[[Axes, vr.Buckling], None]:
+    """Return what draws a shape of the tall rod in its plane, with the factor of the closed form."""
+
+    def draw(axes: Axes, result: vr.Buckling) -> None:
+        clean(axes, "displacement, largest 1", "height [m]")
+        moved = result.shapes[number, :, :2]
+        across = moved[:, int(np.argmax(np.abs(moved).max(axis=0)))]
+        name = f"{result.load_factors[number]:.5f} times its weight (Greenhill {known:.5f})"
+        axes.plot(across, result.positions[number][:, 2], color=BLUE, linewidth=2.0, label=name)
+        axes.axvline(0.0, color="#8a8a8a", linestyle="--", linewidth=1.0)
+        legend_above(axes, 1)
+
+    return draw
+
+
 def path(place: str, axis: str, known: list[tuple[float, float]], name: str) -> Callable[..., None]:
     """Draw the load factor over a displacement, with known points."""
 
@@ -284,10 +315,12 @@ RIGHT: dict[str, Callable[..., None]] = {
     "princeton_beam": princeton,
     "right_angle_frame": energy(114.88, "independent"),
     "rubber_strip": decay("strip.end", "z", 2.40078, 0.0504, "ratio of the small vibration"),
+    "shaken_strip": shaken,
     "soft_arm": decay("end_plate.rim", "y", 2.05687, 0.12589, "ratio of the small vibration"),
     "spinning_up_arm": lag,
     "swept_blade": blade,
     "whirling_shaft": whirl,
+    "tall_rod": critical(2, 7.26894),
     "becks_column": growth,
 }
 
@@ -304,10 +337,14 @@ def draw(name: str) -> Path:
         if name == "helix_spring":
             window = (0.0, 0.4)
         snapshots(picture, left, result, *window)
+    elif isinstance(result, vr.FrequencyResponse):
+        curve(left, result)
     elif isinstance(result, vr.Campbell):
         lines(left, result)
     elif isinstance(result, vr.Stability):
         frequencies(left, result)
+    elif isinstance(result, vr.Buckling):
+        critical(0, 1.01773)(left, result)
     else:
         draw_shapes(left, result)
         left.get_legend().remove()
@@ -315,7 +352,8 @@ def draw(name: str) -> Path:
         heading(left, f"Reference shape (dashed), {'turning (bold)' if name == 'swept_blade' else thin}")
     RIGHT[name](right, result)
     for axes in (left, right):
-        axes.locator_params(axis="x", nbins=6)
+        if axes.get_xscale() == "linear":
+            axes.locator_params(axis="x", nbins=6)
     legend_above(right, 4)
     shot = BytesIO()
     picture.savefig(shot, format="png", dpi=DPI)

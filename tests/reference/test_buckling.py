@@ -172,3 +172,34 @@ def test_refusals():
     loose.force("column.end", (-1.0, 0, 0))
     with pytest.raises(vr.InputError, match="nothing holds the model"):
         loose.buckling()
+
+
+def test_critical_loads_are_kept_drawn_and_told(tmp_path):
+    """As they were found, from the file; a case file with a table and the command give the same."""
+    from typer.testing import CliRunner
+
+    from viscorod.casefile.shipped import shipped_case
+    from viscorod.cli.app import app
+
+    done = CliRunner().invoke(
+        app, ["buckling", str(shipped_case("tall_rod")), "-o", str(tmp_path), "--count", "2"]
+    )
+    assert done.exit_code == 0, done.output
+    found = vr.load(tmp_path / "buckling.nc")
+    assert isinstance(found, vr.Buckling)
+    assert found.report() in done.output
+    assert found.load_factors == pytest.approx([1.017725] * 2, rel=3e-6)
+    assert found.complete
+    assert found.exact
+    assert found.errors.max() < 1e-6
+    assert found.positions.shape == found.shapes.shape == found.rotations.shape
+    assert found.history("rod.end")[0, 2] == pytest.approx(5.0, rel=1e-6)
+    assert (tmp_path / "buckling.png").stat().st_size > 10_000
+    with pytest.raises(vr.InputError, match="draw them with plot"):
+        vr.view(found, tmp_path / "page.html")
+    model = column()
+    model.clamp("column.start")
+    model.force("column.end", (0, 0, -1.0), following=True)
+    none = vr.load(model.buckling(count=1).save(tmp_path / "none.nc"))
+    assert "none were found" in none.report()
+    none.plot(tmp_path / "none.png")

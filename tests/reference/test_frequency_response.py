@@ -428,6 +428,26 @@ def test_damping_is_read_off_the_peaks():
     np.testing.assert_allclose(found.poles, modes.eigenvalues[: len(found.poles)], rtol=1e-9)
 
 
+def test_residues_of_a_bar():
+    """With viscosity in proportion to stiffness, that of mode k is 1/(rho A L i Im s_k): each moves the end alike."""
+    tau = 1e-7
+    model = strip(vr.Material(YOUNG, NU, DENSITY, damping=vr.KelvinVoigt(tau, tau)), elements=2, order=6)
+    found = model.frequency_response("beam.end fx", "beam.end ux", frequencies=[100.0, 12e3])
+    along = [k for k, name in enumerate(found.data["pole_name"].values) if "stretch" in str(name)]
+    s, residues = found.poles[along], found.residues[along, 0, 0]
+    np.testing.assert_allclose(residues, 1 / (DENSITY * AREA * LENGTH * 1j * s.imag), rtol=1e-4)
+
+
+def test_a_peak_is_named_after_the_mode_that_makes_it():
+    """Bending in the other plane has nearly the same frequencies, and takes no part."""
+    model = strip(constant_loss(0.2), section=vr.Rectangle(0.0302, 0.03))
+    found = model.frequency_response("beam.end fz", ["beam.end uz", "beam.end az"], band=(20.0, 2e3))
+    names = [str(name) for name in found.data["pole_name"].values]
+    assert {"bend_1 1", "bend_2 1", "bend_1 2", "bend_2 2"} <= set(names)
+    for output in found.outputs:
+        assert [one.name for one in found.resonances(output)][:2] == ["bend_1 1", "bend_1 2"]
+
+
 def test_poles_of_a_constant_loss_factor():
     """omega^2 = (1 + i eta) omega_0^2 for every undamped mode: s = i omega_0 sqrt(1 + i eta)."""
     model = strip(constant_loss(0.1), elements=1)
@@ -484,3 +504,32 @@ def test_a_load_is_an_input_and_results_are_stored(tmp_path):
         assert found.plot(tmp_path / f"{kind}.png", kind).stat().st_size > 10_000
     with pytest.raises(vr.InputError, match="bode, nyquist, space"):
         found.plot(tmp_path / "x.png", "circle")
+
+
+@pytest.mark.parametrize("way", [{"band": (1.0, 300.0)}, {"frequencies": list(np.linspace(1.0, 300.0, 60))}])
+def test_what_is_there_stays_when_it_is_stopped(way, tmp_path):
+    """Progress grows to the highest frequency; a reason to stop, or Ctrl-C, ends it, and what there is is kept."""
+    model = strip(constant_loss(0.1))
+    settings = {"inputs": "beam.end fz", "outputs": "beam.end uz", **way}
+    reached = []
+    whole = model.frequency_response(**settings, progress=lambda f, _: reached.append(f), title="a strip")
+    assert reached == sorted(reached)
+    assert reached[-1] == 300.0
+    assert (whole.outcome, whole.title) == ("completed", "a strip")
+    asked = iter([""] * 50)
+    with pytest.raises(vr.SolveError, match=r"stopped at .* of 300 Hz: enough") as stopped:
+        model.frequency_response(**settings, stop=lambda: next(asked, "enough"))
+    part = stopped.value.run
+    assert part.outcome == "interrupted"
+    known = np.isin(part.frequencies, whole.frequencies)
+    assert known.all()
+    np.testing.assert_array_equal(part.values, whole.values[np.isin(whole.frequencies, part.frequencies)])
+    assert vr.load(part.save(tmp_path / "part.nc")).report() == part.report()
+
+    def interrupt(f, _step):
+        if f > 100.0:
+            raise KeyboardInterrupt
+
+    with pytest.raises(vr.SolveError, match="interrupted from the keyboard") as stopped:
+        model.frequency_response(**settings, progress=interrupt)
+    assert stopped.value.run.frequencies[0] == 1.0

@@ -141,6 +141,34 @@ def test_static_correction_and_kept_ends():
     np.testing.assert_allclose(kept.response([0.01])[:, 0, 0], system.response([0.01])[:, 0, 0], rtol=1e-6)
 
 
+def test_what_symmetry_forbids_has_no_error():
+    """A force across one side of a rectangle neither twists it nor moves it along the other: round-off is no error."""
+    model = strip(KELVIN_VOIGT)
+    ports = {"inputs": "beam.end fz", "outputs": ["beam.end uz", "beam.end uy", "beam.end rx", "beam.end az"]}
+    found = model.linear(**ports).reduced("modal", 6, band=(1.0, 100.0))
+    assert found.error < 1e-3
+    modal = model.frequency_response(**ports, frequencies=[1.0, 30.0, 100.0], method="modal")
+    assert modal.data.attrs["modal_error"] < 1e-3
+
+
+def test_a_free_body_is_reduced_beside_its_rigid_motions():
+    """Nothing holds it: inertia balances the static shapes; roots of rigid motions are round-off and not told."""
+    model = strip(KELVIN_VOIGT)
+    model.supports.clear()
+    system = model.linear("beam.start fz", ["beam.end uz"], about="reference")
+    assert system.rigid == 6
+    low = 0.5 * model.modes(7, about="reference").frequencies[6]
+    errors = []
+    for modes in (8, 12, 20):
+        found = system.reduced("modal", modes, band=(low, 4.0 * low))
+        assert found.poles[0].imag > 2.0 * np.pi * low
+        assert "create energy" not in found.report()
+        assert "have no potential" not in found.report()
+        errors.append(found.error)
+    assert errors[0] < 1e-4
+    assert errors[2] < errors[1] < errors[0]
+
+
 def test_files_hold_all(tmp_path):
     system = strip(PRONY).linear(inputs=INPUTS, outputs=OUTPUTS)
     with np.load(system.save(tmp_path / "strip.npz")) as stored:

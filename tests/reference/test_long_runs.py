@@ -25,6 +25,7 @@ from viscorod.analyses.case_run import as_model
 from viscorod.casefile.shipped import shipped_case
 from viscorod.cli import run_commands
 from viscorod.cli.app import app
+from viscorod.cli.polite_stop import polite_stop
 from viscorod.results.files import checkpoint_file, journal, storage
 from viscorod.results.files import stream as streaming
 from viscorod.results.files.journal import FOLDER, Journal, checkpoint, contents
@@ -368,7 +369,7 @@ def test_commands_stop_and_go_on(tmp_path, monkeypatch):
     invoke = CliRunner().invoke
     assert invoke(app, ["run", "case.toml", "-o", "whole"]).exit_code == 0
     with monkeypatch.context() as patched:
-        patched.setattr(run_commands, "_polite_stop", stopping)
+        patched.setattr(run_commands, "polite_stop", stopping)
         stopped = invoke(app, ["run", "case.toml", "-o", "part"])
     assert stopped.exit_code == 1
     assert "Stopped at t = " in stopped.stderr
@@ -396,11 +397,11 @@ def test_commands_stop_and_go_on(tmp_path, monkeypatch):
 def test_where_no_step_is_taken_the_first_interrupt_ends_the_run(capsys):
     """An initial equilibrium has no step to finish: nobody asks there whether to stop."""
     with (
-        run_commands._polite_stop() as stop,
+        polite_stop() as stop,
         pytest.raises(KeyboardInterrupt, match="stopped from the keyboard"),
     ):
         signal.raise_signal(signal.SIGINT)
-    with run_commands._polite_stop() as stop:
+    with polite_stop() as stop:
         assert stop() == ""
         signal.raise_signal(signal.SIGTERM)
         assert stop() == "asked to end"

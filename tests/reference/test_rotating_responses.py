@@ -188,6 +188,29 @@ def test_what_turns_freely_and_what_cannot_be():
         held.linear(**settings, about=about)
 
 
+def test_reduced_about_a_rotation():
+    """Branches alone damp: round-off of the gyroscopic matrix is no damping; poles are those of the rotation."""
+    model = blade()
+    model.rods["blade"] = model.rods["blade"].model_copy(
+        update={
+            "material": vr.Material(4e7, 0.45, 1100.0, damping=vr.LossFactor(extension=0.1, band=(1.0, 10.0)))
+        }
+    )
+    about = model.steady(spin=(0, 0, 12.0))
+    found = model.linear("blade.end fz", "blade.end uz", about=about).reduced("modal", 8, band=(0.5, 8.0))
+    assert found.passive
+    assert found.has_potential
+    assert found.error < 1e-4
+    np.testing.assert_allclose(found.whole_poles[0], about.eigenvalues[0], rtol=1e-8)
+
+
+def test_modes_of_what_turns_are_its_own():
+    """They are not silently taken about the shape at rest near by."""
+    model = blade()
+    with pytest.raises(vr.InputError, match=r"Steady\.modes"):
+        model.modes(2, about=model.steady(spin=(0, 0, 5.0)))
+
+
 def test_a_growing_motion_is_told():
     """Damping that turns makes a shaft grow above its critical speed (Kimball 1924): no response is ever reached."""
     material = vr.Material(2.1e11, 0.3, 1e-6, damping=vr.KelvinVoigt(2e-4, 2e-4))

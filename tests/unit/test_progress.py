@@ -13,7 +13,7 @@ def test_time_left_is_that_of_equal_steps(monkeypatch, capsys):
     """A minute of preparation, then a second per step: the estimate counts the steps alone."""
     clock = iter([60.0 + k for k in range(1, 11)])
     monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: next(clock)))
-    with progress.reporting(10.0, static=False) as report:
+    with progress.reporting(10.0, progress.TIME) as report:
         for k in range(1, 11):
             report(float(k), 1.0)
     lines = capsys.readouterr().err.splitlines()
@@ -25,6 +25,6 @@ def test_time_left_is_that_of_equal_steps(monkeypatch, capsys):
 
 @pytest.mark.parametrize("total", [1.0, 3.0])
 def test_one_step_has_no_estimate(capsys, total):
-    with progress.reporting(total, static=True) as report:
+    with progress.reporting(total, progress.LOAD) as report:
         report(total, total)
     assert capsys.readouterr().err == f"load = {total:g} of {total:g}, step {total:.3g}\n"

@@ -283,3 +283,34 @@ def test_command_line(case, tmp_path, monkeypatch):
     unknown = CliRunner().invoke(app, ["sweep", str(case), "--set", "rods.beam.lenght=1"])
     assert unknown.exit_code == 2
     assert "no such key" in unknown.stderr
+
+
+BENT = SWING.split("[[loads]]", maxsplit=1)[0]
+SMALL = {
+    "modes": BENT + "[modes]\ncount = 2\n",
+    "response": BENT
+    + '[response]\ninputs = ["beam.end fz"]\noutputs = ["beam.end uz"]\nfrequencies = [0.5, 1.0, 2.0]\n',
+}
+
+
+@pytest.mark.parametrize("kind", list(SMALL))
+def test_modes_and_responses_are_swept(kind, tmp_path):
+    """Each member is the single analysis; figures are in data and table, and a file gives all back."""
+    case = case_from_dict(tomllib.loads(SMALL[kind]))
+    swept = vr.sweep(case, {"rods.beam.end[0]": [0.2, 0.3], SHEAR: [0.01, 0.02]}, workers=1)
+    assert [member.outcome for member in swept.members] == ["completed"] * 2
+    alone = run_case(case)
+    last = swept.members[1].result
+    quantity = {"modes": "eigenvalues", "response": "values"}[kind]
+    np.testing.assert_array_equal(getattr(last, quantity), getattr(alone, quantity))
+    assert "first frequency [Hz]" in swept.report()
+    # a beam of 0.2 m instead of 0.3 m: (3/2)^2 (closed form of Euler and Bernoulli; shear takes a little)
+    first = swept.data["first_frequency"].values
+    assert first[0] / first[1] == pytest.approx(2.25, rel=5e-3)
+    loaded = vr.load(swept.save(tmp_path / "sweep.nc"))
+    assert loaded.report() == swept.report()
+    found = loaded.members[0].result
+    assert type(found) is type(alone)
+    np.testing.assert_array_equal(getattr(found, quantity), getattr(swept.members[0].result, quantity))
+    if kind == "response":
+        assert float(swept.data["peak"][1]) == alone.amplification().max()

@@ -21,7 +21,7 @@ from viscorod.pictures.viewer import view
 from viscorod.pictures.viewer.frames import Frames
 from viscorod.pictures.viewer.packing import LEVELS
 from viscorod.results.run import Equilibrium, Run
-from viscorod.results.steady_result import Steady
+from viscorod.results.sweep_result import Sweep
 
 
 @pytest.fixture
@@ -392,8 +392,8 @@ def test_wrong_use_is_refused(tmp_path):
     for options in ({"frames": 1}, {"frames": 2.5}, {"frames": True}, {"megabytes": 0.5}):
         with pytest.raises(InputError, match=next(iter(options))):
             view(run, tmp_path / "no.html", **options)
-    with pytest.raises(InputError, match="steady rotation has no states"):
-        view(Steady.later(lambda: None), tmp_path / "no.html")
+    with pytest.raises(InputError, match="a sweep has no states"):
+        view(Sweep([]), tmp_path / "no.html")
     with pytest.raises(InputError, match="cannot be written"):
         view(run, tmp_path)
     assert not (tmp_path / "no.html").exists()

@@ -6,6 +6,7 @@ import matplotlib.image
 import numpy as np
 import pytest
 
+import viscorod as vr
 from helpers import chromium, synthetic_results, viewer_pages
 from helpers.viewer_pages import EVIL
 from viscorod.pictures.viewer import view
@@ -311,4 +312,37 @@ def test_long_run_is_drawn_fast_enough(shown):
     # what the scripts take of a thirtieth of a second where nothing interrupts them: 4 ms where it was measured, with
     # the same work in every picture; WebGL's own time is not theirs
     assert least < 33.0
+    assert page.errors == []
+
+
+def test_modes_swing_beside_their_table(shown, tmp_path):
+    """A clamped strip, bent by nothing: names and numbers are in the table, and the row that is chosen moves."""
+    steel = vr.Material(2.1e11, 0.3, 7850.0, damping=vr.KelvinVoigt(1e-5, 1e-5))
+    model = vr.Model()
+    rod = vr.Rod.straight(
+        (0, 0, 0), (0.5, 0, 0), section=vr.Rectangle(0.02, 0.005), material=steel, elements=2, order=4
+    )
+    model.add("beam", rod)
+    model.clamp("beam.start")
+    modes = model.modes(3, title=EVIL)
+    page = shown(modes)
+    page.drawn()
+    rows = page.run(
+        "[...document.querySelectorAll('#modes tbody tr')].map(r => [...r.cells].map(c => c.textContent))"
+    )
+    assert [row[1] for row in rows] == list(modes.names)
+    numbers = np.array([[float(text.replace("\u2212", "-")) for text in row[2:]] for row in rows])
+    np.testing.assert_allclose(numbers, np.transpose([modes.frequencies, modes.damping_ratios]), rtol=5e-3)
+    assert page.run("document.getElementById('play').textContent") == "Pause"  # it swings at once
+    page.run("document.querySelectorAll('#modes tbody tr')[1].click()")
+    assert page.run("document.getElementById('mode').value") == "1"
+    page.run("document.getElementById('play').click()")
+    least = page.run("Number(document.getElementById('scrub').min)")
+    scrub(page, least)
+    assert page.run(NOW) == "phase 0\u00b0"
+    before = space(page, tmp_path / "before.png")
+    scrub(page, least + 0.5)
+    assert page.run(NOW) == "phase 180\u00b0"
+    assert changed(before, space(page, tmp_path / "after.png")) > 200
+    assert page.run("window.hit") is None
     assert page.errors == []

@@ -10,8 +10,10 @@ from viscorod.analyses.growing_loads import begin_growing, move
 from viscorod.errors import SolveError
 from viscorod.results.buckling import Buckling
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import StationReader
+from viscorod.solve.history import EnergyAccount, History, Snapshot, StationReader
 from viscorod.solve.linear.singular import SingularMatrixError
+from viscorod.solve.modes.linearisation import nodal_motions
+from viscorod.solve.modes.mode_names import StrainEnergies
 from viscorod.solve.modes.vibrations import station_shapes
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.statics.critical_loads import CriticalPoint, CriticalSearch
@@ -27,6 +29,7 @@ def buckling(discrete: DiscreteModel, settings: BucklingSettings) -> Buckling:
     discrete.require_independent()
     require_no_initial_strain(discrete)
     state = _begin(discrete, settings)
+    about = Snapshot.of(state, discrete.system, discrete.supports)
     search = CriticalSearch(PathFollower(discrete.static), state, settings.about)
     try:
         linear, increments = search.linear(settings.count)
@@ -40,7 +43,7 @@ def buckling(discrete: DiscreteModel, settings: BucklingSettings) -> Buckling:
             CriticalPoint(float(factor), state, increments[:, k : k + 1], False)
             for k, factor in enumerate(linear)
         ]
-        return _found(discrete, settings, linear, points)
+        return _found(discrete, settings, about, linear, points)
     points, course = search.exact(settings.count, linear)
     if course.outcome not in (Outcome.COMPLETED, Outcome.POINTS):
         reached = f"{points[-1].factor:.6g}" if points else "the beginning"
@@ -48,7 +51,7 @@ def buckling(discrete: DiscreteModel, settings: BucklingSettings) -> Buckling:
             f"The equilibria could not be followed to {settings.count} critical loads: {course.outcome.value} "
             f"beyond {reached}. What to try: a smaller count, or exact = false"
         )
-    return _found(discrete, settings, linear, points)
+    return _found(discrete, settings, about, linear, points)
 
 
 def _begin(discrete: DiscreteModel, settings: BucklingSettings) -> State:
@@ -61,29 +64,52 @@ def _begin(discrete: DiscreteModel, settings: BucklingSettings) -> State:
 
 
 def _found(
-    discrete: DiscreteModel, settings: BucklingSettings, linear: Floats, points: list[CriticalPoint]
+    discrete: DiscreteModel,
+    settings: BucklingSettings,
+    about: Snapshot,
+    linear: Floats,
+    points: list[CriticalPoint],
 ) -> Buckling:
+    """Return the result; ``about`` is the state of the linear problem."""
     problem = discrete.problem
     reader = StationReader(problem)
     shapes, rotations, positions, factors, limits = [], [], [], [], []
     for point in points:
         still = np.zeros((problem.size, 6))
         place = reader.read(point.state.r, point.state.q, still)[0]
-        own, turned = station_shapes(problem, point.state, point.increments)
+        own, turned = station_shapes(problem, point.state, _principal(discrete, point))
         for k in range(len(own)):
             shapes.append(own[k].real)
             rotations.append(turned[k].real)
             positions.append(place)
             factors.append(point.factor)
             limits.append(point.limit)
+    history = History()
+    history.record(settings.about, about, EnergyAccount(elastic=about.elastic), 0.0, 0)
+    attributes = {
+        "outcome": "completed",
+        "buckling_exact": int(settings.exact),
+        "buckling_complete": int(len(factors) >= settings.count),
+    }
+    data = discrete.data_set(Buckling.kind, history, attributes)()
+    moving, stations = ("critical", "station", "axis"), len(reader.nodes)
+    shaped = (len(factors), stations, 3)
     return Buckling(
-        np.array(factors),
-        linear,
-        np.array(limits, dtype=bool),
-        np.array(shapes),
-        np.array(rotations),
-        np.array(positions),
-        settings.about,
-        settings.exact,
-        len(factors) >= settings.count,
+        data.assign(
+            critical_load=("critical", np.array(factors, dtype=float)),
+            critical_limit=("critical", np.array(limits, dtype=bool)),
+            critical_shape=(moving, np.array(shapes, dtype=float).reshape(shaped)),
+            critical_rotation=(moving, np.array(rotations, dtype=float).reshape(shaped)),
+            critical_position=(moving, np.array(positions, dtype=float).reshape(shaped)),
+            linear_load=("linear", np.asarray(linear, dtype=float)),
+        )
     )
+
+
+def _principal(discrete: DiscreteModel, point: CriticalPoint) -> Floats:
+    """Return the directions of a point; of several, any combination is one, those that strain the rods in one way."""
+    increments = point.increments
+    if increments.shape[1] < 2:
+        return increments
+    energies = StrainEnergies(discrete.system, point.state, nodal_motions(discrete.problem))
+    return np.asarray(energies.principal(increments, np.ones(increments.shape[1])))

@@ -21,8 +21,10 @@ from viscorod.model.fields.arguments import given
 from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.metadata import Check, Key
 from viscorod.solve.settings.co_simulation import CoSimulationSettings
+from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.periodic import PeriodicSettings
+from viscorod.solve.settings.response import LinearSettings, ResponseSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
@@ -30,8 +32,11 @@ __all__ = [
     "CallOptions",
     "CoSimulationArguments",
     "EquilibriumArguments",
+    "LinearArguments",
+    "ModesArguments",
     "PathArguments",
     "Progress",
+    "ResponseArguments",
     "SimulateArguments",
     "SteadyArguments",
     "takes",
@@ -134,7 +139,7 @@ class Progressing(Watched):
     """Arguments of analyses that report their progress."""
 
     progress: Annotated[Progress | None, _kept("progress", "a function", _progress)] = Key(
-        "called after every step with the time [s] or load factor that was reached, and the size of the step",
+        "called after every step with the time [s], load factor or frequency [Hz] that was reached, and the step",
         default=None,
         kw_only=True,
     )
@@ -167,6 +172,18 @@ class SimulateArguments(SimulateSettings, Progressing):
         default=False,
         kw_only=True,
     )
+
+
+class ResponseArguments(ResponseSettings, Progressing):
+    """Arguments of ``Model.frequency_response``."""
+
+
+class ModesArguments(ModesSettings, Titled):
+    """Arguments of ``Model.modes``."""
+
+
+class LinearArguments(LinearSettings, Titled):
+    """Arguments of ``Model.linear``."""
 
 
 class CoSimulationArguments(CoSimulationSettings, Titled):

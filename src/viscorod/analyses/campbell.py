@@ -11,10 +11,11 @@ import numpy as np
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import require_no_initial_strain
 from viscorod.analyses.followed import common_variables, names_of, on_fine_mesh
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.campbell import Campbell
 from viscorod.solve.refinement.followed_errors import FinerModes, critical_errors
 from viscorod.solve.settings.campbell import CampbellSettings
+from viscorod.solve.statics.newton import interruption
 from viscorod.solve.steady.driven_rotations import DrivenRotations
 from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.solve.steady.whirl import Rounds
@@ -43,10 +44,17 @@ def rotations(discrete: DiscreteModel, settings: CampbellSettings) -> DrivenRota
 
 def campbell(discrete: DiscreteModel, settings: CampbellSettings) -> Campbell:
     """Follow the modes over the speeds on a mesh that is fine enough; see ``Model.campbell``."""
-    meshes = on_fine_mesh(
-        discrete, lambda one: rotations(one, settings), settings.values[-1], settings.modes, settings.accuracy
-    )
-    return _followed(*meshes, settings)
+    try:
+        meshes = on_fine_mesh(
+            discrete,
+            lambda one: rotations(one, settings),
+            settings.values[-1],
+            settings.modes,
+            settings.accuracy,
+        )
+        return _followed(*meshes, settings)
+    except KeyboardInterrupt as asked:
+        raise SolveError(f"Stopped: {interruption(asked)}") from None
 
 
 def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: CampbellSettings) -> Campbell:

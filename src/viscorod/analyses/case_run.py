@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from viscorod.analyses.buckling import buckling
 from viscorod.analyses.call_arguments import CallOptions, Progress
 from viscorod.analyses.campbell import campbell
 from viscorod.analyses.discrete import DiscreteModel
@@ -21,6 +22,7 @@ from viscorod.analyses.path import equilibrium_path
 from viscorod.analyses.periodic import periodic
 from viscorod.analyses.refinement import (
     refined,
+    refined_buckling,
     refined_modes,
     refined_motion,
     refined_periodic,
@@ -30,6 +32,7 @@ from viscorod.analyses.stability import stability
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
+from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
@@ -40,6 +43,7 @@ from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
 if TYPE_CHECKING:
+    from viscorod.results.buckling import Buckling
     from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
@@ -82,7 +86,7 @@ def run_case(
     resume: bool = False,
     anew: bool = False,
     stop: Callable[[], str] | None = None,
-) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Periodic | Stability:
+) -> Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Periodic | Stability:
     """Run the analysis of a case file.
 
     Args:
@@ -112,6 +116,8 @@ def run_case(
             return refined_modes(modes, discrete, settings)
         if isinstance(settings, ResponseSettings):
             return refined_response(frequency_response, discrete, settings)
+        if isinstance(settings, BucklingSettings):
+            return refined_buckling(buckling, discrete, settings)
         if isinstance(settings, CampbellSettings):
             return campbell(discrete, settings)
         if isinstance(settings, StabilitySettings):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,13 @@ from viscorod.analyses.linear_about import LinearAbout, linear_about, with_input
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.frequency_response import FrequencyResponse
-from viscorod.solve.linear_systems.adaptive_frequencies import MOST, followed
+from viscorod.solve.linear_systems.adaptive_frequencies import (
+    MOST,
+    Followed,
+    StoppedError,
+    followed,
+    reason_of,
+)
 from viscorod.solve.linear_systems.harmonic_response import HarmonicResponse
 from viscorod.solve.linear_systems.poles import Poles
 from viscorod.solve.linear_systems.reductions import modal_basis
@@ -38,6 +45,7 @@ COMPARED = 20
 
 def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> FrequencyResponse:
     """Compute frequency responses; see ``Model.frequency_response``."""
+    discrete.static.stop = discrete.options.stop
     about = linear_about(discrete, settings, measured=settings.moduli == "measured")
     given = np.array(settings.frequencies or settings.band, dtype=float)
     low, high = float(given[0]), float(given[-1])
@@ -50,6 +58,7 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
         )
     response = HarmonicResponse(about.small, about.inputs, about.readings)
     poles = about.poles(high)
+    residues = response.residues(poles.roots)
     solve = response.at
     attributes: dict[str, float] = {}
     if settings.method == "modal":
@@ -66,16 +75,60 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
             f"a small motion at {abs(growing[0]) / (2.0 * np.pi):.6g} Hz grows by itself (s = {growing[0]:.5g} 1/s): "
             "the response is that of the equations, and no motion settles to it"
         )
+    watched = _watched(solve, discrete.options.stop)
     if settings.band is None:
-        hertz, values = given, np.array([solve(float(f)) for f in given])
+        found = _at_given(watched, given, discrete.options.progress)
     else:
-        found = followed(solve, (low, high), list(poles.roots), settings.tolerance)
-        hertz, values = found.hertz, found.responses
-        attributes["line_error"] = found.error
-        if len(hertz) >= MOST:
+        found = followed(
+            watched, (low, high), list(poles.roots), settings.tolerance, discrete.options.progress
+        )
+        attributes |= {} if found.stopped else {"line_error": found.error}
+        if len(found.hertz) >= MOST:
             notes.append(f"lines between {MOST} frequencies do not follow all responses to the tolerance")
     attributes["systems"] = response.solved
-    return FrequencyResponse(_data_set(about, settings, (hertz, values), poles, notes, attributes))
+    if not found.stopped:
+        return FrequencyResponse(_data_set(about, settings, found, (poles, residues), notes, attributes))
+    text = f"The frequency response was stopped at {found.reached:.6g} of {high:.6g} Hz: {found.stopped}"
+    if len(found.hertz) < 2:
+        raise SolveError(text)
+    notes.append(
+        f"it was stopped at {found.reached:.6g} Hz"
+        + ("" if settings.band is None else ": beyond, lines between frequencies do not follow the responses")
+    )
+    raise SolveError(
+        text, FrequencyResponse(_data_set(about, settings, found, (poles, residues), notes, attributes))
+    )
+
+
+def _watched(
+    solve: Callable[[float], np.ndarray], stop: Callable[[], str] | None
+) -> Callable[[float], np.ndarray]:
+    """Return ``solve`` that ends where something asks for it before a frequency."""
+
+    def at(hertz: float) -> np.ndarray:
+        reason = stop() if stop is not None else ""
+        if reason:
+            raise StoppedError(reason)
+        return solve(hertz)
+
+    return at
+
+
+def _at_given(
+    solve: Callable[[float], np.ndarray], hertz: Floats, told: Callable[[float, float], None] | None
+) -> Followed:
+    """Return the responses at given frequencies [Hz], as many as there are until something asks to stop."""
+    values: list[np.ndarray] = []
+    stopped, before = "", 0.0
+    try:
+        for f in map(float, hertz):
+            values.append(solve(f))
+            step, before = f - before, f
+            if told is not None:
+                told(f, step)
+    except (StoppedError, KeyboardInterrupt) as asked:
+        stopped = reason_of(asked)
+    return Followed(hertz[: len(values)], np.array(values), 0.0, before, stopped)
 
 
 @dataclass(frozen=True)
@@ -95,7 +148,7 @@ class ModalResponse:
         system, _ = second_order(about.small, about.inputs, about.readings)
         count = 8
         while True:
-            basis, omega = modal_basis(system, min(count, system.size))
+            basis, omega = modal_basis(system, min(count, system.size), len(about.loose))
             if omega[-1] > FURTHER * 2.0 * np.pi * highest or count >= system.size:
                 return cls(system.within(basis), len(omega))
             count *= 2
@@ -111,7 +164,8 @@ class ModalResponse:
         hertz = np.unique(np.concatenate([np.linspace(low, high, COMPARED), inside]))
         direct = exact.over(hertz)
         found = np.array([self.at(float(f)) for f in hertz])
-        return float((np.abs(found - direct) / np.maximum(np.abs(direct).max(axis=0), 1e-300)).max())
+        sizes = self.system.sizes(direct, np.array([*inside[:COMPARED], high]))
+        return float((np.abs(found - direct) / sizes).max())
 
 
 def with_inputs(model: ModelDescription, settings: object) -> ModelDescription:
@@ -167,20 +221,21 @@ def _beyond(about: LinearAbout, low: float, high: float) -> list[str]:
 def _data_set(
     about: LinearAbout,
     settings: ResponseSettings,
-    response: tuple[Floats, np.ndarray],
-    poles: Poles,
+    found: Followed,
+    roots: tuple[Poles, np.ndarray],
     notes: list[str],
     attributes: dict[str, float],
 ) -> xr.Dataset:
-    """Return the data set of responses ``(frequencies, outputs, inputs)`` at their frequencies [Hz]."""
+    """Return the data set of responses at their frequencies; ``roots`` are the poles and their residues."""
     import xarray as xr
 
-    (hertz, values), discrete = response, about.discrete
+    poles, residues = roots
+    hertz, values, discrete = found.hertz, found.responses, about.discrete
     earlier = json.loads(discrete.attributes.get("warnings", "[]"))
     attrs = discrete.complete(
         {
             "kind": FrequencyResponse.kind,
-            "outcome": "completed",
+            "outcome": "interrupted" if found.stopped else "completed",
             "about": about.text,
             "moduli": settings.moduli,
             "moduli_from": json.dumps(about.moduli),
@@ -198,6 +253,10 @@ def _data_set(
             "input_unit": ("input", np.array([one.unit for one in settings.inputs], dtype=str)),
             "output_unit": ("output", np.array([one.unit for one in settings.outputs], dtype=str)),
             "pole": (("mode", "part"), np.column_stack([poles.roots.real, poles.roots.imag])),
+            "residue": (
+                ("mode", "output", "input", "part"),
+                np.stack([residues.real, residues.imag], axis=-1),
+            ),
             "pole_name": ("mode", np.array(poles.names, dtype=str)),
         },
         {

@@ -35,6 +35,7 @@ def linear_system(discrete: DiscreteModel, settings: LinearSettings) -> LinearSy
         {} if Z is not None else _ends(problem, small.free_places),
         about.text,
         discrete.options.title,
+        len(about.loose),
     )
 
 

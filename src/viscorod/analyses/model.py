@@ -12,8 +12,11 @@ from typing import TYPE_CHECKING, Any
 from viscorod.analyses.call_arguments import (
     CoSimulationArguments,
     EquilibriumArguments,
+    LinearArguments,
+    ModesArguments,
     PathArguments,
     PeriodicArguments,
+    ResponseArguments,
     SimulateArguments,
     SteadyArguments,
     takes,
@@ -22,8 +25,6 @@ from viscorod.checks import checked
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
-from viscorod.solve.settings.modes import ModesSettings
-from viscorod.solve.settings.response import LinearSettings, ResponseSettings
 from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.theories import TheorySettings
 
@@ -126,8 +127,8 @@ class Model(ModelDescription):
 
         return refined(steady_rotation, DiscreteModel.of(self, call, call.options), call)
 
-    @takes(ModesSettings)
-    def modes(self, settings: ModesSettings) -> Modes:
+    @takes(ModesArguments)
+    def modes(self, call: ModesArguments) -> Modes:
         """Find small vibrations about an equilibrium or the reference shape: the slowest, or those near a frequency.
 
         Returns:
@@ -142,10 +143,10 @@ class Model(ModelDescription):
         from viscorod.analyses.modes import modes
         from viscorod.analyses.refinement import refined_modes
 
-        return refined_modes(modes, DiscreteModel.of(self), settings)
+        return refined_modes(modes, DiscreteModel.of(self, call, call.options), call)
 
-    @takes(LinearSettings)
-    def linear(self, settings: LinearSettings) -> LinearSystem:
+    @takes(LinearArguments)
+    def linear(self, call: LinearArguments) -> LinearSystem:
         """Make the model linear about a state: matrices with names, inputs and outputs, state space, reductions.
 
         Materials have their laws; a table over frequency counts by the law that was fitted to it.
@@ -162,7 +163,7 @@ class Model(ModelDescription):
         from viscorod.analyses.linear_about import with_input_loads
         from viscorod.analyses.linear_system import linear_system
 
-        return linear_system(DiscreteModel.of(with_input_loads(self, settings)), settings)
+        return linear_system(DiscreteModel.of(with_input_loads(self, call), None, call.options), call)
 
     @takes(TheorySettings)
     def compare_theories(self, settings: TheorySettings) -> TheoryComparison:
@@ -185,8 +186,8 @@ class Model(ModelDescription):
 
         return compare_theories(DiscreteModel.of(self), settings)
 
-    @takes(ResponseSettings)
-    def frequency_response(self, settings: ResponseSettings) -> FrequencyResponse:
+    @takes(ResponseArguments)
+    def frequency_response(self, call: ResponseArguments) -> FrequencyResponse:
         """Find the responses to harmonic inputs: small motions about a state, solved at every frequency.
 
         Materials have their exact complex moduli: Kelvin-Voigt, Maxwell branches, and tables over frequency as they
@@ -198,15 +199,16 @@ class Model(ModelDescription):
 
         Raises:
             InputError: the model is inconsistent, or there is no such input or output.
-            SolveError: no such equilibrium was found, or an undamped vibration is in resonance.
+            SolveError: no such equilibrium was found, an undamped vibration is in resonance, or it was stopped; ``run``
+                holds the response up to there.
         """
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.frequency_response import frequency_response
         from viscorod.analyses.linear_about import with_input_loads
         from viscorod.analyses.refinement import refined_response
 
-        discrete = DiscreteModel.of(with_input_loads(self, settings))
-        return refined_response(frequency_response, discrete, settings)
+        discrete = DiscreteModel.of(with_input_loads(self, call), call, call.options)
+        return refined_response(frequency_response, discrete, call)
 
     @takes(PeriodicArguments)
     def periodic(self, call: PeriodicArguments) -> Periodic:

@@ -6,11 +6,13 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium_near, find_initial_equilibrium
-from viscorod.errors import SolveError
+from viscorod.analyses.start_state import StartState
+from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.modes_result import Modes
 from viscorod.solve.constraints.rigid_motions import many_parts
+from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.history import History, Snapshot
 from viscorod.solve.modes import vibrations
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.start import Start
@@ -31,6 +33,15 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
     discrete.announce_modes()
     before, scale, about = True, 1.0, "the equilibrium near an earlier state"
     if isinstance(settings.about, Start):
+        if StartState(discrete, settings.about).result.kind == "steady":
+            raise InputError(
+                Fault(
+                    "about",
+                    "a steady rotation",
+                    "these modes are about what rests",
+                    "its own small motions are in Steady.modes; linear and frequency_response go about it",
+                )
+            )
         state, _ = equilibrium_near(discrete, settings.about)
         linear = vibrations.linearise(discrete.static, state)
     else:

@@ -197,9 +197,9 @@ def refined_buckling(
     def compared(found: Buckling, other: Buckling) -> tuple[Buckling, Floats]:
         paired = min(len(found.load_factors), len(other.load_factors))
         mine, theirs = found.load_factors[:paired], other.load_factors[:paired]
-        errors = np.full(len(found.load_factors), np.inf)
+        errors = np.ones(len(found.load_factors))
         errors[:paired] = np.abs(mine - theirs) / np.maximum(np.abs(theirs), np.finfo(float).tiny)
-        return replace(found, errors=errors), errors
+        return found.with_errors(errors), errors
 
     return beside_finer(analysis, discrete, settings, compared)
 
@@ -254,9 +254,13 @@ def refined_response(
     While an undamped frequency in the band differs by more than ``accuracy`` from that of the mesh with all elements
     halved, and the program may choose the mesh of a rod, the finer mesh is taken. The result keeps the difference.
     """
-    highest = settings.band[1] if settings.band else (settings.frequencies or (0.0,))[-1]
-    discrete, errors = _resolving(discrete, highest, settings.accuracy)
-    found = analysis(discrete, settings)
+    discrete, errors = _resolving(discrete, settings.highest, settings.accuracy)
+    try:
+        found = analysis(discrete, settings)
+    except SolveError as error:
+        if isinstance(error.run, FrequencyResponse):
+            error.run.data.attrs["frequency_error"] = errors
+        raise
     found.data.attrs["frequency_error"] = errors
     return found
 
@@ -267,7 +271,9 @@ def refined_periodic(
     settings: PeriodicSettings,
 ) -> Periodic:
     """Compute periodic motions on a mesh that resolves vibrations as high as they are; see :func:`refined_response`."""
-    highest = max(settings.frequencies or (settings.frequency or 0.0,))
+    highest = max(
+        settings.frequencies or (settings.frequency or 0.0,)
+    )  # of free vibrations the first is compared
     discrete, errors = _resolving(discrete, highest, settings.accuracy)
     found = analysis(discrete, settings)
     found.data.attrs["frequency_error"] = errors

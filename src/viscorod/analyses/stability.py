@@ -10,10 +10,12 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import require_no_initial_strain
 from viscorod.analyses.followed import common_variables, names_of, on_fine_mesh
 from viscorod.analyses.growing_loads import begin_growing
+from viscorod.errors import SolveError
 from viscorod.results.stability_result import Stability
 from viscorod.solve.refinement.followed_errors import FinerModes
 from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.statics.loaded_equilibria import LoadedEquilibria
+from viscorod.solve.statics.newton import interruption
 from viscorod.solve.tracking.meetings import meetings
 from viscorod.solve.tracking.mode_tracking import Tracker
 from viscorod.solve.tracking.special_values import limits
@@ -23,14 +25,17 @@ __all__ = ["stability"]
 
 def stability(discrete: DiscreteModel, settings: StabilitySettings) -> Stability:
     """Follow the modes over the load factors on a mesh that is fine enough; see ``Model.stability``."""
-    meshes = on_fine_mesh(
-        discrete,
-        lambda one: _equilibria(one, settings),
-        settings.values[0],
-        settings.modes,
-        settings.accuracy,
-    )
-    return _followed(*meshes, settings)
+    try:
+        meshes = on_fine_mesh(
+            discrete,
+            lambda one: _equilibria(one, settings),
+            settings.values[0],
+            settings.modes,
+            settings.accuracy,
+        )
+        return _followed(*meshes, settings)
+    except KeyboardInterrupt as asked:
+        raise SolveError(f"Stopped: {interruption(asked)}") from None
 
 
 def _equilibria(discrete: DiscreteModel, settings: StabilitySettings) -> LoadedEquilibria:

@@ -20,8 +20,8 @@ from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.fields.definition import did_you_mean, show, some_of
 from viscorod.results.sweep_result import Sweep, SweepRun
+from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
-from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import ResponseSettings
@@ -67,11 +67,8 @@ def sweep(
     """
     if not isinstance(case, Case):
         case = load_case(case)
-    if isinstance(
-        case.settings,
-        ModesSettings | ResponseSettings | CampbellSettings | StabilitySettings | PeriodicSettings,
-    ):
-        why = "sweeps are of motions, equilibria, paths and steady rotations"
+    if isinstance(case.settings, BucklingSettings | CampbellSettings | StabilitySettings | PeriodicSettings):
+        why = "sweeps are of motions, equilibria, paths, steady rotations, modes and frequency responses"
         raise InputError(Fault(case.kind, "", why, "compute every case by itself, in a loop"))
     if progress is not None:
         require_callback("progress", progress, 0.0)
@@ -195,14 +192,14 @@ STOPPED = "the sweep was stopped"
 
 def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool]) -> Found:
     """Do one member; whatever goes wrong is recorded, not raised."""
-    total = _total(job)
-
-    def progress(reached: float, _step: float) -> None:
-        tell(min(reached / total, 1.0))
-
     content, title, source = job
     try:
         case = case_from_dict({"title": title, **content}, source)
+        total = _total(case)
+
+        def progress(reached: float, _step: float) -> None:
+            tell(min(reached / total, 1.0))
+
         return (
             run_case(case, progress=progress, stop=lambda: STOPPED if stopped() else ""),
             "",
@@ -219,8 +216,12 @@ def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool
         return None, f"{type(error).__name__}: {error}", FAILED
 
 
-def _total(job: Job) -> float:
-    return float(job[0]["simulate"]["duration"]) if "simulate" in job[0] else 1.0
+def _total(case: Case) -> float:
+    """Return the time [s], load factor or frequency [Hz] at which a member is done."""
+    settings = case.settings
+    if isinstance(settings, SimulateSettings):
+        return settings.duration
+    return settings.highest if isinstance(settings, ResponseSettings) else 1.0
 
 
 def _alone(jobs: Sequence[Job], stop: threading.Event, progress: Progress | None) -> list[Found]:

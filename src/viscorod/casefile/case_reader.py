@@ -36,6 +36,7 @@ from viscorod.model.materials.material import Material
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.section_profile import Piecewise, Taper, one_section
 from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
@@ -56,6 +57,7 @@ ANALYSES: dict[str, type[AnySettings]] = {
     "steady": SteadySettings,
     "modes": ModesSettings,
     "response": ResponseSettings,
+    "buckling": BucklingSettings,
     "campbell": CampbellSettings,
     "stability": StabilitySettings,
     "periodic": PeriodicSettings,
@@ -181,7 +183,7 @@ class CaseReader:
                 "a case asks for exactly one analysis",
                 "give one table: [simulate] with a duration, [equilibrium], [path], [steady] with a spin, [modes], "
                 "[response] with inputs and outputs, [periodic] with inputs, amplitudes and outputs, "
-                "[campbell] with an axis and a band, or [stability] with a band",
+                "[buckling], [campbell] with an axis and a band, or [stability] with a band",
             )
         for key in given:
             parsed = self._parsed(key, ANALYSES[key].model_validate, self.data[key])

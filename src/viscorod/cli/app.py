@@ -14,6 +14,7 @@ from typing import Annotated
 import typer
 
 from viscorod.cli.animate_command import animate
+from viscorod.cli.buckling_command import buckling
 from viscorod.cli.campbell_command import campbell
 from viscorod.cli.check_command import check
 from viscorod.cli.damping_commands import app as damping
@@ -47,6 +48,7 @@ for command in (
     resume,
     modes,
     response,
+    buckling,
     campbell,
     stability,
     periodic,

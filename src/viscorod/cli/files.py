@@ -10,6 +10,7 @@ from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
     from viscorod.model.rod import Rod
+    from viscorod.results.buckling import Buckling
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
@@ -63,7 +64,7 @@ def rod_of(case: Path, name: str | None) -> tuple[str, Rod]:
     raise InputError(Fault("--rod", name, "the case has no such rod", f"{advice}It has {names}"))
 
 
-def opened(path: Path) -> Run | Equilibrium | Steady | Modes:
+def opened(path: Path) -> Run | Equilibrium | Steady | Modes | Buckling:
     """Return the result in a file.
 
     Raises:

@@ -53,8 +53,7 @@ def modes(
         given = {"count": count, "about": about, "near": near}
         settings |= {name: value for name, value in given.items() if value is not None}
         folder = writable(output or Path("out") / case.stem)
-        found = as_model(loaded.description).modes(**settings)
-        found.data.attrs["title"] = loaded.title
+        found = as_model(loaded.description).modes(**settings, title=loaded.title)
         written = [found.save(folder / "modes.nc"), found.plot(folder / "modes.png")]
         typer.echo(found.report())
         typer.echo(f"\nWritten: {', '.join(map(str, written))}")

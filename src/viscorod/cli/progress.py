@@ -15,14 +15,18 @@ _REFRESH = 0.05  # seconds between two updates of the bar
 _LINES = 5  # lines over a whole run where there is no terminal
 
 
+TIME, LOAD, FREQUENCY = ("t", " s"), ("load", ""), ("f", " Hz")
+"""What grows during a solution: its name and its unit."""
+
+
 @contextmanager
-def reporting(total: float, *, static: bool) -> Iterator[Progress]:
-    """Show progress towards ``total``, a time [s] or, for a static solution, a load factor."""
+def reporting(total: float, quantity: tuple[str, str]) -> Iterator[Progress]:
+    """Show progress towards a ``total`` time, load factor or frequency."""
     if sys.stderr.isatty():
-        with _bar(total, static=static) as progress:
+        with _bar(total, quantity) as progress:
             yield progress
     else:
-        yield _lines(total, static=static)
+        yield _lines(total, quantity)
 
 
 @contextmanager
@@ -55,11 +59,11 @@ def counting(total: int, noun: str) -> Iterator[Callable[[float], None]]:
 
 
 @contextmanager
-def _bar(total: float, *, static: bool) -> Iterator[Progress]:
+def _bar(total: float, quantity: tuple[str, str]) -> Iterator[Progress]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    unit, name = ("", "load") if static else (" s", "t")
+    name, unit = quantity
     columns = (
         TextColumn(name + " = {task.completed:.4g} of {task.total:g}" + unit),
         BarColumn(bar_width=None),
@@ -81,8 +85,8 @@ def _bar(total: float, *, static: bool) -> Iterator[Progress]:
         yield update
 
 
-def _lines(total: float, *, static: bool) -> Progress:
-    unit, name = ("", "load") if static else (" s", "t")
+def _lines(total: float, quantity: tuple[str, str]) -> Progress:
+    name, unit = quantity
     shown = 0
     first: tuple[float, float] | None = (
         None  # when and where the first step ended; the time before it was preparation

@@ -8,8 +8,9 @@ import typer
 
 from viscorod.cli.files import existing, writable
 from viscorod.cli.options import CaseFile, ResultFolder
+from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, SolveError
 
 __all__ = ["response"]
 
@@ -19,7 +20,9 @@ def response(case: CaseFile, output: ResultFolder = None) -> None:
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case, run_case
         from viscorod.casefile.case import load_case
+        from viscorod.cli.progress import FREQUENCY, reporting
         from viscorod.results.frequency_response import FrequencyResponse
+        from viscorod.solve.settings.response import ResponseSettings
 
         loaded = load_case(existing(case))
         if loaded.kind != "response":
@@ -32,9 +35,20 @@ def response(case: CaseFile, output: ResultFolder = None) -> None:
                 )
             )
         folder = writable(output or Path("out") / case.stem)
-        result = run_case(loaded, discretised_case(loaded))
+        assert isinstance(loaded.settings, ResponseSettings)
+        code = 0
+        try:
+            with polite_stop() as stop, reporting(loaded.settings.highest, FREQUENCY) as progress:
+                result = run_case(loaded, discretised_case(loaded), progress=progress, stop=stop)
+        except SolveError as error:
+            if not isinstance(error.run, FrequencyResponse):
+                raise
+            typer.echo(f"error: {error}", err=True)
+            result, code = error.run, 1
         assert isinstance(result, FrequencyResponse)
         written = [result.save(folder / "response.nc")]
         written += [result.plot(folder / f"{kind}.png", kind) for kind in ("bode", "nyquist")]
         typer.echo(result.report())
         typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+        if code:
+            raise typer.Exit(code)

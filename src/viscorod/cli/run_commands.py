@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import difflib
 import json
-import signal
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from viscorod.cli.files import existing, writable
 from viscorod.cli.options import CaseFile, ResultFolder
+from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
 from viscorod.errors import InputError, SolveError
 
 if TYPE_CHECKING:
     from viscorod.analyses.discrete import DiscreteModel
     from viscorod.casefile.case import Case
+    from viscorod.results.buckling import Buckling
     from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
@@ -114,20 +114,27 @@ def _compute(
 ) -> None:
     """Run a case whose model has been discretised; without that, go on with the run that was stopped in the folder."""
     from viscorod.analyses.case_run import run_case
-    from viscorod.cli.progress import reporting
+    from viscorod.cli.progress import FREQUENCY, LOAD, TIME, reporting
     from viscorod.results.files.folder_lock import claimed
     from viscorod.results.files.journal import FOLDER
     from viscorod.results.files.journal import empty as remove
     from viscorod.results.run import Run
     from viscorod.solve.settings.motion import SimulateSettings
+    from viscorod.solve.settings.response import ResponseSettings
 
     settings = case.settings
     static = not isinstance(settings, SimulateSettings)
-    total = settings.duration if isinstance(settings, SimulateSettings) else 1.0
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Periodic | Stability
+    total, quantity = 1.0, LOAD
+    if isinstance(settings, SimulateSettings):
+        total, quantity = settings.duration, TIME
+    elif isinstance(settings, ResponseSettings):
+        total, quantity = settings.highest, FREQUENCY
+    result: (
+        Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Periodic | Stability
+    )
     with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
         try:
-            with _polite_stop() as stop, reporting(total, static=static) as progress:
+            with polite_stop() as stop, reporting(total, quantity) as progress:
                 result = run_case(
                     case,
                     discrete,
@@ -153,38 +160,16 @@ def _compute(
     typer.echo(f"\nWritten: {', '.join(map(str, written))}")
 
 
-@contextmanager
-def _polite_stop() -> Iterator[Callable[[], str]]:
-    """Let Ctrl-C, or a request to terminate, end the run after the present step; the second one ends it at once.
-
-    So does the first one before the solver has asked: an initial equilibrium has no step to finish.
-    """
-    reason, listening = "", False
-
-    def ask(number: int, _: FrameType | None) -> None:
-        nonlocal reason
-        if reason:
-            raise KeyboardInterrupt
-        reason = "stopped from the keyboard" if number == signal.SIGINT else "asked to end"
-        if not listening:
-            raise KeyboardInterrupt(reason)
-        typer.echo("\nfinishing the step; interrupt again to end at once", err=True)
-
-    def stop() -> str:
-        nonlocal listening
-        listening = True
-        return reason
-
-    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield stop
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-
-
 def _write(
-    result: Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Periodic | Stability,
+    result: Run
+    | Equilibrium
+    | Steady
+    | Modes
+    | Buckling
+    | FrequencyResponse
+    | Campbell
+    | Periodic
+    | Stability,
     folder: Path,
     doubts: Sequence[str],
 ) -> list[Path]:

@@ -14,7 +14,7 @@ __all__ = ["view"]
 
 
 def view(
-    result: Annotated[Path, typer.Argument(metavar="RUN.nc", help="Written by viscorod run.")],
+    result: Annotated[Path, typer.Argument(metavar="RUN.nc", help="Written by viscorod run or modes.")],
     output: Annotated[
         Path | None,
         output_option("FILE.html", "File to write [default: beside the result]"),
@@ -29,7 +29,8 @@ def view(
 ) -> None:
     """Make one HTML file that plays a motion in 3D beside its histories, energy account and damping ratios.
 
-    It needs no server and no network. Long runs are shown with fewer times and stations; the page says so.
+    Modes, and the small motions of a steady rotation, swing beside a table of them. It needs no server and no network.
+    Long runs are shown with fewer times and stations; the page says so.
     """
     with readable_errors():
         from viscorod.pictures.viewer import view as write

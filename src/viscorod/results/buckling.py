@@ -2,64 +2,114 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar, Self
 
 import numpy as np
 
+from viscorod.checks import checked
+from viscorod.results.result import Result
 from viscorod.results.text_table import table
 from viscorod.typing import Floats
 
 __all__ = ["Buckling"]
 
 
-@dataclass(frozen=True, repr=False)
-class Buckling:
+class Buckling(Result):
     """Critical loads, in the order in which the equilibria pass them.
 
-    Attributes:
-        load_factors: multiples of the loads that grow ``(k,)``; of several directions that lose their stiffness at
-            once each has one.
-        linear: those of the linear problem at the state ``about`` ``(m,)``, the nearest first.
-        limit: whether the load has an extreme there, at which the structure snaps; elsewhere equilibria branch off.
-        shapes: displacement of every station as stiffness vanishes ``(k, stations, 3)``, global axes, the largest
-            component 1 (of the rotations where they are pure twist).
-        rotations: of every station ``(k, stations, 3)``, body axes, same scaling.
-        positions: of the stations in the critical states ``(k, stations, 3)`` [m].
-        about: load factor of the state of the linear problem.
-        exact: whether the equilibria were followed; otherwise all is that of the linear problem.
-        complete: whether as many were found as asked for.
-        errors: estimated errors of the factors by the mesh, in parts of them; none where not estimated.
+    ``data`` holds the state about which the linear problem is solved along the dimension ``load_factor``, and the
+    critical loads along ``critical``.
     """
 
-    load_factors: Floats
-    linear: Floats
-    limit: np.ndarray
-    shapes: Floats
-    rotations: Floats
-    positions: Floats
-    about: float
-    exact: bool
-    complete: bool
-    errors: Floats = field(default_factory=lambda: np.zeros(0))
+    kind: ClassVar[str] = "buckling"
+
+    @property
+    def load_factors(self) -> Floats:
+        """Multiples of the loads that grow ``(k,)``; of several directions soft at once each has one."""
+        return self._values("critical_load")
+
+    @property
+    def linear(self) -> Floats:
+        """Those of the linear problem at the state ``about`` ``(m,)``, the nearest first."""
+        return self._values("linear_load")
+
+    @property
+    def limit(self) -> np.ndarray:
+        """Whether the load has an extreme there, at which the structure snaps; elsewhere equilibria branch off."""
+        return np.asarray(self.data["critical_limit"].values, dtype=bool)
+
+    @property
+    def shapes(self) -> Floats:
+        """Displacement of every station as stiffness vanishes ``(k, stations, 3)``, global axes.
+
+        The largest component is 1 (of the rotations where they are pure twist).
+        """
+        return self._values("critical_shape")
+
+    @property
+    def rotations(self) -> Floats:
+        """Rotation of every station ``(k, stations, 3)``, body axes, same scaling."""
+        return self._values("critical_rotation")
+
+    @property
+    def positions(self) -> Floats:
+        """Positions of the stations in the critical states ``(k, stations, 3)`` [m]."""
+        return self._values("critical_position")
+
+    @property
+    def about(self) -> float:
+        """Load factor of the state of the linear problem."""
+        return float(self.data["load_factor"].values[-1])
+
+    @property
+    def exact(self) -> bool:
+        """Whether the equilibria were followed; otherwise all is that of the linear problem."""
+        return bool(self.data.attrs["buckling_exact"])
+
+    @property
+    def complete(self) -> bool:
+        """Whether as many were found as asked for."""
+        return bool(self.data.attrs["buckling_complete"])
+
+    @property
+    def errors(self) -> Floats:
+        """Estimated errors of the factors by the mesh, in parts of them; none where not estimated."""
+        return self._values("critical_error") if "critical_error" in self.data else np.zeros(0)
+
+    def with_errors(self, errors: Floats) -> Self:
+        """Return the same with estimated errors of the factors ``(k,)``."""
+        return type(self)(self.data.assign(critical_error=("critical", errors)))
 
     def report(self) -> str:
         """Return a table of the critical loads, and what is to be known about them."""
-        rows = []
+        rows, errors = [], self.errors
         for k, factor in enumerate(self.load_factors):
             gives = "limit point: it snaps" if self.limit[k] else "bifurcation: it buckles"
             row = [str(k + 1), f"{factor:.8g}", gives if self.exact else "linear problem"]
-            rows.append([*row, f"{self.errors[k]:.1g}"] if len(self.errors) else row)
-        header = ["number", "load factor", "what it is", *(["mesh error"] if len(self.errors) else [])]
+            rows.append([*row, f"{errors[k]:.1g}"] if len(errors) else row)
+        header = ["number", "load factor", "what it is", *(["mesh error"] if len(errors) else [])]
         heading = "Critical loads, on the way of the equilibria" if self.exact else "Critical loads, linear"
-        blocks = [table(heading, header, rows)] if rows else [f"{heading}\n  none were found"]
+        blocks = [self.title] if self.title else []
+        blocks.append(table(heading, header, rows) if rows else f"{heading}\n  none were found")
         linear = ", ".join(f"{factor:.6g}" for factor in self.linear) or "none"
         blocks.append(f"Of the linear problem at the load factor {self.about:g}: {linear}")
         if not self.complete:
             blocks.append("Fewer were found than asked for: the equilibria keep their stiffness beyond these")
+        if self.warnings:
+            blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]))
         return "\n\n".join(blocks)
+
+    @checked
+    def plot(self, path: str | Path, count: int | None = None) -> Path:
+        """Draw the shapes in which the model gives way, or the first ``count`` of them; returns the path."""
+        from viscorod.pictures.plots.plot_buckling import draw_buckling
+        from viscorod.pictures.style import write
+
+        return write(draw_buckling(self, count), path)
 
     def __str__(self) -> str:
         return self.report()
 
-    def __repr__(self) -> str:
-        return f"Buckling(load_factors={self.load_factors.tolist()})"
+    def _values(self, name: str) -> Floats:
+        return np.asarray(self.data[name].values, dtype=float)

@@ -2,7 +2,8 @@
 
 Everything a result says is derived from one ``xarray.Dataset`` with these variables, so a file read back does
 all that a fresh run does. States are stored along ``time`` (kind "simulate"), ``load_factor`` (kind "equilibrium") or
-``spin`` (kind "steady", one state); modes have the one state that they are about along ``load_factor``.
+``spin`` (kind "steady", one state); modes and critical loads have the one state that they are about along
+``load_factor``.
 
 Stations are the nodes of the rods, by increasing arc length rod by rod, and after them the mass centres of rigid
 bodies, each followed by the body's named points: ``station_rod`` is the name of the body, or "plate.corner", with
@@ -30,7 +31,13 @@ if TYPE_CHECKING:
 AXES = ("x", "y", "z")
 """Global axes, in the order of every ``axis`` dimension."""
 
-DIMENSION = {"simulate": "time", "equilibrium": "load_factor", "steady": "spin", "modes": "load_factor"}
+DIMENSION = {
+    "simulate": "time",
+    "equilibrium": "load_factor",
+    "steady": "spin",
+    "modes": "load_factor",
+    "buckling": "load_factor",
+}
 """Kind of result -> the dimension along which its states are stored."""
 
 VARIABLES: dict[str, tuple[str, str]] = {
@@ -98,6 +105,13 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "mode_share": ("1", "part of the strain energy of a small motion in every strain"),
     "mode_residual": ("1", "what a small motion leaves of its equations, as a part of what adds up to them"),
     "mode_error": ("1", "estimated error of the frequency by the mesh, as a part of it"),
+    "critical_load": ("1", "critical multiple of the loads that grow"),
+    "critical_limit": ("", "whether the load has an extreme there; elsewhere equilibria branch off"),
+    "critical_shape": ("1", "displacement in the direction without stiffness, largest component 1"),
+    "critical_rotation": ("rad/m", "rotation in it, body axes, per displacement of 1 m"),
+    "critical_position": ("m", "position in the critical state"),
+    "critical_error": ("1", "estimated error of the critical load by the mesh, as a part of it"),
+    "linear_load": ("1", "critical multiple of the linear problem"),
     "negative_eigenvalues": (
         "1",
         "number of negative eigenvalues of the tangent stiffness, or of growing motions if it is not symmetric",
@@ -140,6 +154,11 @@ DIMENSIONS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("mode_shape", "mode_rotation"), ("small_motion", "part", "station", "axis")),
     **dict.fromkeys(("mode_name", "mode_residual", "mode_error"), ("small_motion",)),
     "mode_share": ("small_motion", "component"),
+    **dict.fromkeys(("critical_load", "critical_limit", "critical_error"), ("critical",)),
+    **dict.fromkeys(
+        ("critical_shape", "critical_rotation", "critical_position"), ("critical", "station", "axis")
+    ),
+    "linear_load": ("linear",),
 }
 """Name -> dimensions of every variable."""
 
@@ -156,7 +175,7 @@ TEXTS = {
 """Variables whose values are texts."""
 INTEGERS = {"station_order", "connection_station", "negative_eigenvalues", "iterations"}
 """Variables whose values are whole numbers."""
-FLAGS = {"joint_held"}
+FLAGS = {"joint_held", "critical_limit"}
 """Variables whose values are true or false; all others are real numbers."""
 
 LABELS = {
@@ -181,6 +200,8 @@ FRAMES = {
             "centre",
             "momentum",
             "mode_shape",
+            "critical_shape",
+            "critical_position",
         ),
         "global",
     ),
@@ -194,6 +215,7 @@ FRAMES = {
             "joint_spin",
             "mode_rotation",
             "mode_share",
+            "critical_rotation",
         ),
         "body (d1, d2, d3)",
     ),
@@ -216,6 +238,8 @@ PLACES = {
     "side": "the two places of a connection",
     "small_motion": "eigenvalues and their shapes, slowest first",
     "part": "real and imaginary",
+    "critical": "critical loads, in the order in which the equilibria pass them",
+    "linear": "critical loads of the linear problem, the nearest first",
 }
 """Dimension -> what its places are."""
 
@@ -246,6 +270,11 @@ REQUIRED = {
         *_ALWAYS,
         *("eigenvalue", "mode_shape", "mode_rotation", "mode_name", "mode_share", "mode_residual"),
     ),
+    "buckling": (
+        *_ALWAYS,
+        *("critical_load", "critical_limit", "critical_shape", "critical_rotation", "critical_position"),
+        "linear_load",
+    ),
     "steady": (
         *_ALWAYS,
         *("velocity", "kinetic", "spin_vector", "joint_spin", "centre", "momentum", "eigenvalue"),
@@ -259,7 +288,7 @@ def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
 
     Args:
         data: the data set; it is not changed.
-        kind: "simulate", "equilibrium", "steady" or "modes".
+        kind: "simulate", "equilibrium", "steady", "modes" or "buckling".
 
     Raises:
         InputError: the data set is of another kind, or variables are missing.

@@ -30,6 +30,11 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "output_unit": (("output",), "", "unit of the output"),
     "response": (("frequency", "output", "input", "part"), "", "output over input, exp(i omega t)"),
     "pole": (("mode", "part"), "1/s", "s of the free motion exp(s t)"),
+    "residue": (
+        ("mode", "output", "input", "part"),
+        "",
+        "of the part residue/(i omega - pole) of the response, 1/s times its unit",
+    ),
     "pole_name": (
         ("mode",),
         "",
@@ -60,7 +65,7 @@ class FrequencyResponse:
                     f"this data set is no frequency response of viscorod: {name} has other dimensions"
                 )
             data[name].attrs.update({"units": unit, "long_name": text} if unit else {"long_name": text})
-        for name in ("frequency", "response", "pole"):
+        for name in ("frequency", "response", "pole", "residue"):
             if not np.isfinite(data[name].values).all():
                 raise InputError(f"this data set is no frequency response of viscorod: {name} is not finite")
         self.data = data
@@ -69,6 +74,11 @@ class FrequencyResponse:
     def title(self) -> str:
         """Title of the case, empty if it has none."""
         return str(self.data.attrs.get("title", ""))
+
+    @property
+    def outcome(self) -> str:
+        """The word "completed", or "interrupted" if it was stopped before the highest frequency."""
+        return str(self.data.attrs.get("outcome", "completed"))
 
     @property
     def frequencies(self) -> Floats:
@@ -100,6 +110,13 @@ class FrequencyResponse:
         """
         real, imaginary = np.asarray(self.data["pole"].values, dtype=float).reshape(-1, 2).T
         found: np.ndarray = real + 1j * imaginary
+        return found
+
+    @property
+    def residues(self) -> np.ndarray:
+        """What each pole has in the responses, ``residue/(i omega - pole)``: ``(poles, outputs, inputs)``, complex."""
+        parts = np.asarray(self.data["residue"].values, dtype=float)
+        found: np.ndarray = parts[..., 0] + 1j * parts[..., 1]
         return found
 
     @property
@@ -146,10 +163,11 @@ class FrequencyResponse:
 
     def resonances(self, output: str | int = 0, source: str | int = 0) -> list[Resonance]:
         """Return the peaks of a response, with the damping ratios that are read off them beside those of the poles."""
+        k, j = self._number("output", output, self.outputs), self._number("source", source, self.inputs)
         return resonances_of(
             self.frequencies,
-            self.response(output, source),
-            self.poles,
+            self.values[:, k, j],
+            (self.poles, self.residues[:, k, j]),
             [str(name) for name in self.data["pole_name"].values],
         )
 

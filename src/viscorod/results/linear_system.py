@@ -39,8 +39,9 @@ class LinearSystem:
     material has ``w_j' = y' - w_j/tau_j``, or in harmonic motion the complex stiffness ``i omega tau_j/(1 + i omega
     tau_j) K_j``. Matrices are sparse. About a steady rotation all is seen in axes that turn with it.
 
+    Words and units of what goes in and comes out are its ``inputs``, ``outputs``, ``input_units`` and ``output_units``.
+
     Attributes:
-        inputs, outputs: their words; input_units, output_units: theirs.
         coordinates: names of ``y``: node and direction; where joints and held strains are eliminated, combinations of
             them (see ``combinations``).
         combinations: of the named motions of nodes ``(motions, coordinates)``; None where each coordinate is one.
@@ -48,6 +49,7 @@ class LinearSystem:
         conditions: ``(rows, motions)`` of joints and held strains, of unit length, whose products with these motions
             vanish; None without.
         about: the state, in words; title: of the model.
+        rigid: number of motions that nothing resists at rest.
     """
 
     second_order: SecondOrder = field(repr=False)
@@ -62,6 +64,7 @@ class LinearSystem:
     ends: dict[str, Integers] = field(default_factory=dict, repr=False)
     about: str = ""
     title: str = ""
+    rigid: int = 0
 
     @property
     def mass(self) -> sparse.csr_array:
@@ -173,9 +176,9 @@ class LinearSystem:
         """Return a smaller system, with its error over a band computed, not estimated.
 
         Args:
-            method: "modal" (the slowest undamped modes with static correction: the static shapes under all inputs
-                beside them), "craig_bampton" (the motions of both ends of a rod kept, static shapes of these and modes
-                with the ends held) or "balanced" (truncation of the state space, small systems only).
+            method: "modal" (the slowest undamped modes, rigid motions among them, and static correction: the static
+                shapes under all inputs), "craig_bampton" (the motions of both ends of a rod kept, static shapes of
+                these and modes with the ends held) or "balanced" (truncation of the state space, small systems only).
             modes: number of modes; of a balanced truncation half the number of states.
             band: lowest and highest frequency [Hz] over which the error is computed.
             rod: whose ends "craig_bampton" keeps; needed where there are several.
@@ -185,7 +188,7 @@ class LinearSystem:
 
         Raises:
             InputError: there is no such method or rod, or the system does not allow it.
-            SolveError: a motion does not decay ("balanced"), or nothing holds the model ("modal").
+            SolveError: a motion does not decay ("balanced").
         """
         low, high = (float(f) for f in band)
         if not 0.0 < low < high or modes < 1:
@@ -205,7 +208,7 @@ class LinearSystem:
             names = tuple(self.coordinates[k] for k in kept)
             names += tuple(f"mode {k + 1} with the ends held" for k in range(V.shape[1] - len(kept)))
         elif method == "modal":
-            V, _ = modal_basis(second, modes)
+            V, _ = modal_basis(second, modes, self.rigid)
             names = tuple(
                 f"mode {k + 1}" if k < modes else f"static shape {k + 1 - modes}" for k in range(V.shape[1])
             )

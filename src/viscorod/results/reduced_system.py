@@ -22,6 +22,8 @@ __all__ = ["ReducedSystem", "judged"]
 
 POINTS = 200
 """Frequencies at which the error of a reduced system is computed, beside those of its poles."""
+RIGID = 1e-3
+"""Frequency of a root over the lowest of the band, below which it is the round-off of a rigid motion."""
 TOLD = 8
 """Poles that are compared at most."""
 
@@ -39,8 +41,9 @@ class ReducedSystem:
         error: largest difference of a response from that of the whole system, as a part of its largest one in the band.
         pointwise_error: the same as a part of the response at each frequency.
         bound: of the error of a balanced truncation at any frequency, in units of the response; None of others.
-        poles: ``s`` [1/s] with Im > 0, slowest first.
+        poles: ``s`` [1/s] with Im > 0, slowest first, without those of rigid motions.
         whole_poles: of the whole system next to the first of these, those within the band.
+        has_potential: whether all forces at rest have one: no circulatory matrix.
     """
 
     method: str
@@ -53,6 +56,7 @@ class ReducedSystem:
     bound: float | None
     poles: np.ndarray
     whole_poles: np.ndarray
+    has_potential: bool = True
 
     def first_order(self) -> StateMatrices:
         """Return the equations of first order."""
@@ -82,8 +86,10 @@ class ReducedSystem:
         if self.system is None:
             assert self.matrices is not None
             return bool(self.matrices.poles.real.max() < 0.0)
-        forms = [self.system.mass, self.system.damping, *(matrix for _, matrix in self.system.branches)]
-        return all(_not_negative(form) for form in forms)
+        forms = [self.system.mass, *(matrix for _, matrix in self.system.branches)]
+        # what the damping is in is round-off of the gyroscopic matrix too
+        rates = float(abs(self.system.second_order.terms[1]).max())
+        return all(map(_not_negative, forms)) and _not_negative(self.system.damping, rates)
 
     def report(self) -> str:
         """Return a report: size, errors over the band, poles, energy."""
@@ -99,7 +105,7 @@ class ReducedSystem:
             if self.passive
             else "Its damping may create energy"
         )
-        if self.system is not None and self.system.circulatory.nnz:
+        if not self.has_potential:
             lines.append(
                 "Loads that follow, or what rests beside a rotation, have no potential here: they may put energy in"
             )
@@ -126,6 +132,8 @@ def judged(
 ) -> ReducedSystem:
     """Return a reduced ``system``, of first or of second order, with its errors against it."""
     poles = _poles(first, second)
+    if system.rigid:  # their roots are round-off
+        poles = poles[np.abs(poles) > RIGID * 2.0 * np.pi * band[0]]
     resolved = min(int(np.count_nonzero(np.abs(poles) <= 2.0 * np.pi * band[1])), TOLD)
     exact = np.array([system.second_order.pole_near(complex(s)) for s in poles[:resolved]])
     inside = np.abs(np.concatenate([poles.imag, exact.imag])) / (2.0 * np.pi)
@@ -138,7 +146,7 @@ def judged(
     elif second is not None:
         less = second.response(hertz)
     difference = np.abs(less - whole)
-    largest = np.maximum(np.abs(whole).max(axis=0), np.finfo(float).tiny)
+    largest = system.second_order.sizes(whole, np.array([*near[:TOLD], *band]))
     return ReducedSystem(
         method,
         second,
@@ -150,14 +158,15 @@ def judged(
         bound,
         poles,
         exact,
+        not system.circulatory.nnz,
     )
 
 
-def _not_negative(matrix: sparse.csr_array) -> bool:
-    """Return whether no eigenvalue of a symmetric matrix is negative beyond round-off."""
+def _not_negative(matrix: sparse.csr_array, size: float = 0.0) -> bool:
+    """Return whether no eigenvalue of a symmetric matrix is negative beyond round-off, of entries of a ``size``."""
     full = matrix.toarray()
     values = np.linalg.eigvalsh(0.5 * (full + full.T))
-    return bool(values[0] >= -1e-9 * max(abs(values[-1]), np.finfo(float).tiny))
+    return bool(values[0] >= -1e-9 * max(abs(values[-1]), size, np.finfo(float).tiny))
 
 
 def _poles(first: StateMatrices | None, second: LinearSystem | None) -> np.ndarray:

@@ -14,6 +14,8 @@ __all__ = ["Resonance", "resonances_of"]
 
 PROMINENT = 1.2
 """Size of a peak over that of the valleys beside it at least."""
+LOPSIDED = 3.0
+"""Distance of one half-power frequency from the peak over that of the other; of one mode alone it is below 1.6."""
 ON_CIRCLE = 4
 """Frequencies within the half-power band from which a circle is fitted."""
 
@@ -25,10 +27,11 @@ class Resonance:
     Attributes:
         frequency: of the peak [Hz]; amplitude: its size.
         half_power: damping ratio by the frequencies at which the size is that of the peak over root 2; None where the
-            response does not fall so far on both sides.
+            response does not fall so far on both sides, or much later on one of them: another mode is there.
         circle: damping ratio by the circle through the responses within that band, in the complex plane (Kennedy and
             Pancu 1947, in the form of Ewins, Modal Testing, section 4.3); None where there are too few.
-        pole: damping ratio of the nearest pole, and name: of its motion; None and empty where there is none near by.
+        pole: damping ratio of the pole that has most of the response there, and name: of its motion; None and empty
+            where it is not near by.
     """
 
     frequency: float
@@ -40,40 +43,51 @@ class Resonance:
 
 
 def resonances_of(
-    hertz: Floats, response: np.ndarray, poles: np.ndarray, names: Sequence[str]
+    hertz: Floats, response: np.ndarray, roots: tuple[np.ndarray, np.ndarray], names: Sequence[str]
 ) -> list[Resonance]:
     """Return the peaks of a response.
 
     Args:
         hertz: increasing frequencies ``(n,)``; response: there ``(n,)``.
-        poles: ``s`` [1/s]; names: of their motions.
+        roots: poles ``s`` [1/s] and their residues; names: of their motions.
     """
+    poles, residues = roots
     size = np.abs(response)
     found = []
     for k in _peaks(size):
         f, top = _summit(hertz[k - 1 : k + 2], size[k - 1 : k + 2])
         low, high = _crossing(hertz, size, k, top, -1), _crossing(hertz, size, k, top, 1)
         half = circle = None
-        if low is not None and high is not None:
+        if (
+            low is not None
+            and high is not None
+            and max(high - f, f - low) < LOPSIDED * min(high - f, f - low)
+        ):
             half = (high**2 - low**2) / (4.0 * f**2)
             inside = np.flatnonzero((hertz >= low) & (hertz <= high))
             if len(inside) >= ON_CIRCLE:
                 circle = _circle(hertz[inside], response[inside])
-        nearest = int(np.argmin(np.abs(poles.imag / (2.0 * np.pi) - f))) if len(poles) else -1
-        s = poles[nearest] if nearest >= 0 else None
-        width = 0.0 if s is None else max(abs(s.real), 1e-2 * abs(s)) / np.pi
-        close = s is not None and abs(s.imag / (2.0 * np.pi) - f) <= 2.0 * width
+        mine = _pole_of(f, poles, residues)
         found.append(
             Resonance(
                 f,
                 top,
                 half,
                 circle,
-                float(-s.real / abs(s)) if close and s is not None else None,
-                str(names[nearest]) if close else "",
+                None if mine is None else float(-poles[mine].real / abs(poles[mine])),
+                "" if mine is None else str(names[mine]),
             )
         )
     return found
+
+
+def _pole_of(hertz: float, poles: np.ndarray, residues: np.ndarray) -> int | None:
+    """Return the pole near a peak that has most of the response there; None if there is none near by."""
+    width = np.maximum(np.abs(poles.real), 1e-2 * np.abs(poles)) / np.pi
+    near = np.flatnonzero(np.abs(poles.imag / (2.0 * np.pi) - hertz) <= 2.0 * width)
+    if not len(near):
+        return None
+    return int(near[np.argmax(np.abs(residues[near] / (2j * np.pi * hertz - poles[near])))])
 
 
 def _peaks(size: Floats) -> list[int]:

@@ -55,7 +55,7 @@ class ResultAttributes(BaseModel):
 
     model_config = ConfigDict(extra="allow")
 
-    kind: Literal["simulate", "equilibrium", "steady", "modes"]
+    kind: Literal["simulate", "equilibrium", "steady", "modes", "buckling"]
     title: str = ""
     outcome: str = "completed"
     message: str = ""
@@ -133,6 +133,8 @@ class ResultAttributes(BaseModel):
     mode_rigid: Count | None = None
     mode_certified: Literal[0, 1] | None = None
     mode_about: str = ""
+    buckling_exact: Literal[0, 1] | None = None
+    buckling_complete: Literal[0, 1] | None = None
 
 
 _TOGETHER = {
@@ -179,6 +181,8 @@ def _missing(found: ResultAttributes, plain: Mapping[str, Any]) -> Iterator[str]
         needed |= dict.fromkeys(_STEADY, "kind")
     if found.kind == "modes":
         needed |= dict.fromkeys(("mode_rigid", "mode_certified"), "kind")
+    if found.kind == "buckling":
+        needed |= dict.fromkeys(("buckling_exact", "buckling_complete"), "kind")
     if found.formulation == "intrinsic" and found.kind == "simulate":
         needed |= dict.fromkeys(("dynamics", "damping"), "formulation")
     if found.negative_eigenvalues is not None and found.stability != "tangent stiffness":

@@ -14,9 +14,11 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from viscorod.checks import checked
 from viscorod.errors import InputError
+from viscorod.results.buckling import Buckling
 from viscorod.results.data_schema import DIMENSION
 from viscorod.results.energy import Energy
 from viscorod.results.files.storage import read, result_of, write
+from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.results.modes_result import Modes
 from viscorod.results.run import Equilibrium, Run
 from viscorod.results.steady_result import Steady
@@ -25,8 +27,12 @@ from viscorod.results.text_table import table
 if TYPE_CHECKING:
     import xarray as xr
 
+ALONG = DIMENSION | {"response": "frequency"}
+"""Kind of a result -> dimension of its states."""
 KIND = "sweep"
 COMPLETED = "completed"
+REAL = 1e-9
+"""Imaginary part of a root, as a part of it, below which it does not oscillate."""
 TABLE = {
     "steps": ("1", "steps taken"),
     "wall_time_s": ("s", "wall time"),
@@ -34,8 +40,27 @@ TABLE = {
         "1",
         "largest numerical remainder of the energy account over the energy that moved",
     ),
+    "first_frequency": ("Hz", "of the slowest vibration that oscillates"),
+    "first_damping_ratio": ("1", "of the same"),
+    "peak_frequency": ("Hz", "at which the first response is largest"),
+    "peak": ("", "its size there"),
 }
 """Variables of every member that are not fields -> (unit, long name)."""
+
+_WALL = ("wall_time_s", "wall time [s]", "{:.3g}".format)
+_STEPPED = (
+    ("steps", "steps", "{:.0f}".format),
+    _WALL,
+    ("numerical_fraction", "numerical [%]", lambda part: f"{100.0 * part:.2g}"),
+)
+_SMALL = (
+    ("first_frequency", "first frequency [Hz]", "{:.6g}".format),
+    ("first_damping_ratio", "damping ratio", "{:.5g}".format),
+    ("peak_frequency", "peak at [Hz]", "{:.6g}".format),
+    ("peak", "peak", "{:.5g}".format),
+    _WALL,
+)
+"""Figures of members in the table of a report: name, heading, format."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +77,7 @@ class SweepRun:
 
     number: int
     values: Mapping[str, Any]
-    result: Run | Equilibrium | Steady | Modes | None
+    result: Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | None
     message: str = ""
     outcome: str = COMPLETED
 
@@ -62,13 +87,24 @@ class SweepRun:
         return self.outcome == COMPLETED and self.result is not None
 
     def figures(self) -> dict[str, float]:
-        """Return steps, wall time [s] and, of a run, the numerical part of its energy account."""
+        """Return steps, wall time [s], the numerical part of a run's energy account, the first mode, the first peak."""
         if self.result is None:
             return {}
         attrs = self.result.data.attrs
         found = {name: float(attrs[name]) for name in ("steps", "wall_time_s") if name in attrs}
         if isinstance(self.result, Run):
             found["numerical_fraction"] = Energy.of(self.result.data).numerical_fraction
+        if isinstance(self.result, Modes | FrequencyResponse):
+            s = self.result.eigenvalues if isinstance(self.result, Modes) else self.result.poles
+            s = s[s.imag > REAL * np.abs(s)]
+            if len(s):
+                first = s[np.argmin(np.abs(s))]
+                found["first_frequency"] = float(np.abs(first) / (2.0 * np.pi))
+                found["first_damping_ratio"] = float(-first.real / np.abs(first))
+        if isinstance(self.result, FrequencyResponse):
+            size = self.result.amplification()
+            found["peak_frequency"] = float(self.result.frequencies[np.argmax(size)])
+            found["peak"] = float(size.max())
         return found
 
 
@@ -138,22 +174,20 @@ class Sweep:
         return xr.Dataset(variables, coordinates, attrs={"kind": KIND, "title": self.title})
 
     def report(self) -> str:
-        """Return a table of the members: values, steps, wall time, numerical remainder, outcome; then what failed."""
-        header = ("member", *self.parameters, "steps", "wall time [s]", "numerical [%]", "outcome")
-        rows = []
-        for member in self.members:
-            figures = member.figures()
-            fraction = figures.get("numerical_fraction")
-            rows.append(
-                (
-                    str(member.number),
-                    *(_text(value) for value in member.values.values()),
-                    f"{figures['steps']:.0f}" if "steps" in figures else "-",
-                    f"{figures['wall_time_s']:.3g}" if "wall_time_s" in figures else "-",
-                    "-" if fraction is None else f"{100.0 * fraction:.2g}",
-                    member.outcome,
-                )
+        """Return a table of the members: values, figures, outcome; then what failed."""
+        figures = [member.figures() for member in self.members]
+        small = any("first_frequency" in row or "peak" in row for row in figures)
+        columns = _SMALL if small else _STEPPED
+        header = ("member", *self.parameters, *(title for _, title, _ in columns), "outcome")
+        rows = [
+            (
+                str(member.number),
+                *(_text(value) for value in member.values.values()),
+                *(show(row[name]) if name in row else "-" for name, _, show in columns),
+                member.outcome,
             )
+            for member, row in zip(self.members, figures, strict=True)
+        ]
         count = f"{len(self.members)} members, {len(self.completed)} completed"
         blocks = [table(f"{self.title}: {count}" if self.title else count, header, rows)]
         blocks += [f"member {member.number}: {member.message}" for member in self.failed]
@@ -239,7 +273,7 @@ def _member(row: _Row, data: xr.Dataset, path: Path) -> SweepRun:
     """Return a member of a file, whose fields are stacked with those of others or in a group of its own."""
     result = None
     if row.attrs is not None:
-        along = DIMENSION.get(str(row.attrs.get("kind")), "")
+        along = ALONG.get(str(row.attrs.get("kind")), "")
         stacked = "member" in data.coords and along in data and row.number in data["member"].values
         whole = _unstacked(data, row.number) if stacked else read(path, group=f"member_{row.number}")
         whole.attrs = row.attrs
@@ -247,11 +281,19 @@ def _member(row: _Row, data: xr.Dataset, path: Path) -> SweepRun:
     return SweepRun(row.number, row.values, result, row.message, row.outcome)
 
 
+_LEVELS = {
+    "time": "stored times",
+    "load_factor": "load steps",
+    "spin": "angular speeds",
+    "frequency": "frequencies",
+}
+
+
 def _difference(one: xr.Dataset, other: xr.Dataset) -> str:
     """Say what keeps two results from being stacked; empty if nothing does."""
     if one.attrs["kind"] != other.attrs["kind"] or set(one.variables) != set(other.variables):
         return "they hold different quantities"
-    along = DIMENSION[one.attrs["kind"]]
+    along = ALONG[one.attrs["kind"]]
     for name in one.dims:
         if one.sizes[name] != other.sizes[name] and name != along:
             return f"their numbers of {name}s differ ({one.sizes[name]} and {other.sizes[name]})"
@@ -259,7 +301,12 @@ def _difference(one: xr.Dataset, other: xr.Dataset) -> str:
         a, b = one[name].values, other[name].values
         fixed = name in one.dims or a.dtype.kind not in "fi"
         if a.shape != b.shape or (fixed and not np.array_equal(a, b)):
-            differ = {"time": "stored times", "load_factor": "load steps", "spin": "angular speeds"}
+            differ = {
+                "time": "stored times",
+                "load_factor": "load steps",
+                "spin": "angular speeds",
+                "frequency": "frequencies",
+            }
             return f"their {differ.get(along if along in one[name].dims else '', str(name))} differ"
     return ""
 
@@ -267,7 +314,7 @@ def _difference(one: xr.Dataset, other: xr.Dataset) -> str:
 def _stacked(results: Sequence[xr.Dataset]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return variables and coordinates of results that differ in values only; what is equal in all is kept once."""
     first = results[0]
-    along = DIMENSION[first.attrs["kind"]]
+    along = ALONG[first.attrs["kind"]]
     fields: dict[str, Any] = {}
     axes: dict[str, Any] = {}
     for name, variable in first.variables.items():

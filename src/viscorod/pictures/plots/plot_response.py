@@ -113,15 +113,30 @@ def _phase(values: np.ndarray) -> np.ndarray:
     return found
 
 
+def _along(axes: Axes, hertz: float) -> float:
+    """Return the place of a frequency along the axis of a panel."""
+    return float(np.log10(hertz)) if axes.get_xscale() == "log" else float(hertz)
+
+
 def _mark_peaks(
     result: FrequencyResponse, pairs: list[tuple[int, int]], units: list[str], panels: list[Axes]
 ) -> None:
     """Write at the peaks of the first response of every panel the damping ratio read off them."""
     for number, unit in enumerate(units):
         k, j = next(pair for pair in pairs if result.unit(*pair) == unit)
+        width = 0.075 * (
+            _along(panels[number], result.frequencies[-1]) - _along(panels[number], result.frequencies[0])
+        )
+        end = -np.inf
         for one in result.resonances(k, j):
-            if one.half_power is None:
-                continue
+            at = _along(panels[number], one.frequency)
+            if (
+                one.half_power is None
+                or at < end
+                or at + width > _along(panels[number], result.frequencies[-1])
+            ):
+                continue  # it would lie on the one before, or beyond the edge
+            end = at + width
             panels[number].annotate(
                 f"{100.0 * one.half_power:.3g} %",
                 (one.frequency, one.amplitude),
@@ -156,6 +171,7 @@ def _nyquist(result: FrequencyResponse, pairs: list[tuple[int, int]]) -> Figure:
                     xytext=(5, 5),
                     textcoords="offset points",
                     fontsize=SMALL,
+                    bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6},
                 )
         text = "" if unit == "1" else f" [{unit}]"
         clean(axes, f"real part{text}", f"imaginary part{text}")
@@ -178,8 +194,9 @@ def _space(result: FrequencyResponse, pairs: list[tuple[int, int]]) -> Figure:
         axes.plot(hertz, values.real, np.full(len(hertz), low), color=GREY, linewidth=0.7)
         text = "" if unit == "1" else f" [{unit}]"
         axes.set_xlabel("frequency [Hz]", fontsize=SMALL)
-        axes.set_ylabel(f"real part{text}", fontsize=SMALL)
-        axes.set_zlabel(f"imaginary part{text}", fontsize=SMALL)
+        axes.set_ylabel(f"real part{text}", fontsize=SMALL, labelpad=10.0)
+        axes.set_zlabel(f"imaginary part{text}", fontsize=SMALL, labelpad=14.0)
+        axes.zaxis.set_tick_params(pad=6.0)
         axes.tick_params(labelsize=SMALL - 1.0)
         axes.view_init(elev=22.0, azim=-60.0)
         axes.set_title(_label(result, k, j), loc="left", fontsize=TEXT)

@@ -18,6 +18,7 @@ from viscorod.pictures.viewer.colours import colour_tables
 from viscorod.pictures.viewer.frames import Frames
 from viscorod.pictures.viewer.histories import decay_of, energy_of, histories_of, places_of, samples_of
 from viscorod.pictures.viewer.marks import Marks
+from viscorod.pictures.viewer.mode_film import film_of
 from viscorod.pictures.viewer.moving_arrows import loads_of, tips_of
 from viscorod.pictures.viewer.packing import LEVELS, Pack
 from viscorod.pictures.viewer.page import page
@@ -25,9 +26,11 @@ from viscorod.pictures.viewer.rod_lines import MOST_NODES, Line, lines_of
 from viscorod.pictures.viewer.symbols import bodies_of, connections_of, supports_of
 from viscorod.results.data_schema import AXES
 from viscorod.results.element_points import aligned
+from viscorod.results.modes_result import Modes
 from viscorod.results.result import Result
 from viscorod.results.result_warnings import warnings_of
 from viscorod.results.run import Equilibrium, Run
+from viscorod.results.steady_result import Steady
 from viscorod.typing import Floats
 from viscorod.whole_files import replacing
 
@@ -59,10 +62,11 @@ def view(
     """Write a result as one HTML file that shows it moving; it needs no server and no network.
 
     Beside the rods in space, coloured by a strain, a section force, the dissipation or the speed, are histories, the
-    energy account and the damping ratio of every cycle, all at the same time.
+    energy account and the damping ratio of every cycle, all at the same time. Modes, and those of a steady rotation,
+    swing one at a time beside a table of them.
 
     Args:
-        result: a motion, an equilibrium or a path.
+        result: a motion, an equilibrium, a path, modes or a steady rotation.
         path: file to write, usually ``.html``; its folder is made.
         frames: states in the page at most, 2 or more; more stored ones are shown at even times, of fewer
             positions in between follow from velocities.
@@ -74,16 +78,15 @@ def view(
     Raises:
         InputError: the result is of another kind, a number is out of range, or the place cannot be written.
     """
-    if not isinstance(result, Run | Equilibrium):
+    if not isinstance(result, Run | Equilibrium | Modes | Steady):
         what, instead = {
-            "Steady": ("a steady rotation", "give a run, an equilibrium or a path"),
-            "Modes": ("a list of modes", "draw them with plot"),
             "FrequencyResponse": ("a frequency response", "draw it with plot"),
+            "Buckling": ("a list of critical loads", "draw them with plot"),
             "Campbell": ("a Campbell diagram", "draw it with plot"),
             "Stability": ("stability along a load", "draw it with plot"),
             "Periodic": ("a curve of periodic motions", "draw it with plot"),
             "Sweep": ("a sweep", "give one of its members"),
-        }.get(type(result).__name__, ("this", "give a run, an equilibrium or a path"))
+        }.get(type(result).__name__, ("this", "give a run, an equilibrium, a path or modes"))
         raise InputError(
             f"{what} has no states that follow each other, so there is nothing to play; {instead}"
         )
@@ -92,10 +95,14 @@ def view(
     if not megabytes > 1.0:
         raise InputError(f"megabytes = {megabytes!r}: the scripts alone take 0.7; give a number above 1")
     text, limit = "", frames
+    modes: list[dict[str, Any]] = []
+    if isinstance(result, Modes | Steady):
+        result, modes = film_of(result)
+        limit = int(result.data.sizes[result.dimension])  # each swing is whole
     for _ in range(_TRIES):
-        text = _text(result, limit)
+        text = _text(result, limit, modes)
         size = len(text.encode("utf-8")) / 1e6
-        if size <= megabytes or limit <= _FEWEST:
+        if size <= megabytes or limit <= _FEWEST or modes:
             break
         # what does not depend on the frames is a megabyte or less
         limit = max(_FEWEST, int(0.95 * limit * max(megabytes - 1.0, 0.1) / max(size - 1.0, 0.1)))
@@ -116,7 +123,7 @@ def described(result: Result) -> ModelDescription | None:
         return None  # functions of Python are in no file, and other versions have other words
 
 
-def _text(result: Run | Equilibrium, limit: int) -> str:
+def _text(result: Run | Equilibrium, limit: int, modes: list[dict[str, Any]]) -> str:
     model = described(result)
     frames, pack = Frames.of(result, limit), Pack()
     positions, rotations = frames.positions(), frames.rotations()
@@ -130,7 +137,7 @@ def _text(result: Run | Equilibrium, limit: int) -> str:
         "places": [{"label": site.label, "mark": marks.site(site)} for site in places_of(result)],
     }
     sizes = np.zeros((frames.count, 0))
-    if model is not None:
+    if model is not None and not modes:
         scene["loads"], sizes = loads_of(result, model, frames, marks)
     pack.plain("load_sizes", sizes)
     pack.plain("instants", frames.instants)
@@ -151,7 +158,8 @@ def _text(result: Run | Equilibrium, limit: int) -> str:
         "version": str(result.data.attrs.get("version", "")),
         "outcome": result.outcome,
         "warnings": warnings_of(result),
-        "notes": _notes(result, frames, lines, samples.size, model),
+        "notes": _notes(result, frames, lines, samples.size, model, modes),
+        "modes": modes,
         "stored": frames.stored,
         "clock": scaled("s", known) if result.dimension == "time" else (1.0, ""),
         "scene": scene,
@@ -216,7 +224,12 @@ def _pack_fields(result: Result, frames: Frames, lines: list[Line], pack: Pack) 
 
 
 def _notes(
-    result: Result, frames: Frames, lines: list[Line], samples: int, model: ModelDescription | None
+    result: Result,
+    frames: Frames,
+    lines: list[Line],
+    samples: int,
+    model: ModelDescription | None,
+    modes: list[dict[str, Any]],
 ) -> list[str]:
     """Return what a reader should know of what was left out."""
     stations = int(sum(result.sites.stations(line.rod).size for line in lines))
@@ -227,6 +240,8 @@ def _notes(
         notes[0] = "one state"
     if frames.count > frames.stored:
         notes[0] = f"{frames.count} frames shown: {frames.stored} stored times and positions between them"
+    if modes:
+        notes[0] = f"{len(modes)} modes, each with an amplitude that can be seen; fading is not shown"
     if nodes < stations:
         notes.append(f"{nodes} stations shown of {stations}")
     if samples < frames.stored:

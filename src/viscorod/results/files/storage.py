@@ -23,6 +23,7 @@ from viscorod.whole_files import replacing
 if TYPE_CHECKING:
     import xarray as xr
 
+    from viscorod.results.buckling import Buckling
     from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
@@ -202,7 +203,18 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
 @checked
 def load(
     path: str | Path,
-) -> Run | Equilibrium | Steady | Modes | FrequencyResponse | Campbell | Periodic | Stability | Sweep:
+) -> (
+    Run
+    | Equilibrium
+    | Steady
+    | Modes
+    | Buckling
+    | FrequencyResponse
+    | Campbell
+    | Periodic
+    | Stability
+    | Sweep
+):
     """Open a saved result: of a motion, an equilibrium, a steady rotation, modes, a response, a sweep, and all others.
 
     It answers everything that a fresh one does.
@@ -222,10 +234,6 @@ def load(
         if path.is_dir():
             return Run(stopped_run(path))
     data = read(path)
-    if str(data.attrs.get("kind")) == "response":
-        from viscorod.results.frequency_response import FrequencyResponse
-
-        return FrequencyResponse(data)
     if str(data.attrs.get("kind")) == "campbell":
         from viscorod.results.campbell import Campbell
 
@@ -245,21 +253,27 @@ def load(
     return result_of(data, Path(path))
 
 
-def result_of(data: xr.Dataset, path: Path) -> Run | Equilibrium | Steady | Modes:
+def result_of(
+    data: xr.Dataset, path: Path
+) -> Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse:
     """Return the result whose data set was read from a file, after looking at all of it.
 
     Raises:
         InputError: it is no result, or a damaged one.
     """
+    from viscorod.results.buckling import Buckling
+    from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.soundness import require_sound
     from viscorod.results.steady_result import Steady
 
-    kinds: dict[Any, type[Run | Equilibrium | Steady | Modes]] = {
-        kind.kind: kind for kind in (Run, Equilibrium, Steady, Modes)
+    kinds: dict[Any, type[Run | Equilibrium | Steady | Modes | Buckling]] = {
+        kind.kind: kind for kind in (Run, Equilibrium, Steady, Modes, Buckling)
     }
     found = str(data.attrs.get("kind", ""))
+    if found == FrequencyResponse.kind:
+        return FrequencyResponse(data)
     if found not in kinds:
         raise InputError(
             f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, response, "

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
+from viscorod.solve.statics.newton import interruption
 from viscorod.typing import Floats
 
-__all__ = ["Followed", "followed"]
+__all__ = ["Followed", "StoppedError", "followed", "reason_of"]
 
 FIRST = 40
 """Frequencies at least, evenly on a logarithmic scale."""
@@ -23,16 +25,30 @@ LADDER = (0.25, 1.0, 4.0, 16.0, 64.0)
 """Distances from a pole, in its half widths, at which frequencies are put at first."""
 
 
+@dataclass(frozen=True)
 class Followed:
     """Responses at frequencies that follow them.
 
     Attributes:
         hertz: increasing frequencies ``(m,)`` [Hz]; responses: ``(m, outputs, inputs)``.
         error: largest distance of a response from the lines, where it was looked at last, as a part of it.
+        reached: frequency [Hz] up to which they are followed; stopped: why it ended there; empty if it did not.
     """
 
-    def __init__(self, hertz: Floats, responses: np.ndarray, error: float) -> None:
-        self.hertz, self.responses, self.error = hertz, responses, error
+    hertz: Floats
+    responses: np.ndarray
+    error: float
+    reached: float
+    stopped: str = ""
+
+
+class StoppedError(Exception):
+    """Something asks to end."""
+
+
+def reason_of(asked: BaseException) -> str:
+    """Return why responses end before the highest frequency."""
+    return interruption(asked) if isinstance(asked, KeyboardInterrupt) else str(asked)
 
 
 def followed(
@@ -40,6 +56,7 @@ def followed(
     band: tuple[float, float],
     poles: Sequence[complex],
     tolerance: float,
+    told: Callable[[float, float], None] | None = None,
 ) -> Followed:
     """Return responses over a band, at frequencies between which straight lines err by less than a tolerance.
 
@@ -47,9 +64,9 @@ def followed(
     plane) than the tolerance allows.
 
     Args:
-        response: of a frequency [Hz], ``(outputs, inputs)``.
+        response: of a frequency [Hz], ``(outputs, inputs)``; it may raise ``StoppedError``.
         band: lowest and highest frequency [Hz]; poles: ``s`` [1/s] of the resonances, where peaks are sought first.
-        tolerance: part of the response.
+        tolerance: part of the response; told: called with the frequency up to which it is done, and the step there.
     """
     known: dict[float, np.ndarray] = {}
 
@@ -59,26 +76,31 @@ def followed(
         return known[f]
 
     start = sorted({float(f) for f in _first(band, poles)})
-    values = np.array([at(f) for f in start])
-    size = np.abs(values).max(axis=0)
-    pending = list(pairwise(start))[::-1]
-    worst = 0.0
-    while pending:
-        a, b = pending.pop()
-        middle = 0.5 * (a + b) if b < 1.5 * a else float(np.sqrt(a * b))
-        here = at(middle)
-        part = (middle - a) / (b - a)
-        chord = (1.0 - part) * known[a] + part * known[b]
-        floor = np.maximum(np.maximum(np.abs(here), FAINT * size), np.finfo(float).tiny)
-        error = float((np.abs(here - chord) / floor).max())
-        size = np.maximum(size, np.abs(here))
-        if error <= tolerance or b - a < CLOSEST * b or len(known) >= MOST:
+    worst, reached, stopped = 0.0, band[0], ""
+    try:
+        values = np.array([at(f) for f in start])
+        size = np.abs(values).max(axis=0)
+        pending = list(pairwise(start))[::-1]
+        while pending:
+            a, b = pending.pop()
+            middle = 0.5 * (a + b) if b < 1.5 * a else float(np.sqrt(a * b))
+            here = at(middle)
+            part = (middle - a) / (b - a)
+            chord = (1.0 - part) * known[a] + part * known[b]
+            floor = np.maximum(np.maximum(np.abs(here), FAINT * size), np.finfo(float).tiny)
+            error = float((np.abs(here - chord) / floor).max())
+            size = np.maximum(size, np.abs(here))
+            if error > tolerance and b - a >= CLOSEST * b and len(known) < MOST:
+                pending += [(middle, b), (a, middle)]
+                continue
             # the half intervals have a quarter of this error
-            worst = max(worst, 0.25 * error)
-            continue
-        pending += [(middle, b), (a, middle)]
+            worst, reached = max(worst, 0.25 * error), b
+            if told is not None:
+                told(b, b - a)
+    except (StoppedError, KeyboardInterrupt) as asked:
+        stopped = reason_of(asked)
     hertz = np.array(sorted(known))
-    return Followed(hertz, np.array([known[float(f)] for f in hertz]), worst)
+    return Followed(hertz, np.array([known[float(f)] for f in hertz]), worst, reached, stopped)
 
 
 def _first(band: tuple[float, float], poles: Sequence[complex]) -> Floats:

@@ -15,6 +15,9 @@ from viscorod.typing import Floats
 
 __all__ = ["HarmonicResponse"]
 
+BESIDE = 1e-6
+"""Distance from a pole, as a part of it, at which its residue is taken."""
+
 
 @dataclass
 class HarmonicResponse:
@@ -53,7 +56,22 @@ class HarmonicResponse:
         Raises:
             SolveError: an undamped resonance.
         """
-        s = 2j * np.pi * hertz
+        return self._at(2j * np.pi * hertz)
+
+    def residues(self, poles: np.ndarray) -> np.ndarray:
+        """Return ``R (poles, outputs, inputs)`` of the parts ``R/(s - pole)`` of the response [1/s times its unit].
+
+        They are taken next to each pole, at a part of 1e-6 of it, where all else is small beside them.
+        """
+        found = []
+        for pole in poles:
+            step = BESIDE * abs(pole)
+            found.append(step * self._at(complex(pole) + step))
+        return np.array(found, dtype=complex).reshape(
+            len(poles), len(self.readings.outputs), len(self.inputs.signals)
+        )
+
+    def _at(self, s: complex) -> np.ndarray:
         c = self.small.at(s)
         size = self._solver.size
         right, gaps = self._force.astype(complex), self._gaps.astype(complex)

@@ -15,6 +15,8 @@ __all__ = ["balanced", "craig_bampton_basis", "modal_basis"]
 
 FULL = 600
 """Coordinates up to which all modes are found by full matrices."""
+SLOWLY = 1e-3
+"""Rate at which what is taken for at rest grows where nothing holds the system, over its slowest frequency."""
 INDEPENDENT = 1e-8
 """Part of a vector that must be left beside the others for it to count."""
 
@@ -23,31 +25,38 @@ def _symmetric(matrix: sparse.csr_array) -> sparse.csc_array:
     return sparse.csc_array(0.5 * (matrix + matrix.T))
 
 
-def _modes(K: sparse.csc_array, M: sparse.csc_array, count: int) -> tuple[Floats, Floats]:
-    """Return the slowest undamped modes ``(n, count)`` and their angular frequencies [rad/s]."""
+def _modes(K: sparse.csc_array, M: sparse.csc_array, count: int, rigid: int = 0) -> tuple[Floats, Floats]:
+    """Return the slowest undamped modes ``(n, count)``, ``rigid`` ones first, and their angular frequencies [rad/s]."""
     n = K.shape[0]
     if n <= max(FULL, 2 * count + 2):
         squares, vectors = scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=(0, min(count, n) - 1))
         return vectors, np.sqrt(np.maximum(squares, 0.0))
     from scipy.sparse.linalg import LinearOperator, eigsh
 
-    factor = factored(K)
+    # beside 0, which rigid motions have: a square that is slow beside stiffness over mass
+    shift = -1e-9 * float(K.diagonal().sum() / M.diagonal().sum()) if rigid else 0.0
+    factor = factored(sparse.csc_array(K - shift * M))
     inverse = LinearOperator(K.shape, matvec=factor.solve, dtype=float)
     start = np.random.default_rng(1).standard_normal(n)
-    squares, vectors = eigsh(K, count, M, sigma=0.0, OPinv=inverse, v0=start)
+    squares, vectors = eigsh(K, count, M, sigma=shift, OPinv=inverse, v0=start)
     order = np.argsort(squares)
     return vectors[:, order], np.sqrt(np.maximum(squares[order], 0.0))
 
 
-def modal_basis(system: SecondOrder, modes: int) -> tuple[Floats, Floats]:
+def modal_basis(system: SecondOrder, modes: int, rigid: int = 0) -> tuple[Floats, Floats]:
     """Return the slowest undamped modes and the static shapes under all inputs that they lack (static correction).
 
-    Those of prescribed motions are under the inertial forces of their quasi-static shapes. The second array are the
-    angular frequencies of the modes [rad/s].
+    Those of prescribed motions are under the inertial forces of their quasi-static shapes. Where nothing resists some
+    ``rigid`` motions, the inertia of these balances the inputs (inertia relief). The second array are the angular
+    frequencies of the modes [rad/s].
     """
     K, M = _symmetric(system.at_rest), _symmetric(system.terms[2])
-    vectors, omega = _modes(K, M, modes)
-    factor = factored(system.at_rest)
+    vectors, omega = _modes(K, M, max(modes, rigid + 1), rigid)
+    slowest = float(omega[min(rigid, len(omega) - 1)])
+    vectors, omega = vectors[:, :modes], omega[:modes]
+    resting = system.at_rest
+    # motions that grow slowly; their rigid part is then taken out with the modes
+    factor = factored(resting + (SLOWLY * slowest) ** 2 * M if rigid else resting)
     moving = system.derivative >= 0
     right = [
         system.force[:, ~moving],

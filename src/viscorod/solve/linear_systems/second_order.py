@@ -26,6 +26,8 @@ from viscorod.typing import Floats
 __all__ = ["FirstOrderMatrices", "SecondOrder", "second_order"]
 
 ROUNDS, CONVERGED = 30, 1e-11
+NOISE, SILENT = 1e-10, 1e-4
+"""Response over what would be possible, below which it is round-off, and by which its error is measured then."""
 DENSE = 60
 """Coordinates up to which full matrices are faster."""
 
@@ -90,17 +92,44 @@ class SecondOrder:
 
     def response(self, hertz: float) -> np.ndarray:
         """Return the responses ``(outputs, inputs)`` at a frequency [Hz]."""
-        s = 2j * np.pi * hertz
+        c, times, x = self._solved(2j * np.pi * hertz)
+        out = self.direct + times * sum(k * part for k, part in zip(c, self.carried, strict=True))
+        return np.asarray(out + sum(k * (rows @ x) for k, rows in zip(c, self.rows, strict=True)))
+
+    def sizes(self, responses: np.ndarray, hertz: Floats) -> Floats:
+        """Return by what errors of responses ``(n, outputs, inputs)`` are measured ``(outputs, inputs)``.
+
+        That is the largest size of each. One that symmetry forbids is round-off of what is possible, the largest
+        factor in its row times the largest coordinate, and is measured by a part of that.
+
+        Args:
+            responses: at any frequencies; hertz: frequencies [Hz] at which coordinates are large, for what is possible.
+        """
+        possible = np.max([self._possible(float(f)) for f in hertz], axis=0)
+        largest = np.abs(responses).max(axis=0)
+        found: Floats = np.where(
+            largest <= NOISE * possible, SILENT * possible, np.maximum(largest, np.finfo(float).tiny)
+        )
+        return found
+
+    def _possible(self, hertz: float) -> Floats:
+        c, times, x = self._solved(2j * np.pi * hertz)
+        largest = np.abs(x).max(axis=0, initial=0.0)
+        found: Floats = np.maximum(np.abs(self.direct), np.finfo(float).tiny)
+        for k, rows, carried in zip(c, self.rows, self.carried, strict=True):
+            factor = abs(rows).max(axis=1).toarray().ravel() if rows.nnz else np.zeros(len(found))
+            found = found + abs(k) * (np.outer(factor, largest) + np.abs(times * carried))
+        return found
+
+    def _solved(self, s: complex) -> tuple[list[complex], np.ndarray, np.ndarray]:
+        """Return the coefficients, the factors of prescribed motions ``(inputs,)`` and the coordinates at ``s``."""
         c = self.coefficients(s)
         times = np.where(self.derivative > 0, s ** -np.maximum(self.derivative, 0).astype(float), 1.0)
         right = self.force - times * sum(k * part for k, part in zip(c, self.pushed, strict=True))
         right = np.asarray(right, dtype=complex)
         if self.size <= DENSE:
-            x = np.linalg.solve(np.tensordot(c, self._dense, 1), right)
-        else:
-            x = factored(self.at(s)).solve(right)
-        out = self.direct + times * sum(k * part for k, part in zip(c, self.carried, strict=True))
-        return np.asarray(out + sum(k * (rows @ x) for k, rows in zip(c, self.rows, strict=True)))
+            return c, times, np.linalg.solve(np.tensordot(c, self._dense, 1), right)
+        return c, times, np.asarray(factored(self.at(s)).solve(right))
 
     @property
     def at_rest(self) -> sparse.csr_array:

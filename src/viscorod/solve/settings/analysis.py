@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
+from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
@@ -23,6 +24,7 @@ AnySettings: TypeAlias = (
     | SteadySettings
     | ModesSettings
     | ResponseSettings
+    | BucklingSettings
     | CampbellSettings
     | StabilitySettings
     | PeriodicSettings

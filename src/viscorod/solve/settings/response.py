@@ -109,6 +109,11 @@ class ResponseSettings(_Ported, Meshed):
         default="direct",
     )
 
+    @property
+    def highest(self) -> float:
+        """Highest frequency, Hz."""
+        return float((self.frequencies or self.band or (0.0,))[-1])
+
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:
         if (self.frequencies is None) == (self.band is None):

@@ -9,6 +9,13 @@ viscorod.Player = class {
     this.repeat = true;
     this.playing = false;
     this.at = x[0];
+    this.within(0, x.length - 1);
+  }
+
+  /* Play between two frames only. */
+  within(first, last) {
+    [this.first, this.last] = [this.x[first], this.x[last]];
+    [this.from, this.to] = [first, last];
   }
 
   /* The frame at or before an instant, and the part of the way to the next. */
@@ -26,25 +33,25 @@ viscorod.Player = class {
   }
 
   goTo(x) {
-    this.at = Math.min(Math.max(x, this.x[0]), this.x[this.x.length - 1]);
+    this.at = Math.min(Math.max(x, this.first), this.last);
     this.show(this.at, ...this.frame(this.at));
   }
 
   step(count) {
     const [k, part] = this.frame(this.at);
     const from = count < 0 && part > 0 ? k + 1 : k;
-    this.goTo(this.x[Math.min(Math.max(from + count, 0), this.x.length - 1)]);
+    this.goTo(this.x[Math.min(Math.max(from + count, this.from), this.to)]);
   }
 
   play(on) {
     if (this.playing === on || this.x.length < 2) return;
     this.playing = on;
     if (!on) return;
-    const [first, last] = [this.x[0], this.x[this.x.length - 1]];
-    if (this.at >= last) this.at = first;
+    if (this.at >= this.last) this.at = this.first;
     let before = null;
     const tick = (now) => {
       if (!this.playing) return;
+      const { first, last } = this;
       if (before !== null) {
         let next = this.at + (this.rate * Math.min(now - before, 250)) / 1000;
         if (next >= last) {
@@ -119,6 +126,7 @@ viscorod.start = async function () {
     $("failure").textContent = `The view in space needs WebGL, which this browser does not give (${error.message}). The charts work without it.`;
   }
 
+  let mode = null; // the one that swings, of a page of modes
   const charts = [];
   const total = x.length;
   const show = (at, k, part) => {
@@ -127,6 +135,11 @@ viscorod.start = async function () {
     $("scrub").value = at;
     const nearest = part < 0.5 ? k : k + 1;
     const instant = instants[k] + part * (instants[Math.min(k + 1, total - 1)] - instants[k]);
+    if (mode) {
+      $("now").textContent = `phase ${Math.round((360 * (at - x[mode.first])) / (x[mode.last] - x[mode.first]))}\u00b0`;
+      $("scrub").setAttribute("aria-valuetext", $("now").textContent);
+      return;
+    }
     $("now").textContent = `${timed ? "t = " : "load factor "}${instant.toFixed(digits).replace("-", "\u2212")}${timed ? ` ${second}` : ""}, frame ${nearest + 1}/${total}`;
     $("scrub").setAttribute("aria-valuetext", $("now").textContent);
   };
@@ -144,15 +157,19 @@ viscorod.start = async function () {
     charts[number] = make();
     charts[number].point(player.at);
   };
-  meta.histories.forEach((group, k) => option($("history"), k, `${group.label} [${group.unit}]`));
+  if (!meta.modes.length) meta.histories.forEach((group, k) => option($("history"), k, `${group.label} [${group.unit}]`));
   const drawHistory = () => {
     const group = meta.histories[Number($("history").value)];
     replace(0, () => viscorod.historyChart($("history-chart"), group, chartX, arrays[group.array], common, meta.main));
   };
-  $("history").addEventListener("change", drawHistory);
-  drawHistory();
-  replace(1, () => viscorod.energyChart($("energy-chart"), meta.energy, chartX, arrays.energy, common));
-  if (meta.energy.fraction !== undefined) {
+  if (meta.modes.length) {
+    for (const chart of document.querySelectorAll(".chart")) chart.hidden = true;
+  } else {
+    $("history").addEventListener("change", drawHistory);
+    drawHistory();
+  }
+  if (!meta.modes.length) replace(1, () => viscorod.energyChart($("energy-chart"), meta.energy, chartX, arrays.energy, common));
+  if (!meta.modes.length && meta.energy.fraction !== undefined) {
     const fraction = 100 * meta.energy.fraction;
     $("energy-title").textContent = `Energy account; numerical remainder at most ${viscorod.text(fraction, 2)} % of the ${viscorod.text(meta.energy.moved)} ${meta.energy.unit} that moved`;
   } else $("energy-title").textContent = "Elastic energy";
@@ -179,7 +196,8 @@ viscorod.start = async function () {
   $("play").addEventListener("click", () => press(!player.playing));
   const { options, chosen } = viscorod.speeds(span / clock || 1, timed);
   for (const speed of options) option($("speed"), speed, timed ? (speed === 1 ? "real time" : `${speed} \u00d7 real time`) : `${speed} \u00d7`).selected = speed === chosen;
-  const setSpeed = () => { player.rate = Number($("speed").value) * (timed ? clock : span / 8); };
+  const pace = timed ? clock : meta.modes.length ? (x[meta.modes[0].last] - x[0]) / 2 : span / 8; // a swing in two seconds
+  const setSpeed = () => { player.rate = Number($("speed").value) * pace; };
   $("speed").addEventListener("change", setSpeed);
   setSpeed();
   $("loop").addEventListener("change", () => { player.repeat = $("loop").checked; });
@@ -202,8 +220,41 @@ viscorod.start = async function () {
   });
 
   if (space) viscorod.connect(space, meta, arrays, option, $);
-  goTo(x[0]);
+  if (meta.modes.length) {
+    const choose = (k) => {
+      mode = meta.modes[k];
+      player.within(mode.first, mode.last);
+      [$("scrub").min, $("scrub").max] = [x[mode.first], x[mode.last]];
+      for (const [j, row] of [...$("modes").tBodies[0].rows].entries()) row.setAttribute("aria-selected", String(j === k));
+      $("mode").value = k;
+      if (space) space.leaveTrace($("trace").value === "" ? null : Number($("trace").value));
+      goTo(x[mode.first]);
+    };
+    viscorod.modeTable($("modes"), meta.modes, choose);
+    meta.modes.forEach(({ name }, k) => option($("mode"), k, `${k + 1}: ${name}`));
+    $("mode").addEventListener("change", () => choose(Number($("mode").value)));
+    for (const id of ["mode-choice", "mode-list"]) $(id).hidden = false;
+    for (const id of ["bar", "keys"]) $(id).hidden = true;
+    for (const id of ["trace", "show-loads"]) $(id).parentElement.hidden = true;
+    $("trace").value = "";
+    $("trace").dispatchEvent(new Event("change"));
+    choose(Math.max(0, meta.modes.findIndex(({ frequency }) => frequency > 0)));
+    if (!window.matchMedia("(prefers-reduced-motion: reduce)").matches) press(true);
+  } else goTo(x[0]);
   document.documentElement.dataset.ready = "yes";
+};
+
+/* Names, frequencies and damping ratios; a row that is clicked swings. */
+viscorod.modeTable = function (table, modes, choose) {
+  const body = table.createTBody();
+  modes.forEach(({ name, frequency, damping, swings }, k) => {
+    const row = body.insertRow();
+    const ratio = frequency === 0 ? "" : swings ? viscorod.text(damping, 4) : "overdamped";
+    for (const text of [`${k + 1}`, name, viscorod.text(frequency, 6), ratio]) row.insertCell().textContent = text;
+    row.tabIndex = 0;
+    row.addEventListener("click", () => choose(k));
+    row.addEventListener("keydown", (event) => { if (event.key === "Enter") choose(k); });
+  });
 };
 
 /* The controls of the view in space. */
@@ -272,7 +323,8 @@ viscorod.connect = function (space, meta, arrays, option, $) {
   const [factor, unit] = cell < 0.01 ? [1e3, "mm"] : cell >= 1000 ? [1e-3, "km"] : [1, "m"];
   $("grid-size").textContent = `grid ${viscorod.text(factor * cell, 3)} ${unit}`;
   $("show-grid").addEventListener("change", () => { $("grid-size").hidden = !$("show-grid").checked; });
-  const legend = [...space.symbols.kinds.values(), ["reference shape", viscorod.COLOUR.reference], ["trace", viscorod.COLOUR.trace]];
+  const legend = [...space.symbols.kinds.values(), ["reference shape", viscorod.COLOUR.reference]];
+  if (!meta.modes.length) legend.push(["trace", viscorod.COLOUR.trace]);
   for (const [text, colour] of legend) {
     const entry = document.createElement("span");
     const patch = document.createElement("i");

@@ -1,0 +1,58 @@
+"""``viscorod buckling``: critical loads of a case."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from viscorod.cli.files import existing, writable
+from viscorod.cli.options import CaseFile, ResultFolder
+from viscorod.cli.terminal import readable_errors
+
+__all__ = ["buckling"]
+
+
+def buckling(
+    case: CaseFile,
+    output: ResultFolder = None,
+    count: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="Number of critical loads [default: that of the case, or 3]", show_default=False
+        ),
+    ] = None,
+    constant: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            help="Load or motion that acts in full throughout; several times",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Find critical loads of a case: a table, data and a picture of the shapes.
+
+    Settings are those of its table [buckling], if it has one; options go before them.
+    """
+    with readable_errors():
+        from viscorod.analyses.case_run import as_model
+        from viscorod.casefile.case import load_case
+        from viscorod.solve.settings.buckling import BucklingSettings
+
+        loaded = load_case(existing(case))
+        own = loaded.settings
+        settings = (
+            {name: getattr(own, name) for name in own.model_fields_set}
+            if isinstance(own, BucklingSettings)
+            else {}
+        )
+        given = {"count": count, "constant": constant or None}
+        settings |= {name: value for name, value in given.items() if value is not None}
+        folder = writable(output or Path("out") / case.stem)
+        found = as_model(loaded.description).buckling(**settings)
+        found.data.attrs["title"] = loaded.title
+        written = [found.save(folder / "buckling.nc"), found.plot(folder / "buckling.png")]
+        typer.echo(found.report())
+        typer.echo(f"\nWritten: {', '.join(map(str, written))}")

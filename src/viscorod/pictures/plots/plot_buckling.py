@@ -1,0 +1,68 @@
+"""The picture of critical loads: in what shape the model gives way at each of them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.pictures.plots.projection_view import Curves, View, mark_supports
+from viscorod.pictures.style import BLUE, GREY, SMALL, titled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from viscorod.results.buckling import Buckling
+
+__all__ = ["draw_buckling"]
+
+SIZE = 0.2
+"""Largest displacement that is drawn, as a part of the model."""
+COLUMNS = 3
+
+
+def draw_buckling(result: Buckling, count: int | None = None) -> Figure:
+    """Return the figure of critical shapes, each in the plane of its motion or in space.
+
+    Args:
+        result: what is drawn; count: how many are drawn, all by default.
+    """
+    factors, positions = result.load_factors, result.positions
+    count = min(count or len(factors), len(factors))
+    columns = min(COLUMNS, max(count, 1))
+    rows = max(-(-count // columns), 1)
+    width, height = 1.2 + 3.6 * columns, 1.6 + 3.7 * rows
+    picture = titled(result, width, height)
+    picture.subplots_adjust(top=1.0 - 1.45 / height, hspace=0.5, wspace=0.3)
+    if not count:
+        picture.text(0.05, 0.5, "no critical load was found", fontsize=SMALL)
+        return picture
+    curves = Curves(result)
+    for k in range(count):
+        base, shape = positions[k], result.shapes[k]
+        largest = float(np.max(np.linalg.norm(shape, axis=-1)))
+        moved = SIZE * float(np.max(np.ptp(base, axis=0))) / largest * shape if largest > 0.0 else shape
+        axes = picture.add_subplot(rows, columns, k + 1)
+        view = View.of(np.stack([base, base + moved, base - moved]))
+        kind = "linear" if not result.exact else "it snaps" if result.limit[k] else "it buckles"
+        view.prepare(axes, f"{k + 1}: load factor {factors[k]:.5g}, {kind}\n{view.name}")
+        curves.draw(axes, view, base + moved, color=BLUE, linewidth=2.0, label="gives way to here")
+        curves.draw(
+            axes, view, base, color=GREY, linestyle=(0, (4, 3)), linewidth=1.1, label="critical state"
+        )
+        axes.margins(0.08)
+        mark_supports(axes, view, result, base)
+        axes.title.set_fontsize(SMALL)
+        view.finish(axes)
+    handles, labels = picture.axes[0].get_legend_handles_labels()
+    wanted = [k for k, label in enumerate(labels) if "shadow" not in label]
+    picture.legend(
+        [handles[k] for k in wanted],
+        [labels[k] for k in wanted],
+        loc="upper left",
+        bbox_to_anchor=(0.005, 1.0 - 0.36 / height),
+        ncols=4,
+        frameon=False,
+        fontsize=SMALL,
+    )
+    return picture
