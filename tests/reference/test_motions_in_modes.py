@@ -78,7 +78,7 @@ def test_all_modes_are_the_whole_formulation(case, damping):
         "tolerance": 1e-7,
         "output_interval": 0.1,
     }
-    whole, reduced = model.simulate(0.2, **given), model.simulate(0.2, modes=ALL, **given)
+    whole, reduced = model.simulate(0.1, **given), model.simulate(0.1, modes=ALL, **given)
     assert reduced.data.attrs["modes_open"] < 1e-5
     for name in ("velocity", "strain", "section_force", "reaction", "viscous", "kinetic", "elastic"):
         wanted, found = (run.data[name].values for run in (whole, reduced))
@@ -94,8 +94,8 @@ def test_a_free_rod_tumbles_as_all_its_nodes_do():
     model = vr.Model()
     model.add("rod", vr.Rod.helix(0.3, 0.4, 0.5, section=coupled(), elements=1, order=5))
     model.velocity("rod", field=lambda s: ((np.sin(3 * s), 1.0, s), (2.0, s, -1.0)))
-    given = {"initial": "reference", "formulation": "intrinsic", "tolerance": 1e-8, "output_interval": 0.1}
-    whole, reduced = model.simulate(0.2, **given), model.simulate(0.2, modes=ALL, **given)
+    given = {"initial": "reference", "formulation": "intrinsic", "tolerance": 1e-8, "output_interval": 0.05}
+    whole, reduced = model.simulate(0.1, **given), model.simulate(0.1, modes=ALL, **given)
     assert reduced.data.attrs["modes_rigid"] == 6
     for name in ("strain", "kinetic", "elastic", "viscous"):
         wanted, found = (run.data[name].values for run in (whole, reduced))

@@ -16,7 +16,7 @@ import scipy.linalg
 
 from viscorod.solve.modes.undamped import Undamped
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.reduced.point_operators import PointOperators, curved, momentum_flux
+from viscorod.solve.reduced.point_operators import PointOperators, curved, momentum_flux, products
 from viscorod.typing import Floats
 
 __all__ = ["MotionBasis", "motion_basis"]
@@ -72,7 +72,7 @@ def motion_basis(
     k = rigid.shape[1]
     # the modes and frequencies within these velocities
     rates = operators.rates(velocity[:, k:])
-    form = np.einsum("kgi,lgi->kl", rates, operators.stresses(rates))
+    form = products(rates, operators.stresses(rates))
     squares, turn = np.linalg.eigh(0.5 * (form + form.T))
     velocity[:, k:] = velocity[:, k:] @ turn
     frequency = np.sqrt(np.maximum(squares, 0.0))
@@ -140,9 +140,9 @@ def _answers(
     kept = energies > 1e-18 * energies.max(initial=0.0)
     scale = np.concatenate(parts)[kept] / np.sqrt(energies[kept])
     found, rate = found[:, kept] * scale, rate[kept] * scale[:, None, None]
-    within = np.einsum("kgi,lgi->kl", strains, operators.stresses(rate))
-    rate = rate - np.einsum("kl,kgi->lgi", within, strains)
-    gram = np.einsum("kgi,lgi->kl", rate, operators.stresses(rate))
+    within = products(strains, operators.stresses(rate))
+    rate = rate - np.tensordot(within.T, strains, 1)
+    gram = products(rate, operators.stresses(rate))
     values, vectors = np.linalg.eigh(gram)
     order = np.argsort(values)[::-1]
     return np.asarray(found @ vectors[:, order[values[order] > INDEPENDENT**2 * values.max(initial=0.0)]])
@@ -169,16 +169,14 @@ def _self_stresses(operators: PointOperators, undamped: Undamped, strains: Float
     tried = np.concatenate([tried * places**k for k in range(-(-count // 6) + 1)])
     tried = tried - operators.rates(shape_of_strain(operators, undamped, tried))
     for _ in range(2):
-        tried = tried - np.einsum(
-            "kl,kgi->lgi", np.einsum("kgi,lgi->kl", strains, operators.stresses(tried)), strains
-        )
-    gram = np.einsum("kgi,lgi->kl", tried, operators.stresses(tried))
+        tried = tried - np.tensordot(products(operators.stresses(tried), strains), strains, 1)
+    gram = products(tried, operators.stresses(tried))
     scale = 1.0 / np.sqrt(np.diag(gram))
     values, vectors = scipy.linalg.eigh(gram * np.outer(scale, scale))
     chosen = np.argsort(values)[::-1][:count]
     chosen = chosen[values[chosen] > INDEPENDENT * values.max()]
     return np.asarray(
-        np.einsum("kl,kgi->lgi", scale[:, None] * vectors[:, chosen] / np.sqrt(values[chosen]), tried)
+        np.tensordot((scale[:, None] * vectors[:, chosen] / np.sqrt(values[chosen])).T, tried, 1)
     )
 
 

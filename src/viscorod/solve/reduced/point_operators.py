@@ -11,7 +11,7 @@ from viscorod.mechanics.nodes.attached_poses import link_map
 from viscorod.solve.formulations.system import System
 from viscorod.typing import Floats
 
-__all__ = ["PointOperators", "curved", "momentum_flux"]
+__all__ = ["PointOperators", "curved", "momentum_flux", "products"]
 
 
 def curved(x: Floats, strain: Floats) -> Floats:
@@ -24,6 +24,11 @@ def momentum_flux(x: Floats, momentum: Floats) -> Floats:
     """Return ``L1(x) M x = (w x p, v x p + w x h)`` of AWP (7), momenta ``(p, h)`` given ``(..., 6)``."""
     v, w, p, h = x[..., :3], x[..., 3:], momentum[..., :3], momentum[..., 3:]
     return np.concatenate([np.cross(w, p), np.cross(v, p) + np.cross(w, h)], axis=-1)
+
+
+def products(a: Floats, b: Floats) -> Floats:
+    """Return the sums of products of fields ``(k, m, 6)`` and ``(l, m, 6)``, ``(k, l)``."""
+    return np.asarray(a.reshape(len(a), a.shape[1] * 6) @ b.reshape(len(b), b.shape[1] * 6).T)
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ import numpy as np
 
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.reduced.motion_basis import MotionBasis
-from viscorod.solve.reduced.point_operators import PointOperators, curved, momentum_flux
+from viscorod.solve.reduced.point_operators import PointOperators, curved, momentum_flux, products
 from viscorod.typing import Floats
 
 __all__ = ["QuadraticModel", "TestedBalance"]
@@ -72,7 +72,7 @@ class QuadraticModel:
         _, turning = _inertia(problem, basis, basis.velocity)
         turning = 0.5 * (turning - turning.transpose(1, 0, 2))  # skew to the last bit
         viscous = np.einsum("gij,kgj->kgi", operators.damping, basis.strain)
-        damping = np.einsum("kgi,lgi->kl", basis.strain, viscous)
+        damping = products(basis.strain, viscous)
         return cls(basis, linearised, rate, bent, turning, 0.5 * (damping + damping.T))
 
     @property
@@ -155,7 +155,7 @@ class QuadraticModel:
 def _strain_rates(operators: PointOperators, basis: MotionBasis, velocity: Floats) -> tuple[Floats, Floats]:
     """Return ``A (l, c)`` and ``H (l, c, l)`` of velocities ``(6 n, c)``."""
     stresses = operators.stresses(basis.strain)
-    rate = np.einsum("lgi,cgi->lc", stresses, operators.rates(velocity))
+    rate = products(stresses, operators.rates(velocity))
     bent = (
         np.stack(
             [

@@ -111,6 +111,16 @@ class ReducedModel:
         found = q1 @ self.basis.velocity.T
         return np.asarray(found.reshape(*q1.shape[:-1], self.problem.size, 6))
 
+    def root_twists(self, q1: Floats) -> Floats:
+        """Return the body twists of the roots ``(s, roots, 6)`` of velocities ``(s, k)``."""
+        return np.asarray(np.moveaxis(self._root_velocity @ q1.T, 2, 0))
+
+    @cached_property
+    def _root_velocity(self) -> Floats:
+        nodes = [root.node for root in self.shape.roots]
+        found: Floats = self.basis.velocity.reshape(self.problem.size, 6, -1)[nodes]
+        return found
+
     def strains(self, q2: Floats) -> Floats:
         """Return strains at the Gauss points ``(..., m, 6)``."""
         return np.asarray(np.tensordot(q2, self.basis.strain, 1))

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import scipy.linalg
 
-from viscorod.mechanics.elements.poses_from_strains import rotated
 from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.reduced.reduced_loads import ReducedLoads
 from viscorod.solve.reduced.reduced_model import ReducedModel
+from viscorod.solve.reduced.root_poses import stage_poses, unit
+from viscorod.solve.reduced.sizes import distance, largest
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.contract import Inside, StepReport
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
@@ -192,7 +193,7 @@ class ReducedMotion:
         self._loads = self._stage_forces(h, times, left, stage, posed=True) if posed else forces
         self._end, self._left = end, before
         self._reached = stage[-1] if self._last else 2.0 * stage[0] - y
-        self._root_reached = self._end_roots()
+        self._root_reached = unit(self._roots[-1] if self._last else 2.0 * self._roots[0] - self._root)
         self._state_reached = self._state(self._reached, self._root_reached)
         report = StepReport(Outcome.CONVERGED, iterations, correction / size, 0.0, 0)
         if self.tolerance is None:
@@ -222,18 +223,18 @@ class ReducedMotion:
 
     def _compare(self) -> None:
         """Let the motion in fewer modes take the same step, in parts if need be."""
-        self.moved = np.maximum(self.moved, _distance(self.state, self._start_r, self._start_q))
+        self.moved = np.maximum(self.moved, distance(self.state, self._start_r, self._start_q))
         self.open = max(self.open, self._gap)
         if self.fewer is None:
             return
         forces = self._section_forces()
-        self.loaded = np.maximum(self.loaded, _sizes(forces))
+        self.loaded = np.maximum(self.loaded, largest(forces))
         if not self.fewer.follow(self.t, before=self._left):
             self.apart = np.full(2, np.inf)
             self.fewer = None
             return
-        self.apart = np.maximum(self.apart, _distance(self.state, self.fewer.state.r, self.fewer.state.q))
-        self.forces_apart = np.maximum(self.forces_apart, _sizes(forces - self.fewer._section_forces()))
+        self.apart = np.maximum(self.apart, distance(self.state, self.fewer.state.r, self.fewer.state.q))
+        self.forces_apart = np.maximum(self.forces_apart, largest(forces - self.fewer._section_forces()))
 
     def _section_forces(self) -> Floats:
         return self.model.sections(self._y, self._rate)[2]
@@ -266,9 +267,8 @@ class ReducedMotion:
         rate = (first + s * (2.0 * b + s * 3.0 * c)) / h
         weights = self.tableau.polynomials(parts)
         roots = self._root_before + np.tensordot(weights, self._roots - self._root_before, 1)
-        roots[..., 3:] /= np.linalg.norm(roots[..., 3:], axis=-1, keepdims=True)
         found = []
-        for k, state in enumerate(self._states(y, roots)):
+        for k, state in enumerate(self._states(y, unit(roots))):
             t = self.t - (1.0 - float(parts[k])) * h
             _, external, _ = self._forces(t, state, before=False)
             found.append(Snapshots.of(model.snapshot(state, y[k], rate[k], external)))
@@ -335,6 +335,11 @@ class ReducedMotion:
             out[2 * m + 1], out[2 * m + 2] = solution.real, solution.imag
         return np.asarray(self.tableau.to_stages @ out)
 
+    def _stage_roots(self, h: float, stage: Floats) -> Floats:
+        """Return the poses of the roots at all stages ``(s, roots, 7)``."""
+        twists = self.model.root_twists(stage[:, : self._velocities])
+        return stage_poses(self.model.shape.roots, self._root, twists, h * self.tableau.matrix)
+
     def _states(self, y: Floats, roots: Floats) -> list[State]:
         """Return the nodal states of unknowns ``(s, k + l)`` and poses of roots ``(s, roots, 7)``."""
         k = self._velocities
@@ -375,55 +380,6 @@ class ReducedMotion:
         for column, state in enumerate(self._states(varied, roots), first):
             J[:k, column] += (self._forces(self.t, state, before=False)[0] - base) / delta
         return J
-
-    # --- roots, which turn and travel where nothing clamps them
-
-    def _stage_roots(self, h: float, stage: Floats) -> Floats:
-        """Return the poses of the roots at all stages ``(s, roots, 7)``."""
-        s, out = len(stage), np.broadcast_to(self._root, (len(stage), *self._root.shape)).copy()
-        A = h * self.tableau.matrix
-        for k, root in enumerate(self.model.shape.roots):
-            if root.held:
-                continue
-            twist = (
-                stage[:, : self._velocities] @ self.model.basis.velocity[6 * root.node : 6 * root.node + 6].T
-            )
-            turning = np.array([_turning(w) for w in twist[:, 3:]])
-            matrix = np.eye(4 * s) - np.einsum("ij,jab->iajb", A, turning).reshape(4 * s, 4 * s)
-            start = np.tile(self._root[k, 3:], s)
-            q = np.linalg.solve(matrix, start).reshape(s, 4)
-            out[:, k, 3:] = q
-            if not root.pinned:
-                out[:, k, :3] += A @ _rotated(q, twist[:, :3])
-        return out
-
-    def _end_roots(self) -> Floats:
-        """Return the poses of the roots at the end of the step from those at its stages."""
-        end: Floats = self._roots[-1].copy() if self._last else 2.0 * self._roots[0] - self._root
-        end[:, 3:] /= np.linalg.norm(end[:, 3:], axis=1, keepdims=True)
-        return end
-
-
-def _turning(w: Floats) -> Floats:
-    """Return the matrix of ``q -> q (0, w)/2 (4, 4)``."""
-    x, y, z = 0.5 * w
-    return np.array([[0, -x, -y, -z], [x, 0, z, -y], [y, -z, 0, x], [z, y, -x, 0]])
-
-
-def _rotated(q: Floats, a: Floats) -> Floats:
-    return rotated(q / np.linalg.norm(q, axis=-1, keepdims=True), a)
-
-
-def _sizes(section_force: Floats) -> Floats:
-    """Return the largest force and moment ``(2,)``."""
-    return np.asarray(np.linalg.norm(section_force.reshape(-1, 2, 3), axis=2).max(axis=0))
-
-
-def _distance(state: State, r: Floats, q: Floats) -> Floats:
-    """Return the largest displacement [m] and rotation [rad] of a node from other poses ``(2,)``."""
-    far = np.linalg.norm(state.r - r, axis=1).max()
-    chord = np.minimum(np.square(state.q - q).sum(axis=1), np.square(state.q + q).sum(axis=1))
-    return np.array([far, 4.0 * np.arcsin(min(0.5 * np.sqrt(chord.max()), 1.0))])
 
 
 def reduced_radau(
